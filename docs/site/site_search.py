@@ -22,7 +22,7 @@ _HEADING = re.compile(r"<(summary|h[2-4])[^>]*>(.*?)</\1>", re.DOTALL)
 _SMALL = re.compile(r"<small>.*?</small>", re.DOTALL)
 _TAG = re.compile(r"<[^>]+>")
 #: A fold with links to errata inside a section. The text after it still belongs to the section.
-_ERRATA_FOLD = re.compile(r"[⚠✓] \d+ .*errata$")
+_ERRATA_FOLD = re.compile(r"Errata: [⚠✓] \d+ ")
 #: Pages about the project rather than about encoders.
 _OF_PROJECT = re.compile(
     r"(CHANGELOG|CONTRIBUTING|SECURITY|README|api/|examples/|docs/(extend|trust|transcribe)/|docs/example/|.*-changes$)"

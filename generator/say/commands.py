@@ -35,47 +35,48 @@ from .names_and_places import register_reference as reference_to_register
 from .text import CodeText, Reference, Statement, TextPart, as_sentence, list_parts, spec_text, statement, time_text
 
 
-def describe_procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
-    """Yield all statements about a procedure that follow its title, without arguments and steps."""
-    yield from about_procedure(sequence)
-    yield from spec_text(sequence.note)
-    yield from map(describe_erratum, errata(device, f"procedures.{sequence.name}"))
+def describe_procedure(device: Device, procedure: Procedure) -> Iterator[Statement]:
+    """Yield all statements about a procedure except its title, its arguments and its steps."""
+    yield from about_procedure(procedure)
+    yield from spec_text(procedure.note)
+    yield from map(describe_erratum, errata(device, f"procedures.{procedure.name}"))
 
 
-def about_procedure(sequence: Procedure) -> Iterator[Statement]:
-    """Yield the preconditions and the result of a procedure."""
-    yield from spec_text(sequence.precondition, label="Precondition")
-    yield from spec_text(sequence.result, label="Result")
+def about_procedure(procedure: Procedure) -> Iterator[Statement]:
+    """Yield the precondition and the result of a procedure, if the spec states them."""
+    yield from spec_text(procedure.precondition, label="Precondition")
+    yield from spec_text(procedure.result, label="Result")
 
 
-def describe_argument(device: Device, parameter: Argument) -> Statement:
-    """Return the meaning of an argument, the register to which it is written, and which of its meanings applies."""
-    sentence_parts: list[TextPart] = [
-        f"{as_sentence(parameter.meaning)} Written to " if parameter.meaning else "Written to "
-    ]
-    sentence_parts.append(reference_to_register(device, parameter.of))
-    if parameter.meant_as:
-        sentence_parts += [" as its ", CodeText(parameter.meant_as)]
+def describe_argument(device: Device, argument: Argument) -> Statement:
+    """Return the meaning of an argument of a procedure and the register that it is written to.
+
+    If that register has several meanings, the statement also names the one that the argument has.
+    """
+    meaning_sentence = f"{as_sentence(argument.meaning)} " if argument.meaning else ""
+    sentence_parts: list[TextPart] = [f"{meaning_sentence}It is written to "]
+    sentence_parts.append(reference_to_register(device, argument.of))
+    if argument.meant_as:
+        sentence_parts += [" as its ", CodeText(argument.meant_as)]
     return statement(*sentence_parts)
 
 
-def describe_step(device: Device, procedure_step: Step) -> Statement:
-    """Return a step as an instruction, such as ``Wait at least 20 ms`` or ``Write save to command, address 77h``."""
-    match procedure_step:
+def describe_step(device: Device, step: Step) -> Statement:
+    """Return a step as an instruction, such as ``Wait at least 20 ms`` or ``Write save to command, register 77h``."""
+    match step:
         case WaitStep():
-            return statement(f"Wait at least {time_text(procedure_step.microseconds)}")
+            return statement(f"Wait at least {time_text(step.microseconds)}")
         case SendStep():
-            request_bytes = CodeText(procedure_step.request.hex(" ").upper())
-            repetition = _repetition_text(procedure_step)
-            return statement("Send the request ", CodeText(procedure_step.data_id), f"{repetition}: ", request_bytes)
+            request_bytes = CodeText(step.request.hex(" ").upper())
+            return statement("Send the request ", CodeText(step.data_id), f"{_repetition_text(step)}: ", request_bytes)
         case _:
-            return statement(*_register_access(device, procedure_step))
+            return statement(*_register_access(device, step))
 
 
 def _repetition_text(send_step: SendStep) -> str:
-    """Return how many times a request is sent and at what interval: `` 10 times, at least 40 µs apart``.
+    """Return how many times a step sends its request and at what interval: `` 10 times, at least 40 µs apart``.
 
-    The text is empty for a request that is sent once.
+    The text is empty if the request is sent only once.
     """
     if send_step.times <= 1:
         return ""
@@ -88,21 +89,24 @@ def _repetition_text(send_step: SendStep) -> str:
 
 
 def read_back(device: Device, register: Register, field: str) -> Statement:
-    """Return the read-back check that generated code makes before a written value takes effect."""
+    """Return the instruction to check a written value by reading it back, which generated code does before using it.
+
+    An empty ``field`` means the whole register.
+    """
     register_or_field = _register_or_field(device, register.name, field)
     return statement(
         "Read back ", register_or_field, f", {register_at(register)}, and stop unless it holds the written value"
     )
 
 
-def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[TextPart]:
-    """Yield the parts of the instruction to read, poll or write a register or a field of it.
+def _register_access(device: Device, step: RegisterStep) -> Iterator[TextPart]:
+    """Yield the parts of the instruction to read, poll or write a register, or one of its fields.
 
-    Only a fixed value of a whole register is also shown as bytes.
+    If the step writes a fixed value to a whole register, the instruction ends with the bytes to write.
     """
-    register = device.register(procedure_step.register)
+    register = device.register(step.register)
     address_text = f", {register_at(register)}"
-    match procedure_step:
+    match step:
         case ReadStep(field=field):
             yield from ("Read ", _register_or_field(device, register.name, field), address_text)
         case PollStep(field=field, value=value):
@@ -121,7 +125,7 @@ def _register_access(device: Device, procedure_step: RegisterStep) -> Iterator[T
             yield from (_register_or_field(device, register.name, field), address_text)
             yield ", leaving the register's other fields unchanged"
         case _:
-            assert_never(procedure_step)
+            assert_never(step)
 
 
 def _value_or_argument(name: str, value: int | None) -> tuple[TextPart, ...]:
@@ -134,23 +138,24 @@ def _register_or_field(device: Device, register: str, field: str) -> TextPart:
     return register_field(device, f"{register}.{field}" if field else register)
 
 
-#: Words of manuals for changing the position, in names and texts.
+#: Words that manuals use for a change of the position, in names and in texts.
 _PRESET_WORDS = re.compile(
     r"(?i)preset|pres(?:\b|_)|zero|offset|origin|datum|home|referenc|position to 0|set[ _-]?(?:the )?position"
 )
-#: Words of manuals for keeping settings when the power is off. A request that writes a byte of a memory saves nothing.
+#: Words that manuals use for keeping settings when the power is off. A request that writes a byte of memory does not
+#: match.
 _SAVE_WORDS = re.compile(r"(?i)\bsav(?:e|ing)|_save|stor(?:e|ing)|permanent|programming")
 _SAVE_TO = re.compile(rf"{_SAVE_WORDS.pattern}|eeprom|flash|non-?volatile")
-#: Purposes of requests that change nothing.
+#: Purposes of the requests that only read.
 _READING_PURPOSES = frozenset(("position", "read", "capture"))
 
 
 @dataclass(frozen=True, slots=True)
 class Commands:
-    """Possible commands, presets, resets and saves over one interface, and the hardware inputs.
+    """Everything that may be a command, preset, reset or save over one interface or at a hardware input.
 
-    ``registers`` hold commands, which are their named values. ``settings`` are all other registers that can be written.
-    ``has_control_data`` is true if frames carry commands of the protocol.
+    ``registers`` are the registers whose named values are commands, and ``settings`` all other writable registers.
+    ``has_control_data`` is True if the frames of the protocol carry commands.
     """
 
     procedures: tuple[Procedure, ...]
@@ -162,20 +167,20 @@ class Commands:
 
     @property
     def is_empty(self) -> bool:
-        """True if nothing in the model contradicts that there is no command, preset, reset or save."""
+        """True if the spec describes nothing that may be a command, preset, reset or save."""
         lists = (self.procedures, self.registers, self.settings, self.requests, self.inputs)
         return not any(lists) and not self.has_control_data
 
     @property
     def may_preset(self) -> bool:
-        """True if something, other than a reset, may change the position."""
+        """True if anything other than a reset may change the position."""
         if self.settings or self.inputs:
             return True
         return any(_PRESET_WORDS.search(text) for text in (*self._texts_on_commands(), *self._request_texts()))
 
     @property
     def may_save(self) -> bool:
-        """True if something may save settings."""
+        """True if anything may save settings."""
         if self.settings or any(_SAVE_TO.search(text) for text in self._texts_on_commands()):
             return True
         return any(_SAVE_WORDS.search(text) for text in self._request_texts())
@@ -186,22 +191,23 @@ class Commands:
         return tuple(request for request in self.requests if isinstance(request, DataId) and request.purpose == "reset")
 
     def _texts_on_commands(self) -> Iterator[str]:
-        """Yield the names and texts of procedures, registers and inputs, without procedures that only send resets."""
-        resets = {request.name for request in self.resets}
+        """Yield the names and texts of registers, inputs, and procedures that do more than send resets."""
+        reset_names = {request.name for request in self.resets}
         for procedure in self.procedures:
             requests_sent = {step.data_id for step in procedure.steps if isinstance(step, SendStep)}
-            only_sends_resets = bool(requests_sent) and requests_sent <= resets
+            only_sends_resets = bool(requests_sent) and requests_sent <= reset_names
             if not only_sends_resets:
                 yield from (procedure.name, procedure.title, procedure.result, procedure.note)
         for register in (*self.registers, *self.settings):
             yield from (register.name, register.printed_name, register.meaning, register.note)
             for value in _named_values(register):
                 yield from (value.name, value.printed_name, value.meaning)
-        for pin in self.inputs:
-            yield from (pin.name, pin.printed_name, pin.meaning, pin.low, pin.high, pin.note)
+        for hardware_input in self.inputs:
+            yield from (hardware_input.name, hardware_input.printed_name, hardware_input.meaning)
+            yield from (hardware_input.low, hardware_input.high, hardware_input.note)
 
     def _request_texts(self) -> Iterator[str]:
-        """Yield the names and meanings of T-format requests except resets, and the frames of other requests."""
+        """Yield the names and meanings of T-format requests except resets, and the frame names of other requests."""
         for request in self.requests:
             if not isinstance(request, DataId):
                 yield request.request
@@ -212,18 +218,18 @@ class Commands:
 def commands_over(device: Device, interface: Interface) -> Commands:
     """Return everything with which a user can change something over an interface or at an input.
 
-    These are procedures that write or send something, writable registers, requests that do not only read, inputs, and
-    commands of the protocol. The register that selects a bank is left out.
+    These are procedures that write or send something, writable registers, requests that change something, inputs, and
+    commands of the protocol. The register that selects the bank is omitted.
     """
-    # A register that opens another one for writing counts as a setting, even if its values look like commands.
-    openers = {register.opened_by for register in device.registers}
+    # A register that opens another register for writing counts as a setting, even if its values look like commands.
+    opening_registers = {register.opened_by for register in device.registers}
     bank_select = interface.bank_select if isinstance(interface, Biss) else None
     command_registers: list[Register] = []
     settings: list[Register] = []
     for register in device.registers_over(interface.name):
         if not register.writable:
             continue
-        if holds_commands(register) and register.name not in openers:
+        if holds_commands(register) and register.name not in opening_registers:
             command_registers.append(register)
         elif register.name != bank_select:
             settings.append(register)
@@ -241,13 +247,16 @@ def commands_over(device: Device, interface: Interface) -> Commands:
 
 
 def holds_commands(register: Register) -> bool:
-    """Return whether the named values of a register are commands: values that are written once, unlike settings."""
+    """Return whether the named values of a register are commands.
+
+    Unlike a setting, a command is written once: the register cannot be read, or it returns to its default by itself.
+    """
     is_written_once = not register.readable or register.clears_itself
     return register.writable and is_written_once and bool(_named_values(register))
 
 
 def _named_values(register: Register) -> tuple[Value, ...]:
-    """Return the named values of all fields."""
+    """Return the named values of all fields of a register."""
     return tuple(value for field in register.layout.fields for value in field.values)
 
 
@@ -264,19 +273,22 @@ def _requests_of_interface(interface: Interface) -> Iterator[DataId | Exchange]:
         yield from interface.exchanges
 
 
-def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
-    """Yield the remedy ``text`` with references to manual steps, of which ``names`` are the names."""
-    if not names:
-        yield from spec_text(text, label="Remedy")
+def describe_remedy(remedy: str, procedure_names: Sequence[str]) -> Iterator[Statement]:
+    """Yield the remedy for a problem, followed by references to the manual procedures with these names.
+
+    Nothing is yielded if the remedy is empty and there are no procedures.
+    """
+    if not procedure_names:
+        yield from spec_text(remedy, label="Remedy")
         return
-    steps = list_parts([Reference("by-hand", name, heading(name)) for name in names], " or ")
-    introduction = f"{as_sentence(text)} Steps: " if text else "Steps: "
-    yield statement(introduction, *steps, label="Remedy")
+    references = list_parts([Reference("by-hand", name, heading(name)) for name in procedure_names], " or ")
+    introduction = f"{as_sentence(remedy)} Steps: " if remedy else "Steps: "
+    yield statement(introduction, *references, label="Remedy")
 
 
-def with_steps(text: str, names: Sequence[str]) -> str:
-    """Return the remedy as plain text with the titles of its manual steps, which the hardware page describes."""
-    if not names:
-        return text
-    titles = " or ".join(map(heading, names))
-    return f"{as_sentence(text)} Steps on the hardware page: {titles}".strip()
+def remedy_with_procedures(remedy: str, procedure_names: Sequence[str]) -> str:
+    """Return a remedy as plain text, with the titles of the manual procedures that the hardware page describes."""
+    if not procedure_names:
+        return remedy
+    titles = " or ".join(map(heading, procedure_names))
+    return f"{as_sentence(remedy)} Steps on the hardware page: {titles}".strip()

@@ -1,4 +1,4 @@
-"""Statements about errata of a manual, and about questions that it leaves open."""
+"""Statements about the errata of a manual, and about the questions that it leaves open."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ _TOP_LEVEL_PARTS = {
     "tables": "the tables",
     "alarms": "the alarms",
 }
-#: Keys inside a part, with the words that precede the part.
-_WORDS_BEFORE_KEYS = {
+#: Phrase for each key inside a part of a spec. ``{}`` represents the part.
+_PHRASES_FOR_KEYS = {
     "note": "the note on {}",
     "meaning": "the meaning of {}",
     "default": "the default of {}",
@@ -37,7 +37,7 @@ _WORDS_BEFORE_KEYS = {
     "open": "unlisted values of {}",
     "open_only_with": "the values that may accompany unlisted values of {}",
 }
-#: Lists of named items, with the word for one item.
+#: Words for one item of each list whose items have names.
 _WORDS_FOR_LIST_ITEMS = {
     "registers": "register",
     "fields": "field",
@@ -61,8 +61,8 @@ _WORDS_FOR_LIST_ITEMS = {
     "alternatives": "alternative",
     "documents": "document",
 }
-#: Words for keys whose parts are abbreviations or one word in the spec.
-_WORDS_OF_STEPS = {
+#: Words for keys that are abbreviations, or that need more than a space in place of each underscore.
+_WORDS_FOR_KEYS = {
     "data_ids": "data IDs",
     "measurement": "unit of the position",
     "profile_id": "profile ID",
@@ -76,90 +76,94 @@ _MORE_ITEMS = re.compile(r" and ([0-9]+ more)$")
 
 
 def paths_in_words(paths: str) -> str:
-    """Return paths such as ``registers.bank.default, supply and 2 more`` in words.
+    """Return a list of paths in a spec as words.
 
-    The result is ``the default of the register bank, the supply and 2 more``.
+    ``registers.bank.default, supply and 2 more`` becomes ``the default of the register bank, the supply and 2 more``.
     """
-    number_of_more = _MORE_ITEMS.search(paths)
+    unlisted_paths = _MORE_ITEMS.search(paths)
     listed_paths = _MORE_ITEMS.sub("", paths).split(", ")
     phrases = [_path_in_words(listed_path.split(".")) for listed_path in listed_paths]
-    if number_of_more is not None:
-        phrases.append(number_of_more[1])
+    if unlisted_paths is not None:
+        number_of_more_paths = unlisted_paths[1]
+        phrases.append(number_of_more_paths)
     return "".join(map(str, list_parts(phrases)))
 
 
 def change_in_words(printed: str) -> str:
-    """Return a part and its value in words: ``bank.default: 50`` becomes ``the default of the register bank: 50``.
+    """Return a part of a spec and its value in words: ``bank.default: 50`` as ``the default of the register bank: 50``.
 
-    Text that does not begin with paths is unchanged.
+    Text that does not begin with one or more paths is returned unchanged.
     """
-    paths, colon, new_value = printed.partition(": ")
-    # A number such as [1] becomes a step.
-    numbered_paths = _INDEX_IN_LIST.sub(r".\1", paths)
-    are_paths = all(map(_PATH_PATTERN.fullmatch, _MORE_ITEMS.sub("", numbered_paths).split(", ")))
-    return f"{paths_in_words(numbered_paths)}{colon}{new_value}" if are_paths else printed
+    paths, colon, value = printed.partition(": ")
+    # A number such as [1] becomes a key of the path.
+    paths_with_indices = _INDEX_IN_LIST.sub(r".\1", paths)
+    listed_paths = _MORE_ITEMS.sub("", paths_with_indices).split(", ")
+    are_paths = all(map(_PATH_PATTERN.fullmatch, listed_paths))
+    return f"{paths_in_words(paths_with_indices)}{colon}{value}" if are_paths else printed
 
 
-def _beginning_in_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
-    """Return the words for the first steps of a path that are described together, and the other steps.
+def _beginning_in_words(keys: Sequence[str]) -> tuple[str, Sequence[str]]:
+    """Return the words for those first keys of a path that need a phrase of their own, and the remaining keys.
 
-    ``["bank", "default"]`` becomes ``("the register bank", ["default"])``. If no steps are described together, the
-    words are empty and all steps are left.
+    ``["bank", "default"]`` becomes ``("the register bank", ["default"])``. If no keys need such a phrase, the words are
+    empty, and all keys remain.
     """
-    match steps:
+    match keys:
         # order_code.parts.output.values.B
-        case ["order_code", "parts", part, "values", value, *other_steps]:
-            return f"order codes with {part} {value}", other_steps
+        case ["order_code", "parts", part, "values", value, *remaining_keys]:
+            return f"order codes with {part} {value}", remaining_keys
         # order_code.parts.output.open
-        case ["order_code", "parts", part, key, *other_steps]:
-            return f"the order code part {part}", [key, *other_steps]
+        case ["order_code", "parts", part, key, *remaining_keys]:
+            return f"the order code part {part}", [key, *remaining_keys]
         # order_code.also_written.1.values.output
-        case ["order_code", "also_written", number, "values", part, *other_steps]:
-            return f"the values of {part} in spelling {number} on labels", other_steps
-    is_register = steps[0] not in (*_WORDS_FOR_LIST_ITEMS, *_TOP_LEVEL_PARTS, "interfaces", "order_code")
+        case ["order_code", "also_written", number, "values", part, *remaining_keys]:
+            return f"the values of {part} in spelling {number} on labels", remaining_keys
+    is_register = keys[0] not in (*_WORDS_FOR_LIST_ITEMS, *_TOP_LEVEL_PARTS, "interfaces", "order_code")
     if is_register:
         # Paths of registers may leave out the name of their list.
-        return f"the register {steps[0]}", steps[1:]
-    return "", steps
+        return f"the register {keys[0]}", keys[1:]
+    return "", keys
 
 
-def _path_in_words(steps: Sequence[str]) -> str:
-    """Return one path in words, such as ``the note on the field status of the register command``.
+def _path_in_words(keys: Sequence[str]) -> str:
+    """Return the keys of one path in words, such as ``the note on the field status of the register command``.
 
-    The words begin with the outermost step, and each further step is added before or around them. A step without words
-    is kept.
+    The words begin with the outermost key, and each further key is added before or around them. Underscores in a key
+    without a phrase of its own become spaces.
     """
-    if len(steps) == 1 and steps[0] in _TOP_LEVEL_PARTS:
-        return _TOP_LEVEL_PARTS[steps[0]]
-    words, remaining_steps = _beginning_in_words(steps)
+    if len(keys) == 1 and keys[0] in _TOP_LEVEL_PARTS:
+        return _TOP_LEVEL_PARTS[keys[0]]
+    words, remaining_keys = _beginning_in_words(keys)
     # registers.command.fields.status.note: "the register command", "the field status of …", "the note on the field …".
-    while remaining_steps:
-        match remaining_steps:
-            case ["interfaces", name, *later_steps]:
+    while remaining_keys:
+        match remaining_keys:
+            case ["interfaces", name, *later_keys]:
                 words = INTERFACES[name].title if name in INTERFACES else name
-            case ["order_code", *later_steps]:
+            case ["order_code", *later_keys]:
                 words = "the order code"
-            case [list_name, name, *later_steps] if list_name in _WORDS_FOR_LIST_ITEMS:
+            case [list_name, name, *later_keys] if list_name in _WORDS_FOR_LIST_ITEMS:
                 words = _of_owner(f"the {_WORDS_FOR_LIST_ITEMS[list_name]} {name}", words)
-            case [key] if key in _WORDS_BEFORE_KEYS:
-                words = _WORDS_BEFORE_KEYS[key].format(words)
-                later_steps = []
-            case [row, *later_steps] if row.isdecimal():
+            case [key] if key in _PHRASES_FOR_KEYS:
+                words = _PHRASES_FOR_KEYS[key].format(words)
+                later_keys = []
+            case [row, *later_keys] if row.isdecimal():
                 words = _of_owner(f"row {row}", words)
-            case [step, *later_steps]:
-                words = _of_owner(f"the {_WORDS_OF_STEPS.get(step, step.replace('_', ' '))}", words)
-        remaining_steps = later_steps
+            case [key, *later_keys]:
+                words = _of_owner(f"the {_WORDS_FOR_KEYS.get(key, key.replace('_', ' '))}", words)
+        remaining_keys = later_keys
     return words
 
 
 def _of_owner(part: str, owner: str) -> str:
-    """Return a part with what it belongs to, such as ``the field status of the register command``.
+    """Return a part with its owner, such as ``the field status of the register command``.
 
-    The owner is omitted if the part is named after it, as in ``the SSI word``.
+    The owner is omitted if it is empty, or if the part already contains its name, as in ``the SSI word``.
     """
     return f"{part} of {owner}" if owner and owner not in part.split() else part
 
 
+#: Words for the status of an erratum. The manual's own evidence or arithmetic resolves a settled erratum.
+STATUS_IN_WORDS = {"open": "open", "settled": "resolved"}
 #: Longest reason, in characters, that is shown next to code. Errata with wrong data always show their reason.
 _LONGEST_INLINE_REASON = 100
 
@@ -167,10 +171,10 @@ _LONGEST_INLINE_REASON = 100
 def errata(
     device: Device, *paths: str, without: Collection[str] = (), exactly: Collection[str] = (), wording: bool = False
 ) -> tuple[Erratum, ...]:
-    """Return the errata about the parts ``paths`` of the spec or anything inside them, except the parts ``without``.
+    """Return the errata that affect the parts of the spec at these paths, or anything inside these parts.
 
-    Errata about a part in ``exactly`` as a whole are included even if it is in ``without``. Errata about wording are
-    included only on request, for pages that show the text of a manual.
+    Errata about the parts ``without`` are omitted, unless they affect a part in ``exactly`` as a whole. Errata about
+    the wording of the manual are included only if ``wording`` is True, for pages that show the manual's text.
     """
 
     def is_about(affected_path: str) -> bool:
@@ -178,8 +182,8 @@ def errata(
             return True
         return _is_within(affected_path, paths) and not _is_within(affected_path, without)
 
-    candidates = [correction for correction in device.errata if wording or correction.severity != "wording"]
-    return tuple(correction for correction in candidates if any(map(is_about, correction.affects)))
+    candidates = [erratum for erratum in device.errata if wording or erratum.severity != "wording"]
+    return tuple(erratum for erratum in candidates if any(map(is_about, erratum.affects)))
 
 
 def _is_within(path: str, parts: Collection[str]) -> bool:
@@ -187,37 +191,36 @@ def _is_within(path: str, parts: Collection[str]) -> bool:
     return path in parts or path.startswith(tuple(f"{part}." for part in parts))
 
 
-def describe_erratum(correction: Erratum, *, whole: bool = False) -> Statement:
+def describe_erratum(erratum: Erratum, *, whole: bool = False) -> Statement:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
-    The reason is omitted if it is longer than ``_LONGEST_INLINE_REASON``, unless ``whole`` is set or wrong bytes could
-    be sent. A change by an overlay or another edition is always given with its reason. ``brief`` is the form in one
-    line. It contains the first sentence on the value used, and all sentences if wrong bytes could be sent and the
-    erratum is open.
+    A long reason is omitted unless ``whole`` is True or wrong bytes could be sent. A change by an overlay or in another
+    edition always has its reason. The field ``brief`` of the statement is the form on one line. It has only the first
+    sentence on the value used, but all sentences if the erratum is open and wrong bytes could be sent.
     """
-    if correction.overlay or correction.edition:
-        return _change_statement(correction)
-    may_send_wrong_bytes = correction.severity == "wrong_data"
-    shows_reason = whole or may_send_wrong_bytes or len(correction.why) <= _LONGEST_INLINE_REASON
-    used = as_sentence(correction.used)
-    if correction.only:
-        used += " " + as_sentence(f"Only with {correction.only}")
-    label = f"Erratum: {correction.title} ({correction.status})"
-    brief_needs_all = may_send_wrong_bytes and correction.status == "open"
+    if erratum.overlay or erratum.edition:
+        return _change_statement(erratum)
+    may_send_wrong_bytes = erratum.severity == "wrong_data"
+    shows_reason = whole or may_send_wrong_bytes or len(erratum.why) <= _LONGEST_INLINE_REASON
+    used = as_sentence(erratum.used)
+    if erratum.only:
+        used += " " + as_sentence(f"This applies only to {erratum.only}")
+    label = f"Erratum: {erratum.title} ({STATUS_IN_WORDS[erratum.status]})"
+    brief_needs_all = may_send_wrong_bytes and erratum.status == "open"
     used_in_brief = used if brief_needs_all else _first_sentence(used)
-    labelled_texts = [("Printed", correction.printed), ("Used", used)]
+    labelled_texts = [("Printed", erratum.printed), ("Used", used)]
     if shows_reason:
-        labelled_texts.append(("Why", correction.why))
+        labelled_texts.append(("Why", erratum.why))
     return Statement(
         parts=(),
         label=label,
-        source=correction.source,
+        source=erratum.source,
         brief=f"{label}. Used: {used_in_brief}",
         below=tuple(_labelled_statements(labelled_texts)),
     )
 
 
-#: The end of a sentence that another one follows. Numbers of sections and abbreviations do not end a sentence.
+#: The space between two sentences. The period of a section number or an abbreviation does not end a sentence.
 _SENTENCE_END = re.compile(r"(?<=[a-z0-9)°%][.]) (?=[A-Z0-9])")
 
 
@@ -226,43 +229,46 @@ def _first_sentence(text: str) -> str:
 
 
 def _labelled_statements(labelled_texts: Iterable[tuple[str, str]]) -> Iterator[Statement]:
-    """Yield a statement for each pair of a label and a text, without those whose text is empty."""
+    """Yield a statement for each pair of a label and a text, except pairs with an empty text."""
     for label, text in labelled_texts:
         if text:
             yield statement(text, label=label)
 
 
-def _change_statement(correction: Erratum) -> Statement:
-    """Return a change by an overlay, by another edition, or by the editions before one, with its reason below it."""
-    # The code is correct for an edition, and the header of a file says where the differences are.
-    brief = "" if correction.edition else None
+def _change_statement(erratum: Erratum) -> Statement:
+    """Return a change by an overlay or in another edition, with the changed content and the reason on lines below.
+
+    A change in another edition has an empty brief form: generated code is correct for the edition, and the header of
+    each file says where the differences are.
+    """
+    brief = "" if erratum.edition else None
     return Statement(
         parts=(),
-        label=layer_in_words(correction.overlay, correction.edition),
-        source=correction.source,
+        label=layer_in_words(erratum.overlay, erratum.edition),
+        source=erratum.source,
         brief=brief,
-        below=tuple(_labelled_statements([*changed(correction), ("Why", correction.why)])),
+        below=tuple(_labelled_statements([*changed(erratum), ("Why", erratum.why)])),
     )
 
 
-def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
-    """Yield a change by an overlay or another edition as labelled texts: the part, and its changed content.
+def changed(erratum: Erratum) -> Iterator[tuple[str, str]]:
+    """Yield the content before and after a change by an overlay or in another edition, each with a label.
 
     For example ``("In the spec", "the default of register bank: 50")`` and ``("With the overlay", "20")``. A part that
-    is removed or not known has only one text. A changed note is labelled as the text that replaces it.
+    the edition does not have, or whose content there is not known, has a single text.
     """
-    change = change_in_words(correction.printed)
-    if correction.used == NOT_KNOWN:
+    change = change_in_words(erratum.printed)
+    if erratum.used == NOT_KNOWN:
         yield "Not known", change
-    elif correction.used == LEFT_OUT and correction.edition:
+    elif erratum.used == LEFT_OUT and erratum.edition:
         yield "Not present", change
-    elif correction.printed.endswith(".note") and correction.edition:
+    elif erratum.printed.endswith(".note") and erratum.edition:
         yield "Instead of", change
-        yield "Text", f"{correction.used}"
+        yield "Text", f"{erratum.used}"
     else:
         yield "In the spec", change
-        label_of_used = "In that edition" if correction.edition else "With the overlay"
-        yield label_of_used, f"{correction.used}"
+        label_of_used = "In that edition" if erratum.edition else "With the overlay"
+        yield label_of_used, f"{erratum.used}"
 
 
 #: Result of following the manual literally, by the severity of an erratum.
@@ -280,32 +286,32 @@ def consequence(severity: str) -> str:
 
 
 def describe_question(alternative: Alternative) -> Statement:
-    """Return the question."""
+    """Return a question that the manual leaves open."""
     return statement(alternative.meaning, source=alternative.source)
 
 
-def describe_answer(choice: Answer) -> Statement:
-    """Return one answer, preceded by its name."""
-    return statement(CodeText(choice.name), f": {choice.meaning}", source=choice.source)
+def describe_answer(answer: Answer) -> Statement:
+    """Return one answer to a question that the manual leaves open, preceded by the name of the answer."""
+    return statement(CodeText(answer.name), f": {answer.meaning}", source=answer.source)
 
 
 def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
-    """Yield a statement for each choice that is needed to read or write a frame of this layout, with its answers."""
+    """Yield a statement for each question whose answer decides the positions of the fields, with its answers."""
     for alternative in device.alternatives_of(layout):
-        answers = list_parts([CodeText(choice.name) for choice in alternative.answers], " or ")
-        choice = Reference("alternative", alternative.name, alternative.name)
-        yield statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
+        answer_parts = list_parts([CodeText(answer.name) for answer in alternative.answers], " or ")
+        question = Reference("alternative", alternative.name, alternative.name)
+        yield statement("The positions of its fields depend on your choice of ", question, ": ", *answer_parts)
 
 
 def answer_names(answers: Sequence[Answer]) -> Iterator[TextPart]:
     """Yield the names of the answers as parts, such as ``as_printed``."""
-    yield from list_parts([CodeText(choice.name) for choice in answers])
+    yield from list_parts([CodeText(answer.name) for answer in answers])
 
 
 def deciding_alternatives(alternatives: Sequence[Alternative], parameters: Set[str]) -> list[Alternative]:
-    """Return the alternatives whose answers set some of the parameters.
+    """Return the alternatives (questions that the manual leaves open) whose answers set any of these parameters.
 
-    The list is empty if one of the parameters is set by no alternative. In this case, the answers alone do not decide.
+    If some parameter is not set by any alternative, the answers alone do not decide, and the list is empty.
     """
     deciding: list[Alternative] = []
     decided_parameters: set[str] = set()

@@ -1,6 +1,7 @@
-"""Statements about the evidence for facts and the origin of a family, and subjects that a manual mentions.
+"""Statements about the evidence for facts and the origin of a family, and a search for subjects that a manual mentions.
 
-Facts without a separate place in the model are texts: times with a meaning, characteristics, tables, notes.
+Some facts have no place of their own in the model. They are in texts: times with a meaning, characteristics, tables and
+notes.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ GRADES = tuple(_MEANING_BY_GRADE)
 
 
 def describe_grade(device: Device) -> Statement:
-    """Return the grade of the evidence, with its meaning, and the values that are still the template's."""
+    """Return the grade of the evidence with its meaning, and the values that still come from the template of a spec."""
     grade_name = device.evidence.grade
     grade_text = f"{grade_name} ({_MEANING_BY_GRADE[grade_name]})"
     if device.evidence.placeholders:
@@ -39,7 +40,7 @@ def describe_grade(device: Device) -> Statement:
 
 
 def grade_below_manual(device: Device) -> Iterator[Statement]:
-    """Yield the grade of the evidence as ``grade`` does, or nothing if the whole manual was read."""
+    """Yield the grade of the evidence with its meaning, or nothing if the whole manual was read."""
     if device.evidence.grade != "manual":
         yield describe_grade(device)
 
@@ -50,13 +51,13 @@ def lowest_grade() -> str:
 
 
 def mark_in_lists(device: Device) -> str:
-    """Return the grade if it is the lowest, so that lists without grades can mark the family. Otherwise return ""."""
+    """Return the mark of a family in lists that do not show grades: its grade if it is the lowest one, or else ""."""
     grade_name = device.evidence.grade
     return grade_name if grade_name == GRADES[-1] else ""
 
 
 def titled_in_lists(device: Device) -> str:
-    """Return the title of a family for a list without grades, with its mark."""
+    """Return the title of a family for a list that does not show grades, with the grade if it is the lowest one."""
     mark = mark_in_lists(device)
     return f"{device.title} ({mark})" if mark else device.title
 
@@ -71,15 +72,15 @@ def placeholders(device: Device) -> str:
 
 
 def word_for_document(device: Device) -> str:
-    """Return the word for what does not state a fact: the manual, if all of it was read, otherwise the spec."""
+    """Return the subject of "The manual does not say": ``manual``, or ``spec`` if not all of the manual was read."""
     return "manual" if device.evidence.grade == "manual" else "spec"
 
 
 def basis(device: Device) -> Iterator[Statement]:
-    """Yield the basis of the grade, and the facts that are left out.
+    """Yield the basis of the grade, and the facts that the spec leaves out.
 
-    The basis is the pages read in each document, the implementations and the test vectors. The grade ``manual`` needs
-    none, because the whole manual was read.
+    The basis consists of the pages read in each document, the implementations and the test vectors. It is omitted for
+    the grade ``manual``, which means that the whole manual was read.
     """
     evidence = device.evidence
     if evidence.grade != "manual":
@@ -98,25 +99,28 @@ def origin(device: Device) -> Iterator[Statement]:
     if specials:
         suffix = CodeText(f"/{specials[0]}")
         yield statement(
-            "Only for encoders whose order code ends in ", suffix, ". For all others use ", CodeText(device.base)
+            "This applies only to encoders whose order code ends in ",
+            suffix,
+            ". For all others, use ",
+            CodeText(device.base),
         )
     if device.edition:
         date = f" of {device.manual.date}" if device.manual.date else ""
         yield statement(
-            f"Describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
+            f"This describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
             "The edition that the spec transcribes is ",
             CodeText(device.base),
             ". Each difference is given with its source. Unknown parts are omitted",
         )
     for overlay in device.overlays:
         yield statement(
-            f"Includes the overlay {overlay.name}, “{overlay.title}”. "
+            f"This includes the overlay {overlay.name}, “{overlay.title}”. "
             "Each change is noted inline, with its reason and its source"
         )
 
 
 def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]:
-    """Yield a hint at other editions: where the manual's differences are noted, and the command for their files."""
+    """Yield where the differences from other editions are noted, and the command that generates the files for one."""
     if device.editions:
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
         yield statement(
@@ -126,21 +130,21 @@ def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]
 
 
 def removals(device: Device) -> Iterator[Statement]:
-    """Yield the changes by overlays and editions that removed a part, so that they cannot be noted next to it.
+    """Yield the changes by overlays and editions that removed a part of the spec, so that no note can be next to it.
 
-    The change of an edition has a place if the device is the family itself (no base) and the change affects its parts.
-    Changes of wording are left out.
+    A part that only another edition lacks is still in the family itself, which has no base. Changes of wording are
+    omitted.
     """
-    for correction in device.errata:
-        is_change = correction.overlay or correction.edition
-        has_no_place = device.base or correction.overlay or not correction.affects
-        is_removed = correction.used in (LEFT_OUT, NOT_KNOWN)
-        if is_change and has_no_place and is_removed and correction.severity != "wording":
-            yield describe_erratum(correction)
+    for erratum in device.errata:
+        is_change = erratum.overlay or erratum.edition
+        is_part_absent = device.base or erratum.overlay or not erratum.affects
+        is_removal = erratum.used in (LEFT_OUT, NOT_KNOWN)
+        if is_change and is_part_absent and is_removal and erratum.severity != "wording":
+            yield describe_erratum(erratum)
 
 
 def edition_test(revision: str, test: EditionTest) -> Statement:
-    """Return the register test for an encoder older than an edition: the digits, their range, and the conclusion."""
+    """Return how a register shows that an encoder is older than an edition: the digits, their range, the conclusion."""
     register = Reference("register", test.register, name_in_words(test.register))
     return statement(
         register,
@@ -151,7 +155,7 @@ def edition_test(revision: str, test: EditionTest) -> Statement:
 
 
 class Topic(Enum):
-    """A subject, with the words of manuals for it."""
+    """Subject of a text in a manual. Each value is a pattern for the words that manuals use for it."""
 
     REPLY_TIME = (
         r"(?i)acknowledg|busy time|latency|turn-?around|(?:reply|response|answer(?:ing)?|processing)[ _-](?:time|delay)"
@@ -165,27 +169,24 @@ class Topic(Enum):
     LEDS = r"(?i)\bleds?\b|light-emitting|indicator light"
 
 
-#: Place of a text that is not in a list of its own.
+#: Place of the note on an interface. All other places are lists.
 _PLACE_OF_NOTE = "note on the interface"
 
 
 def mentions(device: Device, interface: Interface, subject: Topic) -> bool:
-    """Return whether a text about the device or this interface contains words of the subject.
-
-    The texts are those about times, characteristics, tables and notes, not about frames and registers.
-    """
+    """Return whether a text about times, characteristics, tables, connectors or the interface mentions the subject."""
     return bool(place_of_mention(device, interface, subject))
 
 
 def place_of_mention(device: Device, interface: Interface, subject: Topic) -> str:
-    """Return the part of the spec whose text has words of the subject, such as ``times``, or an empty string."""
+    """Return the part of the spec whose texts mention the subject, such as ``times``, or an empty string."""
     return _place_with_words(subject, tuple(_interface_texts(device, interface)))
 
 
 def reference_to_mention(device: Device, interface: Interface, subject: Topic) -> str:
-    """Return where to read about a subject, such as ``see the times in the manual``, or an empty string.
+    """Return where to read about a subject, such as ``see the times in the manual``, or "" if no text mentions it.
 
-    A note on the interface is quoted, since commands do not show it.
+    If the note on the interface mentions it, the note is quoted, because commands do not show this note.
     """
     place = place_of_mention(device, interface, subject)
     if not place:
@@ -196,7 +197,7 @@ def reference_to_mention(device: Device, interface: Interface, subject: Topic) -
 
 @lru_cache
 def _place_with_words(subject: Topic, places_and_texts: tuple[tuple[str, str], ...]) -> str:
-    """Return the place of the first text with words of the subject. The order codes of a family share their texts."""
+    """Return the place of the first text that mentions the subject, or "". Order codes of a family share results."""
     words_of_subject = re.compile(subject.value)
     for place, text in places_and_texts:
         if words_of_subject.search(text):
@@ -205,9 +206,9 @@ def _place_with_words(subject: Topic, places_and_texts: tuple[tuple[str, str], .
 
 
 def _interface_texts(device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
-    """Yield the texts that are not about a frame or a register, each with its place.
+    """Yield each text that is not about a frame or a register, with its place in front of it.
 
-    Of the cells of tables, only the first column is.
+    The text of a table consists of its title, its heads, the first cell of each row, and its note.
     """
     for timing in (*interface.timings, *device.timings):
         yield "times", f"{_with_spaces(timing.name)}: {timing.symbol} {timing.meaning}"

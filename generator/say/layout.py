@@ -38,9 +38,10 @@ from .text import (
 
 
 def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Sequence[Alternative] = ()) -> Statement:
-    """Return the frame's ``name``, sender, interface and length.
+    """Return a sentence with the frame's ``name``, its sender, its interface and its length.
 
-    If the length depends only on ``alternatives``, each possible length is followed by its answers.
+    If only the answers to ``alternatives`` (questions that the manual leaves open) decide the length, each possible
+    length is followed by its answers.
     """
     channel = f", data channel {layout.channel}" if layout.channel is not None else ""
     sender_text = f", sent by the {layout.sender} over {interface.title}{channel}: "
@@ -50,25 +51,25 @@ def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Seq
 def describe_size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[TextPart, ...]:
     """Return the length and the transmission order of a frame as parts of a statement.
 
-    For example ``25 bits, most significant first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.
+    For example ``25 bits, most significant bit first``, ``4 bytes, low byte first``, or ``45 bits in 6 bytes, …``.
     If the length depends on the answers to ``alternatives``, it is given for each of them: ``25 (a) or 26 (b) bits``.
     """
     if not layout.in_bytes:
-        return *_number_of_bits(layout, alternatives), " bits, most significant first"
+        return *_number_of_bits(layout, alternatives), " bits, most significant bit first"
     length_text = count_with_unit(layout.widest // 8, "byte")
     if layout.widest > 8:
         length_text += f", {layout.byte_order.replace('_', ' ')}"
-    # The line may carry fewer bits than the bytes.
+    # The encoder may send fewer bits than the bytes hold.
     if layout.sent_bits != layout.bits:
         return layout.sent_bits, f" bits in {length_text}"
     return (length_text,)
 
 
 def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[TextPart]:
-    """Yield the number of bits of a frame as parts of a statement.
+    """Yield the number of bits in a frame as parts of a statement.
 
-    If answers to ``alternatives`` alone decide it, these are ``25 (a) or 26 (b)`` with the names of the answers. If
-    several questions decide it, the names are joined. Otherwise it is the expression of the spec.
+    If only the answers to ``alternatives`` decide it, each possible number is followed by the names of its answers:
+    ``25 (a) or 26 (b)``. Otherwise, it is an expression such as ``position_bits + 8``.
     """
     deciding = deciding_alternatives(alternatives, set(layout.bits.parameters))
     if not deciding:
@@ -82,7 +83,7 @@ def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iter
 
 
 def describe_layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
-    """Yield all statements about a frame that follow its head in running text."""
+    """Yield all statements about a frame except its name, sender and length."""
     yield from spec_text(frame.printed_name, label="In the manual")
     yield from describe_layout_facts(interface, frame)
     yield from needed_answers(device, frame)
@@ -91,51 +92,55 @@ def describe_layout(device: Device, interface: Interface, frame: Layout) -> Iter
 
 
 def errata_of(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
-    """Yield the errata of the whole frame."""
+    """Yield the errata about a frame as a whole."""
     yield from map(describe_erratum, errata(device, f"interfaces.{interface.name}.{frame.name}"))
 
 
 def has_excess(layout: Layout) -> bool:
-    """Return True if a number is added before the position is sent in Gray code."""
+    """Return whether a number is added to the position before it is sent in Gray code (Gray excess)."""
     return layout.gray_excess is not None and layout.gray_excess != Expression(0)
 
 
 def _has_parity_over_gray(layout: Layout) -> bool:
-    """Return True if a parity bit covers a field that can be in Gray code."""
-    gray_names = set(layout.names_in(layout.gray_of))
+    """Return whether a parity bit covers a field that can be in Gray code."""
+    gray_fields = set(layout.names_in(layout.gray_of))
     for field in layout.fields:
-        if isinstance(field.kind, Parity) and not gray_names.isdisjoint(field.kind.of):
+        if isinstance(field.kind, Parity) and not gray_fields.isdisjoint(field.kind.of):
             return True
     return False
 
 
 def _excess_number_or_parameter(layout: Layout) -> str | CodeText:
-    """Return the number that is added before the position is sent in Gray code, or the parameter with this number.
+    """Return the number, or the parameter with the number, that is added to the position before it is Gray-coded.
 
-    Without an excess, it is ``0``.
+    The number is ``0`` if nothing is added.
     """
     excess = layout.gray_excess or Expression(0)
     return str(excess.constant) if excess.is_constant else CodeText(excess.render())
 
 
 def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
-    """Yield the selector of a frame, its Gray code, its gaps, its joined numbers and its combinations of values."""
-    yield from carries(interface, layout)
+    """Yield the facts about a frame as a whole, as far as it has them.
+
+    These are its selector values, its Gray code, its bits without a field, the numbers that consist of several fields,
+    and the combinations of values that decide the verdict on the position.
+    """
+    yield from describe_selector(interface, layout)
     yield from _gray_code(layout)
     if _has_parity_over_gray(layout):
         yield statement("A parity bit covers the bits as they are sent, before Gray code is converted")
     if layout.gaps:
         yield statement(f"Bits without a field are {layout.gaps}")
     yield from describe_joins(layout)
-    combinations = {value_combination.name: value_combination for value_combination in layout.combinations}
-    # Each combination is also a sign, whose flag has the name of the combination. Other signs are of single fields.
+    combinations = {combination.name: combination for combination in layout.combinations}
+    # A sign is a set of field values that decides the verdict. The signs of combinations have their names.
     for sign in layout.signs:
         if sign.flag.name in combinations:
             yield describe_combination(layout, sign, combinations[sign.flag.name])
 
 
 def _gray_code(layout: Layout) -> Iterator[Statement]:
-    """Yield the number that is in Gray code, with the parameter that decides it and the excess, if there are any.
+    """Yield which number of a frame is in Gray code, when it is, and what is added to it before it is sent.
 
     Nothing is yielded for a frame without Gray code.
     """
@@ -153,29 +158,30 @@ def _gray_code(layout: Layout) -> Iterator[Statement]:
         yield statement(number_name, " is in Gray code")
 
 
-def describe_combination(layout: Layout, sign: Sign, value_combination: Combination) -> Statement:
-    """Return a statement such as ``While a is 1 and b is 0, the position is not usable: …``, with the meaning.
+def describe_combination(layout: Layout, sign: Sign, combination: Combination) -> Statement:
+    """Return the verdict on the position while several fields have certain values, with the meaning, remedy and note.
 
-    ``sign`` has the values of the combination, ``{field name: value}`` as pairs. The remedy and the note follow.
+    An example is ``While a is 1 and b is 0, the position is not usable: …``. ``sign.conditions`` are pairs of a field
+    name and its value.
     """
     value_parts = conditions_text((layout.field(name), value) for name, value in sign.conditions).parts
-    manual_texts = (value_combination.meaning, value_combination.remedy, value_combination.note)
+    manual_texts = (combination.meaning, combination.remedy, combination.note)
     # A statement has no full stop at its end.
     description = " ".join(as_sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")
     return statement(
         "While ",
         *value_parts,
-        f", {VERDICT_CLAUSES[value_combination.makes_position]}: ",
+        f", {VERDICT_CLAUSES[combination.makes_position]}: ",
         description,
-        label=value_combination.name,
-        source=value_combination.source,
+        label=combination.name,
+        source=combination.source,
     )
 
 
-def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
-    """Yield the selector values that identify the frame, in hexadecimal and with the names of data IDs, if it has any.
+def describe_selector(interface: Interface, layout: Layout) -> Iterator[Statement]:
+    """Yield the values of the selector field that identify the frame, such as ``Its data_id is 0 (position) or 1``.
 
-    For example ``Its data_id is 0 (position) or 1``.
+    Values are in hexadecimal, and followed by the names of data IDs. Nothing is yielded for a frame without a selector.
     """
     if not layout.selects:
         return
@@ -189,35 +195,35 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
 
 
 def describe_joins(layout: Layout) -> Iterator[Statement]:
-    """Yield the numbers that are joined from fields, without those that only are one field of the same name."""
+    """Yield a statement for each number that consists of several fields, or of one field with a different name."""
     for joined_number in layout.joins:
         is_one_field = joined_number.fields == (joined_number.name,)
         if not is_one_field:
-            yield join(joined_number)
+            yield describe_join(joined_number)
 
 
-def join(joined_number: Join) -> Statement:
-    """Return the fields that form a number."""
+def describe_join(joined_number: Join) -> Statement:
+    """Return the fields that form a number, ``position consists of turns and steps, …``, or the one that equals it."""
     names = list_parts([CodeText(name) for name in joined_number.fields])
     if len(joined_number.fields) == 1:
         return statement(CodeText(joined_number.name), " is the same as ", *names)
-    return statement(CodeText(joined_number.name), " consists of ", *names, ", most significant first")
+    return statement(CodeText(joined_number.name), " consists of ", *names, ", most significant part first")
 
 
 def as_one_number(parts: str) -> str:
-    """Return the phrase for parts that form one number."""
+    """Return the phrase for several parts that form one number. ``parts`` lists them."""
     return f"{parts} as one number"
 
 
 def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
-    """Yield all statements about a CRC in order, for running text."""
+    """Yield all statements about a CRC: its parameters, its note and its errata."""
     yield crc_head(device, checksum)
     yield from spec_text(checksum.note)
     yield from map(describe_erratum, errata(device, f"crcs.{checksum.name}"))
 
 
 def crc_head(device: Device, checksum: Crc) -> Statement:
-    """Return the name, the width and the parameters of a CRC in one sentence."""
+    """Return one sentence with the name, the width and the parameters of a CRC."""
     return statement(
         f"CRC {checksum.name} of {count_with_unit(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
         source=checksum.source,
@@ -225,60 +231,61 @@ def crc_head(device: Device, checksum: Crc) -> Statement:
 
 
 def crc_parameters(device: Device, checksum: Crc) -> str:
-    """Return polynomial, start value, reflection and final XOR of a CRC."""
+    """Return the polynomial, start value, reflection and final XOR of a CRC, separated by commas."""
     start_value = f"0x{checksum.init:X}" if checksum.init else "0"
     texts = [checksum.polynomial, f"start value {start_value}", crc_reflected(device, checksum), crc_sent(checksum)]
     return ", ".join(text for text in texts if text)
 
 
 def crc_reflected(device: Device, checksum: Crc) -> str:
-    """Return whether the input and the output are reflected, or an empty string if neither is."""
+    """Return which sides of a CRC are reflected, such as ``input and output reflected``, or "" if neither is."""
     sides = {"input": device.reflects_input(checksum), "output": checksum.refout}
     reflected_words = [side for side, is_reflected in sides.items() if is_reflected]
     return f"{' and '.join(reflected_words)} reflected" if reflected_words else ""
 
 
 def crc_sent(checksum: Crc) -> str:
-    """Return how the remainder of a CRC is changed before it is sent: inverted if all its bits are, else the XOR."""
+    """Return how a CRC is sent: ``sent inverted``, ``sent after an XOR with 0x…``, or ``sent unchanged``."""
     if checksum.xorout == checksum.mask:
         return "sent inverted"
     return f"sent after an XOR with 0x{checksum.xorout:X}" if checksum.xorout else "sent unchanged"
 
 
 def crc_inverted(checksum: Crc) -> str:
-    """Return in two words how the remainder is changed before it is sent."""
+    """Return in short how a CRC is sent: ``inverted``, ``XOR 0x…`` or ``not inverted``."""
     if checksum.xorout == checksum.mask:
         return "inverted"
     return f"XOR {checksum.xorout:#X}" if checksum.xorout else "not inverted"
 
 
-#: Colour class of values without their own class.
+#: Color class of values without their own class.
 DATA = "data"
 
 
 def box_colour(field: Field) -> str:
-    """Return the colour class of a field in pictures, one for similar kinds of fields."""
+    """Return the color class of a field in pictures. Similar kinds of fields share a class."""
     return field.kind.role
 
 
 def is_reserved(field: Field) -> bool:
-    """Return whether a field is unused and the manual prints no name for it."""
+    """Return whether a field is unused and has no name in the manual."""
     return isinstance(field.kind, Unused) and not field.printed_name
 
 
 def box_label(field: Field) -> str:
-    """Return the text in the box of a field: its name as words, for a constant with its value, such as ``mode = 1``.
+    """Return the text for the box of a field in a picture: its name as words, such as ``status error``.
 
-    Unnamed zeros have only ``unused`` or, for a constant or padding, ``0``.
+    A constant also has its value, as in ``mode = 1``. The text for zeros without a name in the manual is ``unused`` or,
+    if they are a constant or padding, ``0``.
     """
     match field.kind:
         case Unused(value=value) if not field.printed_name and value == 0:
             return "unused"
         case Constant(value=value, padding_of=padded_field):
             value_text = f"{value:X}h" if value > 9 else f"{value}"
-            # ``padding_of`` is the name of the field that a constant fills up.
-            has_no_name = padded_field or not field.printed_name
-            if value == 0 and has_no_name:
+            # ``padding_of`` is the name of the field that the constant pads. It is empty for any other constant.
+            is_unnamed = bool(padded_field) or not field.printed_name
+            if value == 0 and is_unnamed:
                 return value_text
             return f"{name_as_words(field.name)} = {value_text}"
         case _:
@@ -286,4 +293,5 @@ def box_label(field: Field) -> str:
 
 
 def name_as_words(name: str) -> str:
+    """Return a name from a spec with spaces in place of underscores."""
     return name.replace("_", " ")

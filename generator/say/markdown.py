@@ -1,4 +1,4 @@
-"""Markdown that shows text from a spec literally on code hosts and in site generators."""
+"""Functions that write text from a spec as Markdown, so that code hosts and site generators show it literally."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ def escape(value: object) -> str:
 
 @lru_cache(4096)
 def _escape_markdown(value: str) -> str:
+    """Return one line of text with its markup escaped, and spaces at its ends kept."""
     return _EDGE_UNDERSCORE.sub(r"\\_", value.translate(_MARKUP_ESCAPES))
 
 
@@ -39,7 +40,7 @@ def code_span(value: object) -> str:
 
 @lru_cache(4096)
 def _code_span(code_text: str) -> str:
-    """Return a code span, or an empty string for an empty string."""
+    """Return a code span for text on one line, or "" for an empty text."""
     if not code_text:
         return ""
     # The fence is longer than any run of backticks in the text.
@@ -52,13 +53,16 @@ def _code_span(code_text: str) -> str:
 
 
 def wrap_markdown(value: str) -> str:
-    """Wrap Markdown without code spans, so that no line starts a list, a heading or a rule."""
+    """Return a paragraph of Markdown as wrapped lines. No line starts a list, a heading or a rule by accident."""
     lines = textwrap.wrap(value, _PARAGRAPH_WIDTH, break_long_words=False, break_on_hyphens=False)
     return "\n".join(_BLOCK_START.sub(_escaped_start, line) for line in lines)
 
 
 def _escaped_start(match: re.Match[str]) -> str:
-    """Return the start of a list item, heading or rule with its sign escaped, such as ``1\\.`` or ``\\-``."""
+    """Return the first characters of a line with the sign that would start a list, heading or rule escaped.
+
+    For example, ``1.`` becomes ``1\\.``, and ``-`` becomes ``\\-``.
+    """
     item_number, sign_after_number, other_sign = match.groups()
     return f"{item_number}\\{sign_after_number}" if item_number else f"\\{other_sign}"
 
@@ -74,11 +78,12 @@ def cited_html(sources: Sources) -> str:
 
 
 def _cite_with_section_signs(sources: Sources) -> str:
+    """Return the sources in one line, with § before each section number."""
     return cite(tuple(map(_with_section_sign, sources)))
 
 
 def _with_section_sign(source: Source) -> Source:
-    """Return the source with § before a section that has a number. Others have a title."""
+    """Return a source with § before its section if that is a number. Other sections are titles."""
     has_section_number = _SECTION_NUMBER.match(source.section) is not None
     return replace(source, section=f"§{source.section}") if has_section_number else source
 
@@ -103,12 +108,12 @@ def link_list(links: Iterable[str]) -> str:
 
 
 def anchor_of(name: str) -> str:
-    """Return the anchor to which links refer."""
+    """Return the HTML anchor that links to ``name`` refer to."""
     return f'<a id="{name}"></a>'
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table of Markdown cells without the columns that are empty in all rows, or "" if no column is left."""
+    """Return a Markdown table, with the columns omitted that are empty in all rows, or "" if no column remains."""
     row_lists = [list(row) for row in rows]
     filled_columns = [column for column in range(len(head)) if _has_text(row_lists, column)]
     if not filled_columns:
@@ -122,6 +127,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _has_text(rows: Sequence[Sequence[str]], column: int) -> bool:
+    """Return whether any row has text in a column."""
     return any(row[column] for row in rows)
 
 
@@ -131,13 +137,13 @@ def join_filled(parts: Iterable[str], between: str = "<br>") -> str:
 
 
 def reference(ref: Reference) -> str:
-    """Return a name with a link to its description. Manual steps are on the hardware page."""
+    """Return a name with a link to its description on this page, or to a manual procedure on the hardware page."""
     if ref.kind == "by-hand":
         return markdown_link(escape(ref.title), f"hardware.md#{ref.anchor}")
     return markdown_link(code_span(ref.name), f"#{ref.anchor}")
 
 
-#: Style of statements on a Markdown page.
+#: Style for statements on a Markdown page.
 MARKDOWN = Style(
     text=lambda part: _escape_markdown(one_line(part)),
     code=code_span,

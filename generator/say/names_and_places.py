@@ -1,4 +1,4 @@
-"""Names, locations and terms in text: items, order codes, bits, bytes, addresses, and the words of manuals."""
+"""Text for names and positions: items of a spec, order codes, bits, bytes and addresses. Also the glossary of terms."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ACRONYMS = {
 
 
 class Titled(Protocol):
-    """Item of the spec, with our name and the name used in the manual."""
+    """Item of the spec, with its name in the spec and its name in the manual."""
 
     @property
     def name(self) -> str: ...
@@ -44,23 +44,23 @@ class HasOtherNames(Titled, Protocol):
 
 
 def name_in_words(name: str) -> str:
-    """Return a name as words in a sentence: ``encoder_id`` as ``encoder ID``."""
+    """Return a name from a spec as words for a sentence: ``encoder_id`` becomes ``encoder ID``."""
     return " ".join(_ACRONYMS.get(word, word) for word in name.split("_"))
 
 
 def heading(name: str) -> str:
-    """Return a name as a heading: ``Encoder ID``."""
-    text = name_in_words(name)
-    return text[0].upper() + text[1:]
+    """Return a name from a spec as a heading: ``encoder_id`` becomes ``Encoder ID``."""
+    words = name_in_words(name)
+    return words[0].upper() + words[1:]
 
 
 def title_of(titled: Titled) -> str:
-    """Return the name used in the manual, or our name if the manual gives none."""
+    """Return the name used in the manual or, if the manual gives none, the name from the spec as a heading."""
     return titled.printed_name or heading(titled.name)
 
 
 def printed_name_of(named: HasOtherNames) -> str:
-    """Return the name used in any edition of the manual, or an empty string."""
+    """Return the name used in the manual, or else the names used in its other editions, or an empty string."""
     return named.printed_name or ", ".join(named.names.values())
 
 
@@ -72,33 +72,34 @@ def own_names(named: HasOtherNames) -> str:
 
 
 def full_title(named: HasOtherNames) -> str:
-    """Return the title, followed by the names used in other editions: ``Command (it: Comando)``."""
+    """Return the title, followed by different names in editions of other languages: ``Command (it: Comando)``."""
     own_title = title_of(named)
     other_names = [f"{language}: {name}" for language, name in named.names.items() if name != own_title]
     return f"{own_title} ({'; '.join(other_names)})" if other_names else own_title
 
 
 def register_reference(device: Device, name: str) -> Reference:
+    """Return a reference to the register with this name."""
     return Reference("register", name, title_of(device.register(name)))
 
 
 def register_field(device: Device, path: str) -> Reference:
-    """Return a reference to ``register.field``, or to the register if no field is given."""
-    name, _, field = path.partition(".")
-    if not field:
-        return register_reference(device, name)
-    owner = device.register(name)
-    return Reference("register", path, f"{title_of(owner.layout.field(field))} in {title_of(owner)}")
+    """Return a reference to a field of a register, whose path is ``register.field``, or to a register."""
+    register_name, _, field_name = path.partition(".")
+    if not field_name:
+        return register_reference(device, register_name)
+    register = device.register(register_name)
+    return Reference("register", path, f"{title_of(register.layout.field(field_name))} in {title_of(register)}")
 
 
 def order_codes_text(codes: str) -> Iterator[Statement]:
-    """Yield the order codes, unless the item applies to all of them."""
+    """Yield the order codes that an item applies to. Nothing is yielded for an empty text, which means all of them."""
     if codes:
-        yield statement("Only with ", CodeText(codes))
+        yield statement("This applies only to ", CodeText(codes))
 
 
 def hexadecimal(value: int, digits: int = 2) -> str:
-    """Return a number in the hexadecimal notation of manuals: ``3Fh``."""
+    """Return a number in the hexadecimal notation of manuals, with at least ``digits`` digits: ``3Fh``."""
     return f"{value:0{digits}X}h"
 
 
@@ -134,10 +135,10 @@ def bits(high: int, low: int) -> str:
 
 
 def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
-    """Return the bytes of a ``length``-bit frame that contain these bits: ``byte 1, bits 7:1`` or ``bytes 2 to 4``.
+    """Return the bytes of a ``length``-bit frame that contain some bits: ``byte 1, bits 7:1`` or ``bytes 2 to 4``.
 
-    ``high`` and ``low`` are bits of the frame as one number. Bytes count from 0 in the order sent. If the bits fill
-    only parts of several bytes, they are numbered in the whole frame.
+    ``high`` and ``low`` are the highest and lowest of these bits in the frame as one number. Bytes are counted from 0
+    in the order sent. If the bits fill several bytes only in part, the result has their numbers in the whole frame.
     """
     first_byte, last_byte = low // 8, high // 8
     if layout.byte_order != "low_byte_first":
@@ -153,10 +154,10 @@ def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
 
 
 def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
-    """Return a field's position as people write it: ``46:31``, or ``byte 2.7:4`` with the first byte as 0.
+    """Return the position of a field in short: ``46:31``, or ``byte 2.7:4`` for bits 7 to 4 of byte 2.
 
-    ``high`` and ``low`` are bits of the frame of ``bits`` bits as one number. ``bytes 1.3-2.7`` is the place from bit 3
-    of byte 1 to bit 7 of byte 2.
+    ``high`` and ``low`` are its highest and lowest bit in the frame as one number of ``bits`` bits. The first byte is
+    byte 0. ``bytes 1.3-2.7`` means from bit 3 of byte 1 to bit 7 of byte 2.
     """
     is_one_bit = high == low
     if not layout.in_bytes:
@@ -182,10 +183,10 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
 
 
 def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[TextPart]:
-    """Yield the location of a field with its padding, in bytes for a frame of bytes, otherwise in bits.
+    """Yield the location of a field with its padding: in bytes for a frame that consists of bytes, otherwise in bits.
 
-    If the location depends only on ``alternatives``, each possible location is followed by its answer. If it depends on
-    other parameters, only its lowest bit is given, as an expression.
+    If only the answers to ``alternatives`` (questions that the manual leaves open) decide the location, each possible
+    location is followed by its answers. If other parameters decide it, only the lowest bit is given, as an expression.
     """
     width_with_padding = Expression(field.container) if field.container else field.width
     high = field.low + width_with_padding - Expression(1)
@@ -195,7 +196,7 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
         yield from ("starting at bit ", field.low)
         return
     possible_places: list[list[TextPart]] = []
-    # If nothing decides, there is one place, without answers.
+    # If no alternative decides, there is one combination, without answers.
     for answers, answered_parameters in answer_combinations(deciding):
         place = _place_text(layout, high.value(answered_parameters), field.low.value(answered_parameters))
         explanation: list[TextPart] = [" (", *answer_names(answers), ")"] if answers else []
@@ -204,27 +205,28 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
 
 
 def _place_text(layout: Layout, high: int, low: int) -> str:
-    """Return the bits from ``high`` to ``low`` as text, such as ``byte 1, bits 7:1``, ``bits 46:31`` or ``absent``."""
+    """Return the bits from ``high`` to ``low`` as text: ``byte 1, bits 7:1``, ``bits 46:31``, or ``absent`` if none."""
     if high < low:
         return "absent"
-    is_register = not layout.sender  # Its bits are bits of one number.
-    if layout.in_bytes and not is_register:
+    # A register has no sender. Its bits are always numbered as bits of one number.
+    is_frame = bool(layout.sender)
+    if layout.in_bytes and is_frame:
         return frame_bytes(layout, layout.widest, high, low)
     return bits(high, low)
 
 
 @dataclass(frozen=True, slots=True)
 class GlossaryTerm:
-    """Term with its meaning, and the parts of a spec from which it is linked.
+    """Term with its meaning, and where pages explain it.
 
-    A term of an interface has ``over`` and the ``section`` that covers it. All other terms have ``spelled``, the names
-    of the related fields, registers and times.
+    A term of one interface has that ``interface`` and the ``section`` of its pages that covers the term. All other
+    terms have ``spellings``, which are the names of related fields, registers and times in lowercase.
     """
 
     name: str
     meaning: str
-    spelled: tuple[str, ...] = ()
-    over: type[Interface] | None = None
+    spellings: tuple[str, ...] = ()
+    interface: type[Interface] | None = None
     section: str = ""
 
 
@@ -238,7 +240,7 @@ TERMS = (
     GlossaryTerm(
         "Acknowledge, start bit",
         "In a BiSS frame, SLO stays low until the encoder's data is ready. The start bit (high) announces the data.",
-        over=Biss,
+        interface=Biss,
         section="timings",
     ),
     GlossaryTerm(
@@ -250,21 +252,21 @@ TERMS = (
         "CDM",
         "Control data, master: the bit of control data that the master sends with each BiSS frame. It is the inverse "
         "of the level of MA during the time-out.",
-        over=Biss,
+        interface=Biss,
         section="timings",
     ),
     GlossaryTerm(
         "CDS",
         "Control data, slave: the bit of control data that the encoder sends. It directly follows the start bit of a "
         "BiSS frame.",
-        over=Biss,
+        interface=Biss,
         section="timings",
     ),
     GlossaryTerm(
         "Control data",
-        "Access to registers over BiSS without interrupting the position data. Each frame carries one bit in each "
-        "direction, CDM and CDS, until address, direction, data and their own CRC are complete.",
-        over=Biss,
+        "A way to access registers over BiSS without interrupting the position data. Each frame carries one bit in "
+        "each direction, CDM and CDS, until address, direction, data and their own CRC are complete.",
+        interface=Biss,
         section="control-data",
     ),
     GlossaryTerm(
@@ -274,7 +276,7 @@ TERMS = (
     ),
     GlossaryTerm(
         "CRC",
-        "Checksum that detects disturbed bits: the remainder of a division of the preceding bits. It is defined by "
+        "A checksum that detects corrupted bits: the remainder of a division of the preceding bits. It is defined by "
         "its polynomial, start value, bit order and final XOR.",
         ("crc",),
     ),
@@ -308,7 +310,7 @@ TERMS = (
         "Error bit, warning bit",
         "Two active-low bits after the position in a BiSS frame: nE (0 = error, do not use the position) and nW "
         "(0 = warning).",
-        over=Biss,
+        interface=Biss,
         section="frames",
     ),
     GlossaryTerm(
@@ -320,7 +322,7 @@ TERMS = (
     GlossaryTerm(
         "MA, SLO",
         "The two BiSS lines: clock from the master (MA) and data from the encoder (SLO).",
-        over=Biss,
+        interface=Biss,
         section="wiring",
     ),
     GlossaryTerm(
@@ -336,20 +338,20 @@ TERMS = (
     ),
     GlossaryTerm(
         "Preset",
-        "Value that the encoder reports at the current shaft position once the preset is activated. All other "
+        "The value that the encoder reports at the current shaft position once the preset is activated. All other "
         "positions shift accordingly.",
         ("preset",),
     ),
     GlossaryTerm(
         "Profile",
-        "Standardized selection and order of the fields in single cycle data.",
-        over=Biss,
+        "A standardized selection and order of the fields in single cycle data.",
+        interface=Biss,
         section="frames",
     ),
     GlossaryTerm(
         "Single cycle data, SCD",
         "The data in each BiSS frame: position, error bit, warning bit, and a CRC over them.",
-        over=Biss,
+        interface=Biss,
         section="frames",
     ),
     GlossaryTerm(
@@ -363,7 +365,7 @@ TERMS = (
     GlossaryTerm(
         "Time-out",
         "The pause at the end of a BiSS frame, without clocks on MA, before the encoder is ready for the next frame.",
-        over=Biss,
+        interface=Biss,
         section="timings",
     ),
     GlossaryTerm(
@@ -376,7 +378,7 @@ TERMS = (
         "Repeated request",
         "RS-485: a reset is a request that is sent several times in succession, with a pause after each request and "
         "no other request in between.",
-        over=Rs485,
+        interface=Rs485,
         section="procedures",
     ),
 )

@@ -1,4 +1,4 @@
-"""Statements about an order code and its interface: parts, parameters, labels, clock, port, times and inputs."""
+"""Statements about order codes and interfaces: parts, parameters, labels, clock, port, times and inputs."""
 
 from __future__ import annotations
 
@@ -62,11 +62,11 @@ from .text import (
 
 
 def order_code(device: Device) -> Iterator[Statement]:
-    """Yield all statements about the order codes, for running text."""
+    """Yield all statements about the order codes of a family."""
     code = device.order_code
     yield statement(CodeText(code.pattern), label="Order codes", source=code.source)
     for code_part in code.parts:
-        yield part(code_part)
+        yield describe_part(code_part)
         yield from open_values(code_part)
     yield from map(describe_spelling, code.also_written)
     yield from not_on_label(device)
@@ -76,29 +76,29 @@ def order_code(device: Device) -> Iterator[Statement]:
 
 
 def not_on_label(device: Device) -> Iterator[Statement]:
-    """Yield that the order codes are made up, and what the label shows instead, if they are."""
+    """Yield what labels show instead of the order codes, if the order codes are made up. Otherwise, yield nothing."""
     yield from spec_text(device.order_code.not_on_label, label="Made-up order code")
 
 
-def part(code_part: CodePart) -> Statement:
-    """Return the meaning of a part, and its values with theirs: ``Output: A = SSI; B = BiSS``."""
+def describe_part(code_part: CodePart) -> Statement:
+    """Return a part of the order code with its values: ``Output: A = SSI; B = BiSS``."""
     values = join_groups([_value_with_meaning(value) for value in code_part.values], "; ")
     return statement(f"{code_part.meaning}: ", *values, label=code_part.name)
 
 
 def _value_with_meaning(value: CodeValue) -> tuple[TextPart, ...]:
-    """Return a value of a part of the order code, with its meaning if it has one: ``A = SSI``."""
+    """Return a value in the order code, with its meaning if the spec states one: ``A = SSI``."""
     return (CodeText(value.text), f" = {value.meaning}") if value.meaning else (CodeText(value.text),)
 
 
 def open_values(code_part: CodePart) -> Iterator[Statement]:
-    """Yield the rule for values that the manual does not list."""
+    """Yield which unlisted values a part of the order code accepts, or nothing if it accepts only listed values."""
     if code_part.open:
         yield statement("Other values that match ", CodeText(code_part.open), " are accepted and shown as unlisted")
 
 
 def describe_spelling(label_spelling: Spelling) -> Statement:
-    """Return the pattern of another spelling found on labels, and where it is used."""
+    """Return the pattern of another spelling of the order code on labels, and where it is used."""
     return statement(
         CodeText(label_spelling.pattern),
         f", as in {label_spelling.where}",
@@ -107,104 +107,106 @@ def describe_spelling(label_spelling: Spelling) -> Statement:
     )
 
 
-def describe_parameter(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
-    """Yield all statements about a parameter, for running text."""
-    yield from spec_text(device_parameter.meaning, source=device_parameter.source)
-    yield from spec_text(device_parameter.unit, label="Unit")
-    yield from parameter_origin(device, device_parameter)
+def describe_parameter(device: Device, parameter: Parameter) -> Iterator[Statement]:
+    """Yield the meaning of a parameter (a quantity such as ``position_bits``), its unit, and what sets it."""
+    yield from spec_text(parameter.meaning, source=parameter.source)
+    yield from spec_text(parameter.unit, label="Unit")
+    yield from parameter_origin(device, parameter)
 
 
-def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
-    """Yield where the value of a parameter comes from: another parameter, a choice of the user, or a register.
+def parameter_origin(device: Device, parameter: Parameter) -> Iterator[Statement]:
+    """Yield what sets a parameter: an expression of other parameters, a choice of the user, or a register.
 
     Nothing is yielded if the order code sets it.
     """
-    if device_parameter.equals is not None:
-        yield statement("Equals ", device_parameter.equals)
-    if device_parameter.alternative:
-        yield statement("Set by your choice of ", *_choice_with_values(device, device_parameter))
-    if device_parameter.read_from:
-        register_text = register_at(device.register(device_parameter.register))
-        field_reference = register_field(device, device_parameter.read_from)
-        origin_parts: list[TextPart] = [f"Read at run time from {register_text} (", field_reference, ")"]
-        lowest = Expression(device_parameter.min) if device_parameter.min is not None else None
-        highest = Expression(device_parameter.max) if device_parameter.max is not None else None
+    if parameter.equals is not None:
+        yield statement("It equals ", parameter.equals)
+    if parameter.alternative:
+        yield statement("It is set by your choice of ", *_choice_with_values(device, parameter))
+    if parameter.read_from:
+        register_text = register_at(device.register(parameter.register))
+        field_reference = register_field(device, parameter.read_from)
+        origin_parts: list[TextPart] = [f"It is read at run time from {register_text} (", field_reference, ")"]
+        lowest = Expression(parameter.min) if parameter.min is not None else None
+        highest = Expression(parameter.max) if parameter.max is not None else None
         range_parts = describe_range(lowest, highest)
-        # A register with a code lists its values below.
-        if range_parts and not device_parameter.by_code:
+        # A register that holds a code has a list of its values instead, which follows.
+        if range_parts and not parameter.by_code:
             origin_parts += [", ", *range_parts]
         yield statement(*origin_parts)
-    if device_parameter.by_code:
+    if parameter.by_code:
         code_meanings = []
-        for coded in device_parameter.by_code:
-            code_meanings.append(f"{coded.code} means {parameter_value(device_parameter, coded.value)}")
+        for coded_value in parameter.by_code:
+            code_meanings.append(f"{coded_value.code} means {parameter_value(parameter, coded_value.value)}")
         yield statement(f"The register holds a code: {', '.join(code_meanings)}")
 
 
-def _choice_with_values(device: Device, device_parameter: Parameter) -> Iterator[TextPart]:
-    """Yield the parts of a text about the alternative that sets a parameter: a reference to it, and the values.
+def _choice_with_values(device: Device, parameter: Parameter) -> Iterator[TextPart]:
+    """Yield a reference to the alternative (an open question) that sets a parameter, and the value for each answer.
 
     The values follow only if the alternative has a default: ``first_bit: 0 for low (default), 1 for high``.
     """
-    name = device_parameter.alternative
-    yield Reference("alternative", name, name)
+    alternative_name = parameter.alternative
+    yield Reference("alternative", alternative_name, alternative_name)
     # Only alternatives with a default are optional.
     for alternative in device.optional_alternatives:
-        if alternative.name != name:
+        if alternative.name != alternative_name:
             continue
         default_answer, *other_answers = alternative.answers
-        yield f": {default_answer.sets[device_parameter.name]} for "
+        yield f": {default_answer.sets[parameter.name]} for "
         yield CodeText(default_answer.name)
         yield " (default)"
         for answer in other_answers:
-            yield f", {answer.sets[device_parameter.name]} for "
+            yield f", {answer.sets[parameter.name]} for "
             yield CodeText(answer.name)
 
 
 def initial(device: Device) -> str:
-    """Return the name for parameter values that apply until registers are read, in the plural.
+    """Return the phrase for the values that parameters have until the registers that hold them are read.
 
-    They are ``factory defaults``, or ``values of the order code`` if no such register has a known default.
+    They are ``factory defaults`` or, if none of the registers has a known default, ``values of the order code``.
     """
-    register_names = {run_time_parameter.register for run_time_parameter in device.run_time_parameters}
+    register_names = {parameter.register for parameter in device.run_time_parameters}
     # A device of one interface lacks the registers of other interfaces.
     defaults = [register.default for register in device.registers if register.name in register_names]
     has_only_unknown_defaults = bool(defaults) and all(default is None for default in defaults)
     return "values of the order code" if has_only_unknown_defaults else "factory defaults"
 
 
-def parameter_value(device_parameter: Parameter, count: int) -> str:
-    """Return the value of a parameter for an order code. IDs and other codes are hexadecimal, such as ``3Fh``."""
-    return hexadecimal(count) if device_parameter.hexadecimal else group_digits(count)
+def parameter_value(parameter: Parameter, value: int) -> str:
+    """Return a value of a parameter as text: ``4,096``, or ``3Fh`` for an ID or another code in hexadecimal."""
+    return hexadecimal(value) if parameter.hexadecimal else group_digits(value)
 
 
-def describe_timing(printed_time: Timing) -> Statement:
-    """Return the limits of a time with its meaning and order codes, labelled with the manual's symbol or our name."""
-    description = f": {printed_time.meaning}" if printed_time.meaning else ""
-    description += _only_with(printed_time)
-    label = printed_time.symbol or printed_time.name
-    return statement(bounds(printed_time), description, label=label, source=printed_time.source)
+def describe_timing(timing: Timing) -> Statement:
+    """Return a time with its limits, meaning and order codes, labelled with its symbol in the manual or its name."""
+    meaning_text = f": {timing.meaning}" if timing.meaning else ""
+    label = timing.symbol or timing.name
+    return statement(_limits_text(timing), f"{meaning_text}{_only_with(timing)}", label=label, source=timing.source)
 
 
-def bounds_with_codes(printed_time: Timing) -> str:
-    """Return the duration, such as ``at least 12 µs (only with X-24)``. Without ``only``, it applies to all codes."""
-    return f"{bounds(printed_time)}{_only_with(printed_time)}"
+def bounds_with_codes(timing: Timing) -> str:
+    """Return the limits of a time and the order codes it applies to, such as ``at least 12 µs (only with X-24)``.
+
+    The order codes are omitted if the time applies to all of them.
+    """
+    return f"{_limits_text(timing)}{_only_with(timing)}"
 
 
 def _only_with(fact: Restricted) -> str:
-    """Return the order codes to which a fact applies, such as `` (only with X-24)``, or nothing if to all of them."""
+    """Return the order codes that a fact applies to, such as `` (only with X-24)``, or "" if it applies to all."""
     return f" (only with {fact.only})" if fact.only else ""
 
 
-def bounds(printed_time: Timing) -> str:
-    """Return the limits of a duration and its typical value as text, such as ``at least 12 µs, typically 20 µs``."""
+def _limits_text(timing: Timing) -> str:
+    """Return the limits of a time and its typical value, such as ``at least 12 µs, typically 20 µs``."""
     limit_texts = []
-    if printed_time.at_least_us is not None:
-        limit_texts.append(f"at least {time_text(printed_time.at_least_us)}")
-    if printed_time.typical_us is not None:
-        limit_texts.append(f"typically {time_text(printed_time.typical_us)}")
-    if printed_time.at_most_us is not None:
-        limit_texts.append(f"at most {time_text(printed_time.at_most_us)}")
+    if timing.at_least_us is not None:
+        limit_texts.append(f"at least {time_text(timing.at_least_us)}")
+    if timing.typical_us is not None:
+        limit_texts.append(f"typically {time_text(timing.typical_us)}")
+    if timing.at_most_us is not None:
+        limit_texts.append(f"at most {time_text(timing.at_most_us)}")
     return ", ".join(limit_texts)
 
 
@@ -212,7 +214,7 @@ _ALIGNMENT_IN_WORDS = {
     "msb_left": "left: the most significant bit comes with the first clock, and zeros follow the word",
     "lsb_right": "right: zeros come before the word",
 }
-#: Words in which an encoder answers over SPI.
+#: Clauses for the word in which an encoder replies over SPI.
 REPLIES = {
     "same_word": "each reply is in the same word as its request",
     "next_word": "each reply is in the word after its request",
@@ -220,39 +222,39 @@ REPLIES = {
 _CODING_IN_WORDS = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
 
 
-#: Effects of requests.
+#: Verb phrases for what a request does, by its purpose.
 PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
 
 
-def describe_interface(device: Device, line: Interface) -> Iterator[Statement]:
-    """Yield all statements about an interface that follow its title, without the errata."""
-    yield from spec_text(line.note)
-    yield from describe_interface_facts(device, line)
+def describe_interface(device: Device, interface: Interface) -> Iterator[Statement]:
+    """Yield all statements about an interface except its title and its errata."""
+    yield from spec_text(interface.note)
+    yield from describe_interface_facts(device, interface)
 
 
-def describe_interface_facts(device: Device, line: Interface) -> Iterator[Statement]:
+def describe_interface_facts(device: Device, interface: Interface) -> Iterator[Statement]:
     """Yield the settings and times of an interface, and the requests or control data that are sent over it, if any."""
-    yield from describe_settings(device, line)
-    yield from map(describe_timing, line.timings)
-    match line:
+    yield from describe_settings(device, interface)
+    yield from map(describe_timing, interface.timings)
+    match interface:
         case Ssi():
             pass
         case Biss():
-            yield from spec_text(line.control_data_note, label="Control data")
-            yield from map(control_field, line.control_data)
+            yield from spec_text(interface.control_data_note, label="Control data")
+            yield from map(control_field, interface.control_data)
         case Rs485():
-            yield from map(describe_data_id, line.data_ids)
-            yield from map(memory_access, line.memory_access)
-            yield from map(describe_exchange, line.exchanges)
+            yield from map(describe_data_id, interface.data_ids)
+            yield from map(memory_access, interface.memory_access)
+            yield from map(describe_exchange, interface.exchanges)
         case Spi():
-            yield from map(describe_exchange, line.exchanges)
+            yield from map(describe_exchange, interface.exchanges)
         case _:
-            assert_never(line)
+            assert_never(interface)
 
 
-def describe_settings(device: Device, line: Interface) -> Iterator[Statement]:
-    """Yield the settings and electrical characteristics of an interface, each with its label, such as ``Clock``."""
-    for fact in line.facts():
+def describe_settings(device: Device, interface: Interface) -> Iterator[Statement]:
+    """Yield the settings and electrical characteristics of an interface, each with a label such as ``Clock``."""
+    for fact in interface.facts():
         label, content = _label_and_content(device, fact)
         yield statement(content, label=label, source=fact.source)
 
@@ -263,7 +265,7 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
         case Clock():
             return "Clock", f"{clock_words(fact)}{_only_with(fact)}"
         case CableLength(shorter_than_m=metres, below_hz=clock):
-            return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m{_only_with(fact)}"
+            return "Clock", f"below {hertz(clock)} with cables shorter than {metres} m{_only_with(fact)}"
         case BankSelect(register):
             return "Bank select", reference_to_register(device, register)
         case Network():
@@ -283,7 +285,7 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
 
 
 def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
-    """Return a label and a text for a fact that the spec states as a word or a text, such as ``Code`` and ``Gray``."""
+    """Return a label and a text for a fact that is a single word or text in the spec, such as ``Code`` and ``Gray``."""
     match fact:
         case Signals(text):
             return "Signals", text
@@ -298,15 +300,15 @@ def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | Descripti
 
 
 def timeouts_with_codes(timeouts: Sequence[Timeout]) -> str:
-    """Return the time-outs, each with the order codes to which it applies. Empty if there is none."""
+    """Return the time-outs of an interface, each with the order codes it applies to, or "" if there are none."""
     return "; ".join(f"{timeout_words(timeout)}{_only_with(timeout)}" for timeout in timeouts)
 
 
 def clock_words(clock: Clock) -> str:
     """Return the limits of a clock, such as ``100 kHz to 4 MHz``, or ``not known``.
 
-    If clocks in use are known, these follow, and which limits are not known: ``up to 5 MHz, 1 MHz is in use, the lowest
-    clock is not known``.
+    If the spec lists clocks in use, these follow, and then the limits that are not known: ``up to 5 MHz, 1 MHz is in
+    use, the lowest clock is not known``.
     """
     range_text = _clock_range(clock.min_hz, clock.max_hz)
     if not clock.used_hz:
@@ -316,7 +318,7 @@ def clock_words(clock: Clock) -> str:
 
 
 def _clock_range(lowest: int | None, highest: int | None) -> str:
-    """Return the limits of a clock in Hz as text, such as ``100 kHz to 4 MHz``, or an empty string without limits."""
+    """Return the limits of a clock in Hz as text, such as ``100 kHz to 4 MHz``, or "" if neither is known (None)."""
     if lowest is not None and highest is not None:
         return f"{hertz(lowest)} to {hertz(highest)}"
     if lowest is not None:
@@ -325,14 +327,14 @@ def _clock_range(lowest: int | None, highest: int | None) -> str:
 
 
 def clocks_in_use(clocks: Sequence[int]) -> str:
-    """Return a clause about clocks that programs or masters use, such as "1 MHz and 5 MHz are in use"."""
+    """Return a clause about the clocks in Hz that programs or masters use, such as "1 MHz and 5 MHz are in use"."""
     clocks_text = "".join(map(str, list_parts([hertz(hz) for hz in clocks])))
     verb = "is" if len(clocks) == 1 else "are"
     return f"{clocks_text} {verb} in use"
 
 
 def unknown_limits(clock: Clock) -> str:
-    """Return a clause about the limits that are not known. Empty if both are known."""
+    """Return a clause about the limits of a clock that are not known, or "" if both are known."""
     if not clock.has_limits:
         return "the limits are not known"
     if clock.min_hz is None:
@@ -343,7 +345,7 @@ def unknown_limits(clock: Clock) -> str:
 
 
 def _word_format_words(fact: WordFormat) -> str:
-    """Return the lengths of SPI words, the clock mode, and the word with the encoder's reply, separated by commas."""
+    """Return the lengths of SPI words, the clock mode, and which word contains the encoder's reply."""
     # Bit 1 of an SPI mode is the polarity of the clock, and bit 0 its phase.
     polarity = fact.mode >> 1
     phase = fact.mode & 1
@@ -359,9 +361,9 @@ def word_lengths(lengths: Iterable[Expression]) -> str:
 
 
 def _timeout_with_examples(timeout: Timeout) -> str:
-    """Return the rule with its limits, followed in brackets by the values that the manual calculates from it.
+    """Return the rule for a time-out, followed in parentheses by the examples that the manual calculates from it.
 
-    Without a number of clock periods, the printed values are already the rule.
+    If the rule is not a number of clock periods, it already contains the printed values.
     """
     rule = timeout_words(timeout)
     if timeout.half_clock_periods is None or not timeout.printed:
@@ -371,7 +373,7 @@ def _timeout_with_examples(timeout: Timeout) -> str:
 
 
 def _port_words(port: Port) -> str:
-    """Return the settings of a serial port, such as ``115,200 Bd, 8 data bits, no parity, 1 stop bit, ...``."""
+    """Return the settings of a serial port, such as ``115,200 Bd, 8 data bits, no parity, 1 stop bit, …``."""
     parity = f"{port.parity.replace('none', 'no')} parity"
     flow_control = f"{port.flow_control.replace('none', 'no')} flow control"
     stop_bits = count_with_unit(port.stop_bits, "stop bit")
@@ -379,12 +381,13 @@ def _port_words(port: Port) -> str:
 
 
 def _network_words(network: Network) -> str:
+    """Return the topology of a network and the number of slaves, such as ``point to point, one slave only``."""
     slaves = "several slaves allowed" if network.multiple_slaves else "one slave only"
     return f"{network.topology.replace('_', ' ')}, {slaves}"
 
 
 def _channel_words(channels: DataChannels) -> str:
-    """Return the order of the channels in a frame, and which of their bits must agree."""
+    """Return the order of the data channels in a frame, and which of their bits must agree."""
     order = f"{' and '.join(channels.order)} in one frame, in this order"
     if channels.compared_bits is None:
         return order
@@ -395,7 +398,7 @@ def _channel_words(channels: DataChannels) -> str:
 
 
 def describe_data_id(request: DataId) -> Statement:
-    """Return a T-format request: its control field, such as ``1Ah``, purpose and meaning, labelled with its ID."""
+    """Return the control field of a T-format request, its purpose and its meaning, labelled with its data ID."""
     meaning_text = f". {request.meaning}" if request.meaning else ""
     return statement(
         f"control field {request.control:02X}h, {request.purpose}{meaning_text}",
@@ -405,12 +408,13 @@ def describe_data_id(request: DataId) -> Statement:
 
 
 def memory_access(access: MemoryAccess) -> Statement:
+    """Return the meaning of one kind of memory access, and what its reply has as address and data."""
     text = f"{as_sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
     return statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
 
 
 def describe_exchange(request: Exchange) -> Statement:
-    """Return a request and its reply, with the effect of the request and the length of their words if it is fixed."""
+    """Return a request with its reply and its effect, and the length of their words if the spec states one."""
     exchange_parts: list[TextPart] = [CodeText(request.request)]
     if request.reply:
         exchange_parts += [" is answered by ", CodeText(request.reply)]
@@ -425,7 +429,7 @@ def describe_exchange(request: Exchange) -> Statement:
 
 
 def control_field(bits_field: ControlField) -> Statement:
-    """Return the width, the meaning and the values of a field of the control frame."""
+    """Return the width, the meaning and the named values of a field in the BiSS control frame."""
     width_and_meaning = count_with_unit(bits_field.bits, "bit")
     if bits_field.meaning:
         width_and_meaning += f": {bits_field.meaning}"
@@ -437,7 +441,7 @@ def control_field(bits_field: ControlField) -> Statement:
 
 
 def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
-    """Yield the meaning of the levels of a hardware input, its shortest pulse, effect, and the rules for its use."""
+    """Yield the facts about a hardware input: the meaning of its levels, its shortest pulse, and rules for its use."""
     yield from spec_text(hardware_input.low, label="Low level")
     yield from spec_text(hardware_input.high, label="High level")
     if hardware_input.pulse_at_least_us is not None:
@@ -445,6 +449,8 @@ def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
     if hardware_input.inverts:
         yield statement("A high level inverts ", register_field(device, hardware_input.inverts))
     if hardware_input.needs:
-        yield statement("Has an effect only if enabled by ", register_field(device, hardware_input.needs))
+        yield statement(
+            "The input has an effect only if it is enabled by ", register_field(device, hardware_input.needs)
+        )
     if hardware_input.when_unused:
         yield statement(f"Connect it to {hardware_input.when_unused} when it is not used")

@@ -1,4 +1,4 @@
-"""Text that needs no model: text from a spec in ASCII, on one line or wrapped, and numbers with their units."""
+"""Functions for text that need no model: conversion to ASCII, line wrapping, and numbers with their units."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
     from ..model.kinds import Scale
 
 
-#: Decimals of a number that has no exact decimal, such as 1/3.
+#: Number of decimals of a number that cannot be written exactly, such as 1/3.
 _ROUNDED_DECIMALS = 6
 
 
 def group_digits(value: int) -> str:
-    """Return a number in groups of three digits."""
+    """Return a number with commas between groups of three digits: ``65,536``."""
     return f"{value:,}"
 
 
 def decimal(value: Fraction) -> str:
-    """Return a number with all its decimals, in groups of three digits: ``1,234.5``.
+    """Return a number with all its decimals and with commas between groups of three digits: ``1,234.5``.
 
-    If the decimals never end, return six of them after ``≈``.
+    If its decimals never end, return six of them, with ``≈`` in front of the number.
     """
     exact_decimals = _number_of_decimals(value)
     decimals = _ROUNDED_DECIMALS if exact_decimals is None else exact_decimals
@@ -40,14 +40,14 @@ def decimal(value: Fraction) -> str:
 
 
 def quantity_text(scale: Scale, value: int) -> str:
-    """Return the quantity that a number represents: ``26.9 °C``. Begin with ``≈`` if the decimals are rounded."""
+    """Return the quantity that the value of a field represents: ``26.9 °C``, or ``≈ 26.9 °C`` if it is rounded."""
     text = f"{scale.decimal(value)} {scale.unit}"
     return text if scale.is_exact(value) else f"≈ {text}"
 
 
 def formula(scale: Scale) -> str:
-    """Return the formula of a quantity in the form that manuals print: ``(value + 152) / 2.776``."""
-    # The quantity is (value * numerator + offset) / denominator. The first form with a whole offset is used.
+    """Return the formula for a quantity in the form that manuals print: ``(value + 152) / 2.776``."""
+    # The quantity is (value * numerator + offset) / denominator. The result is the first form with a whole offset.
     numerator = scale.numerator
     denominator = scale.denominator
     offset = scale.offset
@@ -62,7 +62,7 @@ def formula(scale: Scale) -> str:
 
 
 def _sum_text(text: str, number: int) -> str:
-    """Return the text with a number added, such as ``value - 40``, or unchanged if the number is 0."""
+    """Return a sum as text, such as ``value - 40``. If the number is 0, return the text unchanged."""
     if number == 0:
         return text
     sign = "-" if number < 0 else "+"
@@ -70,9 +70,9 @@ def _sum_text(text: str, number: int) -> str:
 
 
 def _factor_text(numerator: int, denominator: int) -> str:
-    """Return a factor after a value: `` × 5 / 3``, or `` × 0.5`` or `` / 2.5`` if a power of ten makes that possible.
+    """Return a fraction as a factor that follows a value, such as `` × 5 / 3``, or "" for a factor of 1.
 
-    It is empty for a factor of 1.
+    If one side is a power of ten, the fraction becomes a decimal: `` × 0.5`` or `` / 2.5``.
     """
     if numerator == denominator:
         return ""
@@ -91,16 +91,16 @@ def _is_power_of_ten(number: int) -> bool:
 
 
 def _divided_by_power_of_ten(number: int, power_of_ten: int) -> str:
-    """Return the quotient with its decimals, without zeros at its end: 2776 by 1000 is ``2.776``."""
+    """Return a number divided by a power of ten as a decimal without trailing zeros: 2776 by 1000 is ``2.776``."""
     decimals = len(str(power_of_ten)) - len("1")
-    # With zeros in front, so that at least one digit is before the point.
+    # Leading zeros make sure that at least one digit is before the point.
     digits = f"{number:0{decimals + 1}}"
     point = len(digits) - decimals
     return f"{digits[:point]}.{digits[point:]}".rstrip("0").rstrip(".")
 
 
 def _number_of_decimals(value: Fraction) -> int | None:
-    """Return the number of decimals of a number, or None if they never end."""
+    """Return how many decimals a number has, or None if they never end."""
     # Each decimal divides the denominator by 2, by 5 or by both, so there are at most as many as it has bits.
     most_decimals = value.denominator.bit_length()
     for decimals in range(most_decimals + 1):
@@ -123,13 +123,13 @@ def with_unit(value: int | str, unit: str) -> str:
 
 
 def first_of(items: Sequence[str], count: int = 3, between: str = ", ") -> str:
-    """Join the first items, and count the rest: ``a, b, c and 5 more``."""
+    """Return the first ``count`` items as a list, followed by the number of the others: ``a, b, c and 5 more``."""
     first_items = between.join(items[:count])
     omitted = len(items) - count
     return f"{first_items} and {omitted} more" if omitted > 0 else first_items
 
 
-#: Replacements for signs that Unicode does not decompose well.
+#: ASCII replacements for signs that Unicode does not decompose, or decomposes badly.
 STAND_INS: Mapping[str, str] = {
     "→": "->",
     "←": "<-",
@@ -167,40 +167,40 @@ STAND_INS: Mapping[str, str] = {
 
 
 def in_ascii(text: str, replacements: Mapping[str, str]) -> str:
-    """Return the text with signs replaced by ``replacements`` or else by ``STAND_INS``.
+    """Return the text in ASCII, with signs replaced according to ``replacements`` or else ``STAND_INS``.
 
-    Letters lose their accents, and signs without a replacement become ``?``.
+    Letters lose their accents. Signs without a replacement become ``?``.
     """
     if text.isascii():
         return text
     stand_ins = {**STAND_INS, **replacements}
     replaced = text.translate({ord(sign): stand_in for sign, stand_in in stand_ins.items()})
-    # This form separates an accent from its letter.
+    # This Unicode form separates each accent from its letter.
     decomposed = unicodedata.normalize("NFKD", replaced)
     without_accents = "".join(letter for letter in decomposed if not unicodedata.combining(letter))
     return without_accents.encode("ascii", "replace").decode()
 
 
-#: Columns of a terminal.
+#: Width of a terminal in columns.
 WIDTH = 80
 _CONTROL_CHARACTERS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]+")
 
 
 def one_line(text: object) -> str:
-    """Return the text on one line. Control characters, line ends and direction marks become spaces."""
+    """Return the text on one line, with spaces in place of control characters, line ends and direction marks."""
     line = str(text)
     return line if line.isprintable() else _CONTROL_CHARACTERS.sub(" ", line)
 
 
 def text_on_one_line(text: object) -> str:
-    """Return the text on one line, without spaces at its ends."""
+    """Return the text on one line, without leading and trailing spaces."""
     return one_line(text).strip()
 
 
 def wrap_text(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
-    """Return a paragraph of at most ``width`` columns, or wider if a word needs that.
+    """Return the text as lines of at most ``width`` columns. Only a line with a single long word can be longer.
 
-    Lines start with ``prefix``, the first with ``first`` if it is given. A text without words is empty.
+    Each line starts with ``prefix``, except the first line if ``first`` is given. A text without words stays empty.
     """
     words = [word for word in text_on_one_line(text).split(" ") if word]
     if not words:
@@ -217,15 +217,15 @@ def wrap_text(text: object, width: int, prefix: str = "", first: str | None = No
     return "\n".join([*lines, current_line])
 
 
-#: Most columns for the names in a table of pairs.
+#: Widest first column of a table with two columns.
 _WIDEST_NAME = 40
 
 
 def two_columns(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
-    """Return the rows as lines with two columns: a name and a text, which is wrapped and may be empty.
+    """Return the lines of a table with two columns: names and texts. Texts are wrapped, and can be empty.
 
-    The second column begins two spaces after the longest name, or after 40 characters if names are longer than that.
-    ``indent`` spaces are in front of the first column. A longer name moves its text to the right.
+    The second column begins two spaces after the longest name, or after 40 characters if a name is longer than that. A
+    name that is too long moves its text to the right. ``indent`` is the number of spaces in front of the names.
     """
     row_list = list(rows)
     longest_name = max((len(name) for name, _ in row_list), default=0)

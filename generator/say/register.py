@@ -1,4 +1,4 @@
-"""Statements about a register, about a field of a frame or register, and about the unit and range of a position."""
+"""Statements about registers, about fields of frames and registers, and about the unit and range of a position."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from ..model import (
     first_or_raise,
 )
 from ..model.expressions import Expression
-from .commands import remedied
+from .commands import describe_remedy
 from .errata import describe_erratum, errata, needed_answers
 from .names_and_places import HasOtherNames, hexadecimal, own_names, printed_name_of, register_at, register_field
 from .names_and_places import register_reference as reference_to_register
@@ -49,7 +49,7 @@ from .text import (
 )
 
 _ACCESS_IN_WORDS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
-#: Phrases for registers and fields that only one party may use.
+#: Words for the only party that may use a reserved register or field.
 USERS = {"maker": "manufacturer"}
 _ABOVE_MAX = {
     "default": "The encoder replaces a value above the limit with the default",
@@ -58,27 +58,28 @@ _ABOVE_MAX = {
 
 
 def describe_access(register: Register) -> str:
+    """Return whether a register can be read, written or both, such as ``read only``."""
     return _ACCESS_IN_WORDS[register.access]
 
 
 def head(device: Device, register: Register, name: TextPart) -> Statement:
-    """Return the register's ``name``, address, access and interface."""
-    interface = device.interface(register.interface).title
+    """Return the register's ``name``, address, access and interface: ``command, register 77h, write only, over …``."""
+    interface_title = device.interface(register.interface).title
     return statement(
-        name, f", {register_at(register)}, {describe_access(register)}, over {interface}", source=register.source
+        name, f", {register_at(register)}, {describe_access(register)}, over {interface_title}", source=register.source
     )
 
 
-def describe_register(device: Device, device_register: Register) -> Iterator[Statement]:
-    """Yield all statements about a register that follow its head in running text."""
-    yield from spec_text(device_register.meaning)
-    yield from describe_register_facts(device, device_register)
-    yield from spec_text(device_register.note)
-    yield from map(describe_erratum, errata(device, f"registers.{device_register.name}"))
+def describe_register(device: Device, register: Register) -> Iterator[Statement]:
+    """Yield all statements about a register except its name, address and access."""
+    yield from spec_text(register.meaning)
+    yield from describe_register_facts(device, register)
+    yield from spec_text(register.note)
+    yield from map(describe_erratum, errata(device, f"registers.{register.name}"))
 
 
 def describe_register_facts(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield the content of a register, the rules for reading and writing it, and what it means in each mode."""
+    """Yield what a register contains, the rules for reading and writing it, and its meaning in each mode, if any."""
     yield from _content_facts(register)
     yield from needed_answers(device, register.layout)
     yield from _access_rules(device, register)
@@ -86,7 +87,7 @@ def describe_register_facts(device: Device, register: Register) -> Iterator[Stat
 
 
 def _content_facts(register: Register) -> Iterator[Statement]:
-    """Yield the byte order of a register of several bytes, its default, and its limits, as far as it has them."""
+    """Yield the byte order of a register that has several bytes, its default, and its limits, as far as known."""
     if register.last_address > register.address:
         byte_at_lowest_address = "low" if register.byte_order == "low_byte_first" else "high"
         order_text = f"{byte_at_lowest_address} byte first, at {hexadecimal(register.address)}"
@@ -95,17 +96,17 @@ def _content_facts(register: Register) -> Iterator[Statement]:
     if default is not None:
         yield statement(CodeText(default.hex(" ").upper()), label="Default")
     has_limits = register.min is not None or register.max is not None
-    # Each meaning has limits of its own.
+    # If a register has several meanings, each has limits of its own.
     if has_limits and not register.meanings:
         range_parts = describe_range(register.min, register.max)
-        # The limits may apply to one field.
+        # The limits can apply to a single field.
         if register.limits_of != register.name:
             range_parts = (*range_parts, " for ", CodeText(register.limits_of))
         yield statement(*range_parts, label="Limits")
 
 
 def describe_range(low: Expression | None, high: Expression | None) -> tuple[TextPart, ...]:
-    """Return a range as parts of a statement: ``(0, " to ", 7)``, ``("at least ", 0)``, or ``()`` without limits."""
+    """Return a range as parts of a statement: ``(0, " to ", 7)`` or ``("at least ", 0)``. None means no limit."""
     if low is not None and high is not None:
         return low, " to ", high
     if low is not None:
@@ -116,7 +117,7 @@ def describe_range(low: Expression | None, high: Expression | None) -> tuple[Tex
 
 
 def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield the rules for access to a register: what to do before and after it, and what it changes."""
+    """Yield the rules for reading and writing a register: what to do before and after, and what a write changes."""
     yield from _registers_at_same_address(device, register)
     if register.bank is not None:
         facts_of_interface = device.interface(register.interface).facts()
@@ -130,7 +131,7 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
     if register.wait_at_least_ms is not None:
         yield statement(f"Wait at least {register.wait_at_least_ms} ms between a write and the next command")
     if register.clears_itself:
-        yield statement("Automatically returns to its default after a write")
+        yield statement("After a write, the register returns to its default automatically")
     if register.volatile:
         yield statement("Save the parameters after a write, or the encoder loses the value at power-off")
     if register.above_max:
@@ -144,11 +145,12 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
 
 
 def describe_reserved_bits(user: str) -> Statement:
+    """Return who may use a reserved register or field. ``user`` is a key of ``USERS``."""
     return statement(f"Reserved for the {USERS[user]}")
 
 
 def _registers_at_same_address(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield which other register reads or writes of the same address and bank access instead."""
+    """Yield a statement for each other register that reading or writing the same address and bank accesses instead."""
     for other_register in device.registers:
         if other_register is register:
             continue
@@ -160,51 +162,54 @@ def _registers_at_same_address(device: Device, register: Register) -> Iterator[S
 
 
 def _opening_condition(device: Device, register: Register) -> Statement:
-    """Return the condition for writing a register: the value that another register, or a field of it, must hold."""
+    """Return the condition for writing a register: the value that another register, or one of its fields, must hold."""
     opening_register = device.register(register.opened_by)
     value_name = register.opened_by_value
     if register.opened_by_field:
-        opener_path = f"{register.opened_by}.{register.opened_by_field}"
+        opening_path = f"{register.opened_by}.{register.opened_by_field}"
         opening_field = opening_register.layout.field(register.opened_by_field)
         value_text = f"{opening_field.value_named(value_name).value}"
     else:
         # Without a field, the value is the value of the whole register.
-        opener_path = register.opened_by
+        opening_path = register.opened_by
         opening_field = opening_register.layout.fields[0]
         digits = 2 * opening_register.length
         value_text = hexadecimal(opening_field.value_named(value_name).value, digits)
-    reference = register_field(device, opener_path)
-    return statement("Can be written only while ", reference, f" is {value_text} (", CodeText(value_name), ")")
+    reference = register_field(device, opening_path)
+    return statement(
+        "The register can be written only while ", reference, f" is {value_text} (", CodeText(value_name), ")"
+    )
 
 
-def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Statement:
-    """Return one meaning of a register, with its limits, and the value of a field elsewhere that selects it.
+def _register_meaning(device: Device, meaning: RegisterMeaning) -> Statement:
+    """Return one of several meanings of a register, the field value that selects this meaning, and its limits.
 
-    ``register_meaning.when`` is that field, such as ``mode.output``, and ``register_meaning.value`` a name of a value.
+    ``meaning.when`` is the path of the selecting field, such as ``mode.output``, and ``meaning.value`` the name of its
+    value.
     """
-    register_name, _, field_name = register_meaning.when.partition(".")
+    register_name, _, field_name = meaning.when.partition(".")
     selecting_field = device.register(register_name).layout.field(field_name)
-    selecting_value = selecting_field.value_named(register_meaning.value).value
-    reference = register_field(device, register_meaning.when)
-    meaning_parts: list[TextPart] = ["While ", reference, f" is {selecting_value} (", CodeText(register_meaning.value)]
-    meaning_parts += ["), the register holds ", CodeText(register_meaning.name)]
-    range_parts = describe_range(register_meaning.min, register_meaning.max)
+    selecting_value = selecting_field.value_named(meaning.value).value
+    reference = register_field(device, meaning.when)
+    meaning_parts: list[TextPart] = ["While ", reference, f" is {selecting_value} (", CodeText(meaning.value)]
+    meaning_parts += ["), the register holds ", CodeText(meaning.name)]
+    range_parts = describe_range(meaning.min, meaning.max)
     if range_parts:
         meaning_parts += [", ", *range_parts]
-    if register_meaning.meaning:
-        meaning_parts.append(f". {register_meaning.meaning}")
-    return statement(*meaning_parts, source=register_meaning.source)
+    if meaning.meaning:
+        meaning_parts.append(f". {meaning.meaning}")
+    return statement(*meaning_parts, source=meaning.source)
 
 
-def describe_field(device: Device, frame_field: Field) -> Iterator[Statement]:
-    """Yield all statements about a field, for running text."""
-    yield from describe_meaning(frame_field, frame_field.meaning)
-    yield from rules(device, frame_field)
-    yield from spec_text(frame_field.note)
+def describe_field(device: Device, field: Field) -> Iterator[Statement]:
+    """Yield all statements about a field of a frame or register: its meaning, its rules and its note."""
+    yield from describe_meaning(field, field.meaning)
+    yield from rules(device, field)
+    yield from spec_text(field.note)
 
 
 def describe_meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement]:
-    """Yield the meaning ``text``, labelled with the manual's name of a part, or the name alone if it is empty."""
+    """Yield the meaning ``text`` with the manual's name of the item as its label, or only this name if it is empty."""
     manual_name = printed_name_of(named_item)
     if text:
         yield statement(text, label=manual_name)
@@ -212,76 +217,78 @@ def describe_meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement
         yield statement(manual_name)
 
 
-def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
-    """Yield how the bits of a field are read (unit, scale, kind), its default, and the rules for its use."""
-    yield from spec_text(frame_field.unit, label="Unit")
-    scale = frame_field.scale
+def rules(device: Device, field: Field) -> Iterator[Statement]:
+    """Yield how to interpret the bits of a field, its default, and the rules for its use."""
+    yield from spec_text(field.unit, label="Unit")
+    scale = field.scale
     if scale is not None:
         yield statement(formula(scale), label=f"In {scale.unit}", source=scale.source)
-    yield from _rules_of_kind(device, frame_field)
-    if frame_field.container:
-        yield statement(f"Right-aligned in {frame_field.container} bits, with zeros above it")
-    if not frame_field.implemented and "not implemented" not in frame_field.meaning.lower():
+    yield from _rules_of_kind(device, field)
+    if field.container:
+        yield statement(f"Right-aligned in {field.container} bits, with leading zeros")
+    if not field.implemented and "not implemented" not in field.meaning.lower():
         yield statement("Not implemented in this encoder")
-    if frame_field.reserved:
-        yield describe_reserved_bits(frame_field.reserved)
-    if frame_field.equals is not None:
-        expected = _expected_value(frame_field.equals, frame_field.widest)
-        yield statement(
-            "Holds ", expected, ", which helps to identify the encoder. The decoder also accepts other values"
-        )
-    if frame_field.default is not None:
-        yield statement(Expression(frame_field.default), label="Default")
-    if frame_field.explained_by:
-        explaining_fields = [register_field(device, field_path) for field_path in frame_field.explained_by]
+    if field.reserved:
+        yield describe_reserved_bits(field.reserved)
+    if field.equals is not None:
+        expected = _expected_value(field.equals, field.widest)
+        yield statement("The value ", expected, " helps to identify the encoder. The decoder also accepts other values")
+    if field.default is not None:
+        yield statement(Expression(field.default), label="Default")
+    if field.explained_by:
+        explaining_fields = [register_field(device, field_path) for field_path in field.explained_by]
         yield statement("For the reason, see ", *list_parts(explaining_fields))
-    yield from remedied(frame_field.remedy, frame_field.by_hand)
+    yield from describe_remedy(field.remedy, field.by_hand)
 
 
-def _rules_of_kind(device: Device, frame_field: Field) -> Iterator[Statement]:
-    """Yield the meaning of the bits of a field, as its kind determines it."""
-    match frame_field.kind:
+def _rules_of_kind(device: Device, field: Field) -> Iterator[Statement]:
+    """Yield how to interpret the bits of a field, depending on its kind: a number, a flag, a constant and so on."""
+    match field.kind:
         case Number() as number:
             yield from _number_rules(number)
         case Flag() as flag:
-            yield from _flag_rules(flag, is_implemented=frame_field.implemented)
+            yield from _flag_rules(flag, is_implemented=field.implemented)
         case Choice():
             pass  # Each value has its own statement.
         case Constant(value):
-            yield from _constant_rule(frame_field, value)
+            yield from _constant_rule(field, value)
         case Unused() as unused:
-            yield from _unused_rules(device, frame_field, unused)
+            yield from _unused_rules(device, field, unused)
         case CrcValue() as crc:
             yield _covered_by_crc(crc)
         case Parity() as parity:
             yield _covered_by_parity(parity)
         case Decimal(runs):
             runs_of_digits = [_run_of_digits(run) for run in runs]
-            yield statement("Decimal digits, most significant first: ", *join_groups(runs_of_digits))
+            yield statement("Decimal digits, most significant digit first: ", *join_groups(runs_of_digits))
         case Text():
             yield statement("ASCII text")
         case _ as kind:
             assert_never(kind)
 
 
-def _constant_rule(frame_field: Field, value: int) -> Iterator[Statement]:
+def _constant_rule(field: Field, value: int) -> Iterator[Statement]:
     """Yield the value of a constant, unless the meaning of the field already says what it always is."""
-    if "always" not in frame_field.meaning.lower():
+    if "always" not in field.meaning.lower():
         yield statement(f"Always {short_number(value)}")
 
 
 def _covered_by_crc(crc_value: CrcValue) -> Statement:
+    """Return the CRC of a field, and the fields that it covers: ``CRC x24 over mode, position``."""
     covered: list[TextPart] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
     return statement("CRC ", Reference("crc", crc_value.crc, crc_value.crc), " over ", *covered)
 
 
-def covered_by_parity_bit(frame_field: Field) -> Statement | None:
-    """Return the fields that a field covers if it is a parity bit, or None."""
-    return _covered_by_parity(frame_field.kind) if isinstance(frame_field.kind, Parity) else None
+def covered_by_parity_bit(field: Field) -> Statement | None:
+    """Return the fields that a parity bit covers, or None if the field is not a parity bit."""
+    return _covered_by_parity(field.kind) if isinstance(field.kind, Parity) else None
 
 
 def _covered_by_parity(parity: Parity) -> Statement:
-    """Return the fields that a parity bit covers, such as ``Even parity of error, position``."""
+    """Return the fields that a parity bit covers, such as ``Even parity of error, position``.
+
+    If only some of their bits count, the statement says which: ``Odd parity of the even bits of position``.
+    """
     polarity = "Odd" if parity.is_odd else "Even"
     counted_bits = f"the {parity.over.replace('_', ' ')} of " if parity.over else ""
     return statement(polarity, f" parity of {counted_bits}", *_names_as_code(parity.covers))
@@ -292,26 +299,26 @@ def _names_as_code(names: Iterable[str]) -> list[TextPart]:
     return list(join_groups([CodeText(name)] for name in names))
 
 
-def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
-    """Yield the documented value of unused bits, and the effect of other values: a verdict if there is a position."""
+def _unused_rules(device: Device, field: Field, unused: Unused) -> Iterator[Statement]:
+    """Yield the documented value of unused bits, and what other values do to the verdict on the position."""
     yield statement(f"Unused, documented as {short_number(unused.value)}")
-    if _is_in_frame_with_position(device, frame_field):
+    if _is_in_frame_with_position(device, field):
         verdict = CodeText(unused.makes_position.value)
         yield statement("Frames with other values are still decoded, with the verdict ", verdict)
     else:
         yield statement("Other values are still decoded")
 
 
-def _is_in_frame_with_position(device: Device, frame_field: Field) -> bool:
-    """Return whether any frame contains both the field and the position."""
+def _is_in_frame_with_position(device: Device, field: Field) -> bool:
+    """Return whether a frame contains both this field and the position."""
     for interface, layout in device.layouts():
-        if frame_field in layout.fields and device.sends_position(interface.name, layout):
+        if field in layout.fields and device.sends_position(interface.name, layout):
             return True
     return False
 
 
 def _number_rules(kind: Number) -> Iterator[Statement]:
-    """Yield what a number means beyond its binary value: its sign, the meaning of zero, and the powers of two."""
+    """Yield the properties of a number: its sign, the meaning of 0, a limitation to powers of two, its digit code."""
     if kind.signed:
         yield statement("Signed, in two's complement")
     if kind.zero_means:
@@ -324,25 +331,25 @@ def _number_rules(kind: Number) -> Iterator[Statement]:
 
 
 def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
-    """Yield the levels of a flag, the flags that it combines, and its verdict on the position.
+    """Yield the levels of a flag, the other flags that it combines, and its verdict on the position.
 
-    A flag that the manual explains only for some order codes can have a different verdict for the others.
+    If the manual explains the flag only for some order codes, a statement on the other order codes follows.
     """
     yield from _flag_levels(flag, is_implemented=is_implemented)
     if flag.sums_up:
-        yield statement("Combines ", *list_parts([CodeText(name) for name in flag.sums_up]))
+        yield statement("This flag combines ", *list_parts([CodeText(name) for name in flag.sums_up]))
     if is_implemented:
         yield from _flag_verdict(flag)
     if flag.only:
         remark = ". For other order codes, the manual does not explain the flag"
-        verdict_without_meaning = flag.unexplained.makes_position
-        if verdict_without_meaning is not None:
-            remark += f". While it is active there, {VERDICT_CLAUSES[verdict_without_meaning]}"
+        verdict_for_other_codes = flag.unexplained.makes_position
+        if verdict_for_other_codes is not None:
+            remark += f". If it is active there, {VERDICT_CLAUSES[verdict_for_other_codes]}"
         yield statement("This applies only to ", CodeText(flag.only), remark)
 
 
 def _flag_verdict(flag: Flag) -> Iterator[Statement]:
-    """Yield the verdict of an active flag on the position, and the verdict if the user sets a parameter."""
+    """Yield the verdict on the position while a flag is active, and the verdict if the user sets a parameter to 1."""
     if flag.makes_position is Verdict.USABLE:
         yield statement("It does not affect the position")
     elif flag.makes_position:
@@ -357,7 +364,7 @@ def _flag_verdict(flag: Flag) -> Iterator[Statement]:
 
 
 def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
-    """Yield the meaning of each level of a flag. Empty if it is not implemented and the manual states no level."""
+    """Yield the meaning of each level of a flag, or nothing for a flag that is neither implemented nor explained."""
     has_meaning = bool(flag.when_active or flag.when_inactive)
     if not is_implemented and not has_meaning:
         return
@@ -369,17 +376,18 @@ def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
 
 
 def _run_of_digits(digit_run: Digits) -> tuple[TextPart, ...]:
-    """Return the name of a run of digits, their number and their meaning, such as ``year 2 (of manufacture)``."""
+    """Return the name of consecutive digits, their number, and their meaning: ``year 2 (year of manufacture)``."""
     meaning_text = f" ({digit_run.meaning})" if digit_run.meaning else ""
     return CodeText(digit_run.name), f" {digit_run.digits}", meaning_text
 
 
 def _hex_digits_for(bits: int) -> int:
+    """Return the number of hexadecimal digits for this many bits: one for each 4 bits, rounded up."""
     return (bits + 3) // 4
 
 
 def _expected_value(value: Expression | int | str, bits: int) -> TextPart:
-    """Return the constant value of a field of ``bits`` bits, as text or as a hexadecimal number."""
+    """Return the value that identifies an encoder in a field of ``bits`` bits, as text or in hexadecimal."""
     if isinstance(value, str):
         return CodeText(value)
     number = value if isinstance(value, Expression) else Expression(value)
@@ -393,53 +401,60 @@ def choices(values: tuple[Value, ...]) -> Statement:
 
 
 def describe_value(named_value: Value, bits: int) -> Statement:
-    """Return a value of a field of ``bits`` bits: its number, names, meaning and verdict: ``1Fh test (TST): …``."""
+    """Return a named value of a ``bits``-bit field: its number, names, meaning and verdict, ``1Fh test (TST): …``."""
     manual_names = own_names(named_value)
     names_text = f" ({manual_names})" if manual_names else ""
     meaning_text = f": {named_value.meaning}" if named_value.meaning else ""
     number_text = hexadecimal(named_value.value, _hex_digits_for(bits))
     name = CodeText(named_value.name)
-    return statement(f"{number_text} ", name, names_text, meaning_text, effect(named_value), source=named_value.source)
+    return statement(
+        f"{number_text} ",
+        name,
+        names_text,
+        meaning_text,
+        _verdict_in_parentheses(named_value),
+        source=named_value.source,
+    )
 
 
-def effect(named_value: Value) -> str:
-    """Return the verdict of a named value on the position as the end of a statement, or an empty string."""
+def _verdict_in_parentheses(named_value: Value) -> str:
+    """Return the verdict on the position for a named value, in parentheses, or "" if the value has none."""
     return f" ({VERDICT_CLAUSES[named_value.makes_position]})" if named_value.makes_position is not None else ""
 
 
 def short_number(number: int) -> str:
-    """Return a number below 10 in decimal, and any other number in the hexadecimal notation of manuals."""
+    """Return a number below 10 in decimal, and any other number in hexadecimal: ``7``, ``1Fh``."""
     return f"{number}" if number < 10 else f"{number:X}h"
 
 
-def describe_measurement(unit_and_range: Measurement) -> Statement:
-    """Return the resolution and the range of a position, as far as they are given.
+def describe_measurement(measurement: Measurement) -> Statement:
+    """Return the resolution and the range of a position, as far as the spec states them.
 
-    These are counts per revolution and revolutions, or the length of a count, and then the whole counts and the
-    highest position.
+    The resolution is the counts per revolution and the number of revolutions, or the length of a count. The range is
+    the total number of counts and the highest position.
     """
     quantities: list[tuple[TextPart, ...]] = []
-    if unit_and_range.counts_per_turn is not None:
-        quantities.append((Amount(unit_and_range.counts_per_turn, "counts"), " per revolution"))
-    if unit_and_range.turns is not None:
-        quantities.append((Amount(unit_and_range.turns, "revolutions"),))
-    if unit_and_range.step_um is not None:
-        quantities.append((Amount(unit_and_range.step_um, "µm"), " per count"))
-    if unit_and_range.step_nm is not None and unit_and_range.per_counts is None:
-        quantities.append((Amount(unit_and_range.step_nm, "nm"), " per count"))
-    if unit_and_range.step_nm is not None and unit_and_range.per_counts is not None:
-        step = Amount(unit_and_range.step_nm, "nm")
-        counts = Amount(unit_and_range.per_counts, "counts")
+    if measurement.counts_per_turn is not None:
+        quantities.append((Amount(measurement.counts_per_turn, "counts"), " per revolution"))
+    if measurement.turns is not None:
+        quantities.append((Amount(measurement.turns, "revolutions"),))
+    if measurement.step_um is not None:
+        quantities.append((Amount(measurement.step_um, "µm"), " per count"))
+    if measurement.step_nm is not None and measurement.per_counts is None:
+        quantities.append((Amount(measurement.step_nm, "nm"), " per count"))
+    if measurement.step_nm is not None and measurement.per_counts is not None:
+        step = Amount(measurement.step_nm, "nm")
+        counts = Amount(measurement.per_counts, "counts")
         quantities.append((step, " per ", counts))
-    if unit_and_range.modulus is not None:
-        quantities.append((Amount(unit_and_range.modulus, "counts"), " in total"))
-    if unit_and_range.highest is not None:
-        quantities.append(("maximum ", unit_and_range.highest))
-    return statement(*join_groups(quantities), source=unit_and_range.source)
+    if measurement.modulus is not None:
+        quantities.append((Amount(measurement.modulus, "counts"), " in total"))
+    if measurement.highest is not None:
+        quantities.append(("maximum ", measurement.highest))
+    return statement(*join_groups(quantities), source=measurement.source)
 
 
 def describe_position_range(layout_range: LayoutRange) -> Statement:
-    """Return the range of the position in one layout: that it never wraps, or its revolutions, counts and maximum."""
+    """Return the range of the position in one frame: that it never wraps, or its revolutions, counts and maximum."""
     if not layout_range.wraps:
         return statement("never wraps around", source=layout_range.source)
     quantities: list[tuple[TextPart, ...]] = []
@@ -453,7 +468,7 @@ def describe_position_range(layout_range: LayoutRange) -> Statement:
 
 
 def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRange]]:
-    """Yield the layouts of an interface in which the position has another range, with that range."""
+    """Yield the name of each frame of an interface whose position has a range of its own, with that range."""
     for layout in device.interface(interface).layouts:
         if layout.position_range is not None:
             yield layout.name, layout.position_range

@@ -1,4 +1,4 @@
-"""Statements about a device, composed of parts without markup, and the wording of numbers with units."""
+"""Statements about a device, which consist of parts without markup, and text for numbers with units."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .plain_text import group_digits as group_digits
 from .plain_text import with_unit as with_unit
 
 _TIMEOUT_RULE_IN_WORDS = {"follows_clock": "varies with the clock", "fixed": "fixed"}
-#: Verdicts on the position, as clauses.
+#: Verdicts on the position as clauses.
 VERDICT_CLAUSES = {
     Verdict.NOT_USABLE: "the position is not usable",
-    Verdict.USABLE_WITH_WARNING: "the position is usable, with a warning",
+    Verdict.USABLE_WITH_WARNING: "the position is usable with a warning",
     Verdict.USABLE: "the position is usable",
     Verdict.UNKNOWN: "no bit of this frame confirms that the position is usable",
 }
@@ -32,7 +32,7 @@ _LANGUAGE_NAMES = {
 
 
 def hertz(value: int) -> str:
-    """Return a frequency in the largest unit of which it has at least one, such as ``2.5 MHz``."""
+    """Return a frequency in the largest unit that gives at least 1, such as ``2.5 MHz``."""
     for factor, unit in ((1_000_000, "MHz"), (1_000, "kHz")):
         if value >= factor:
             return f"{value / factor:g} {unit}"
@@ -40,33 +40,34 @@ def hertz(value: int) -> str:
 
 
 def volts(millivolts: int) -> str:
+    """Return a voltage in volts, such as ``4.75 V``."""
     return f"{millivolts / 1000:g} V"
 
 
-def time_text(value: int) -> str:
-    """Return a time in the largest unit in which it is a whole number: 1500 is ``1500 µs``, and 2000 is ``2 ms``."""
+def time_text(microseconds: int) -> str:
+    """Return a time in the largest unit that gives a whole number: 1500 is ``1500 µs``, and 2000 is ``2 ms``."""
     for factor, unit in ((1_000_000, "s"), (1_000, "ms")):
-        if value >= factor and value % factor == 0:
-            return f"{value // factor} {unit}"
-    return f"{value} µs"
+        if microseconds >= factor and microseconds % factor == 0:
+            return f"{microseconds // factor} {unit}"
+    return f"{microseconds} µs"
 
 
-def nanoseconds(value: int) -> str:
-    """Return a time in ns or, if it is at least 1 µs, in µs. Whole numbers of µs may also be in ms or s."""
-    if value % 1000 == 0:
-        return time_text(value // 1000)
-    return f"{value / 1000:g} µs" if value > 1000 else f"{value} ns"
+def nanoseconds(value_ns: int) -> str:
+    """Return a time in ns or, from 1 µs, in µs. A whole number of µs can also be returned in ms or s."""
+    if value_ns % 1000 == 0:
+        return time_text(value_ns // 1000)
+    return f"{value_ns / 1000:g} µs" if value_ns > 1000 else f"{value_ns} ns"
 
 
 def printed_timeout_words(printed: PrintedTimeout) -> str:
-    """Return a time-out that a manual prints, with its clock."""
+    """Return an example of a time-out from a manual, with its clock: ``7.5 µs at 200 kHz``."""
     return f"{nanoseconds(printed.timeout_ns)} at {hertz(printed.clock_hz)}"
 
 
 def timeout_words(timeout: Timeout) -> str:
     """Return the rule and limits of a time-out, such as ``1.5 clock periods, at most 20 µs``.
 
-    Without a number of clock periods, the values in the manual follow.
+    If the manual does not give a number of clock periods, its examples follow: ``fixed, 7.5 µs at 200 kHz``.
     """
     if timeout.half_clock_periods is None:
         rule_and_limits = [_TIMEOUT_RULE_IN_WORDS.get(timeout.rule, timeout.rule)]
@@ -77,34 +78,34 @@ def timeout_words(timeout: Timeout) -> str:
     if timeout.at_most_ns is not None:
         rule_and_limits.append(f"at most {nanoseconds(timeout.at_most_ns)}")
     if timeout.half_clock_periods is None:
-        # Without a rule, only the values printed in the manual are known.
+        # Without a number of clock periods, these are the only values known.
         rule_and_limits += [printed_timeout_words(printed) for printed in timeout.printed]
     return ", ".join(rule_and_limits)
 
 
 def language_name(key: str) -> str:
-    """Return the name of a language, or its code if there is no name for it."""
+    """Return the English name of a language, or its code if the name is not listed: ``it`` becomes ``Italian``."""
     return _LANGUAGE_NAMES.get(key, key)
 
 
 def as_sentence(text: str) -> str:
-    """Return the text with a full stop, unless it already ends with punctuation."""
+    """Return the text with a period at its end, unless it is empty or already ends with punctuation."""
     return text if not text or text.endswith((".", "!", "?", ":")) else f"{text}."
 
 
 @dataclass(frozen=True, slots=True)
 class CodeText:
-    """Name or bytes as written in code or on a label."""
+    """Text that is shown as code, such as a name, bytes, or an order code."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """Reference to another item of the device: a register, a CRC, a procedure or an erratum.
+    """Reference to an item of a device, such as a register, a CRC or a procedure, which is its ``kind``.
 
-    ``name`` is the name in the spec, such as ``configuration.enable_preset`` for a field of a register. ``title`` is
-    the name shown to people.
+    ``name`` is its name in the spec, such as ``configuration.enable_preset`` for a field of a register. ``title`` is
+    the name for readers of the manual.
     """
 
     kind: str
@@ -119,7 +120,7 @@ class Reference:
 
 @dataclass(frozen=True, slots=True)
 class Hex:
-    """Number that manuals print in hexadecimal, with at least ``digits`` digits: ``3Fh``."""
+    """Number that is shown in hexadecimal, with at least ``digits`` digits: ``3Fh``."""
 
     number: Expression
     digits: int = 2
@@ -127,14 +128,14 @@ class Hex:
 
 @dataclass(frozen=True, slots=True)
 class Amount:
-    """Number and unit, which is in the plural unless the number is 1: ``1 revolution``, ``65,536 revolutions``."""
+    """Number with its unit in the plural, which becomes singular if the number is 1: ``1 revolution``."""
 
     number: Expression
     unit: str
 
 
 class Level(Enum):
-    """State of a flag, which some outputs write as a Boolean."""
+    """Level of a flag in a statement. Docstrings write it as ``True`` or ``False``."""
 
     ACTIVE = "Active"
     INACTIVE = "Inactive"
@@ -148,33 +149,33 @@ TextPart = str | CodeText | Reference | Expression | Amount | Hex | Level
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """Sentence without a full stop, or a labelled fact such as 100 kHz to 4 MHz with the label ``Clock``.
+    """Sentence without its period, or a fact with a label, such as ``100 kHz to 4 MHz`` with the label ``Clock``.
 
-    A statement with ``below`` is a head followed by labelled statements. Outputs put these on separate lines if they
-    can.
+    A statement with other statements in ``below`` is only a heading for them. Outputs put them on separate lines if
+    they can.
     """
 
     parts: tuple[TextPart, ...]
     label: str = ""
     source: Sources = ()
-    #: Short form for an output that prints the full statement elsewhere. None if there is no short form.
+    #: Short form, for outputs that print the full statement elsewhere. None if there is no short form.
     brief: str | None = None
     below: tuple[Statement, ...] = ()
 
 
 def statement(*parts: TextPart, label: str = "", source: Sources = ()) -> Statement:
-    """Return the statement formed by these parts."""
+    """Return a statement that consists of these parts."""
     return Statement(parts, label, source)
 
 
 def spec_text(text: str, label: str = "", source: Sources = ()) -> Iterator[Statement]:
-    """Yield text from the spec unless it is empty."""
+    """Yield a statement with text from a spec, or nothing if the text is empty."""
     if text:
         yield statement(text, label=label, source=source)
 
 
 def list_parts(items: Sequence[TextPart], last: str = " and ") -> Iterator[TextPart]:
-    """Yield the items as the parts of a list: ``a, b and c``."""
+    """Yield the items of a list with separators between them: ``a, b and c``. ``last`` is the last separator."""
     for index, part in enumerate(items):
         is_last = index == len(items) - 1
         if index > 0:
@@ -184,7 +185,7 @@ def list_parts(items: Sequence[TextPart], last: str = " and ") -> Iterator[TextP
 
 
 def join_groups(groups: Iterable[Sequence[TextPart]], between: str = ", ") -> Iterator[TextPart]:
-    """Yield the parts of all non-empty groups, with the separator ``between`` after each group except the last."""
+    """Yield the parts of all groups, with the separator ``between`` between two groups. Empty groups are skipped."""
     is_first = True
     for group in groups:
         if not group:
@@ -196,30 +197,33 @@ def join_groups(groups: Iterable[Sequence[TextPart]], between: str = ", ") -> It
 
 
 def _bracketed_sources(sources: Sources) -> str:
+    """Return the sources in brackets, such as ``[5.3 p.22]``, or "" if there are none."""
     return f"[{cite(sources)}]" if sources else ""
 
 
 @dataclass(frozen=True)
 class Style:
-    """Functions that write each kind of part for an output, with the syntax of its language escaped."""
+    """Functions that write each kind of part in the syntax of an output.
+
+    ``text`` also escapes the characters that have a meaning in this syntax.
+    """
 
     text: Callable[[str], str]
     code: Callable[[str], str]
     ref: Callable[[Reference], str]
     cited: Callable[[Sources], str] = _bracketed_sources
-    #: Function that fills known values into an expression, for an output about one order code.
+    #: Function that replaces parameters of an expression with their values, for an output about one order code.
     resolve: Callable[[Expression], Expression] = lambda expression: expression
     level: Callable[[Level], str] = lambda level: level.value
 
     def phrase(self, statement: Statement) -> str:
-        """Return the parts without a label, a source and a full stop."""
+        """Return the parts of a statement as text, without its label, its source and a period."""
         return "".join(map(self._write_part, statement.parts))
 
     def sentence(self, statement: Statement) -> str:
         """Return the statement as a sentence: ``Clock: 100 kHz to 4 MHz [5.3].``
 
-        The full stop is at the very end. It is left out if the text in front of the source already ends with a full
-        stop.
+        The period follows the source. It is omitted if the text in front of the source already ends with punctuation.
         """
         if statement.below:
             return " ".join(self.lines(statement))
@@ -228,33 +232,33 @@ class Style:
         source = self.cited(statement.source)
         if not source:
             return f"{label}{as_sentence(phrase)}"
-        # ``sentence`` adds a full stop only to a text without punctuation at its end.
+        # as_sentence() changes only a text without punctuation at its end.
         ends_with_punctuation = as_sentence(phrase) == phrase
         return f"{label}{phrase} {source}" if ends_with_punctuation else f"{label}{phrase} {source}."
 
     def head(self, statement: Statement) -> str:
-        """Return the label and source of a statement with other statements below it: ``Erratum start (open) [5.3]``."""
+        """Return the heading of a statement with others below it: its label and source, ``Erratum: … (open) [5.3]``."""
         return f"{self.text(statement.label)} {self.cited(statement.source)}".strip(" ")
 
     def lines(self, statement: Statement) -> list[str]:
-        """Return the statement as one line, or its head and a line for each statement below it."""
+        """Return the statement as a single line, or as its heading with one more line for each statement below it."""
         if not statement.below:
             return [self.sentence(statement)]
         return [f"{self.head(statement)}:", *map(self.sentence, statement.below)]
 
-    def paragraph(self, items: Iterable[Statement]) -> str:
+    def paragraph(self, statements: Iterable[Statement]) -> str:
         """Return several statements as one paragraph."""
-        return " ".join(filter(None, map(self.sentence, items)))
+        return " ".join(filter(None, map(self.sentence, statements)))
 
     def number(self, expression: Expression) -> str:
-        """Return a number, or as code an expression that still contains parameters after known values are filled in."""
+        """Return an expression as a number if all its parameters have known values, or else as code."""
         resolved = self.resolve(expression)
         if resolved.is_constant:
             return group_digits(resolved.constant)
         return self.code(resolved.render())
 
     def _write_part(self, part: TextPart) -> str:
-        """Return a part of a statement in the syntax of the output."""
+        """Return one part of a statement in the syntax of the output."""
         match part:
             case str():
                 return self.text(part)
@@ -275,11 +279,11 @@ class Style:
                 return self.level(part)
 
 
-#: For readers who know the names used in the spec, such as on a terminal.
+#: Style for readers who know the names in the spec, such as on a terminal.
 PLAIN_STYLE = Style(text=str, code=str, ref=lambda ref: ref.name)
-#: For readers who know the names used in the manual, such as in a comment.
+#: Style for readers who know the names in the manual, such as in a C comment.
 TITLE_STYLE = Style(text=str, code=str, ref=lambda ref: ref.title)
-#: For docstrings, where names are code and a flag is a Boolean.
+#: Style for docstrings, where names are code and a flag is a Boolean.
 DOCSTRING_STYLE = Style(
     text=str,
     code=lambda text: f"``{text}``",

@@ -213,7 +213,7 @@ def test_a_fault_in_the_words_of_the_command(steps: dict[str, Any]) -> None:
     assert "crc error: expected CRC 0x7e, got 0x7f" in steps["fault"]
     assert "codewheel decode" not in steps["fault"]
     early = steps["why"].index("started one clock early: an extra bit such as CDS is in front")
-    bit = "one bit may have been disturbed on the line: the CRC matches with bit 0 inverted"
+    bit = "one bit may have been corrupted on the line: the CRC matches with bit 0 inverted"
     assert 0 < steps["why"].index(bit) < early
     assert "Every bit is 0: the line never changes." in steps["low"]
     assert "Every bit is 1: the line never changes." in steps["high"]
@@ -465,7 +465,7 @@ def test_many_frames_give_a_table(chromium: str, page: Path) -> None:
     assert first == "3,0.001,0xF4243D3,single_cycle_data,usable,,0,1000003,no,no,19,1000003"
     assert second.startswith('4,0.002,"[0x0F, 0x42, 0x43, 0xD2]",single_cycle_data,,"expected CRC 0x13, got 0x12",')
     assert result["full"].startswith("Line 4")
-    assert "one bit may have been disturbed on the line" in result["full"]
+    assert "one bit may have been corrupted on the line" in result["full"]
 
 
 @pytest.mark.slow

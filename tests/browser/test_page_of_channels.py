@@ -57,7 +57,7 @@ def test_both_words_and_their_verdict(chromium: str, tmp_path: Path) -> None:
     assert "crc error: safety_word: expected CRC" in results["wrong"]
     message = "control_word (32 bits) and safety_word (40 bits) have 72 bits together, got 73: 1 bit is too many."
     assert message in results["long"]
-    assert "All CRCs are correct with 2 other bits before the frame and 1 after it." in results["around"]
+    assert "All CRCs are correct with 2 extra bits before the frame and 1 after it." in results["around"]
     assert "All CRCs are correct with the channels in the order safety_word, control_word." in results["exchanged"]
     assert "All CRCs are correct" not in results["whole"] + results["wrong"]
     assert "Error in safety_word, so the frame has no position." in results["wrong"]

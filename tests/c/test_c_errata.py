@@ -31,7 +31,7 @@ def words(text: str) -> str:
 
 
 def titles_in(header: str) -> list[str]:
-    return re.findall(r"Erratum: (.*?) \((?:open|settled)\)", flat(header))
+    return re.findall(r"Erratum: (.*?) \((?:open|resolved)\)", flat(header))
 
 
 @pytest.mark.slow

@@ -44,7 +44,7 @@ PRINTED = {
         "Data ID 8": "0xC2U",
         "Data ID D": "0xEAU",
         "Data ID 3": "0x1AU",
-        "ENID": "Holds 23h",
+        "ENID": "The value 23h",
         "PS error": "_MASK 0x20U",
         "ST error": "_MASK 0x04U",
         "BUSY flag": "_BUSY_MASK 0x02U",

@@ -135,7 +135,7 @@ def test_it_has_nothing_of_other_order_codes_or_files(packaged: tuple[Device, ..
             assert set(re.findall(r"\bcw_\w+", text)) <= {"cw_result", "cw_verdict"}
             paragraphs = " ".join(line.strip().removeprefix("*") for line in text.splitlines())
             errata = len(re.findall(r"\bErratum: ", paragraphs))
-            assert errata == len(re.findall(r"\((?:open|settled)\)\. +Used: ", paragraphs)), code
+            assert errata == len(re.findall(r"\((?:open|resolved)\)\. +Used: ", paragraphs)), code
 
 
 @pytest.mark.slow

@@ -520,8 +520,8 @@ case(
 )
 case(
     "unused_bits",
-    lambda: report.deciding_bits(replace(a_field(Unused(3)), widest=2)),
-    lambda: report.deciding_bits(a_field(ERROR)),
+    lambda: report.deciding_value(replace(a_field(Unused(3)), widest=2)),
+    lambda: report.deciding_value(a_field(ERROR)),
 )
 case(
     "crc_inverted",

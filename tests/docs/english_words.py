@@ -62,7 +62,7 @@ _TABLE: list[tuple[str, str]] = [
     (r"turn on until", "keep turning until"),
     (r"refusing ends", "the limit widens"),
     (r"follows from itself", "is defined by itself"),
-    (r"with a warning with a warning", "warning bit active: usable, with a warning"),
+    (r"with a warning with a warning", "warning bit active: usable with a warning"),
     (r"not to be used, and to be used with care", "say the meaning of each bit"),
 ]
 

@@ -89,8 +89,8 @@ def test_an_input_contradicts_that_there_is_no_preset(pages: Mapping[str, str]) 
 @pytest.mark.parametrize(
     ("family", "line"),
     [
-        ("amm5", "- Reply time and cable length: the manual does not say."),
-        ("sma21", " Cable length: see [times](#timings) and [characteristics](hardware.md#characteristics)."),
+        ("amm5", "- The manual does not state the reply time or the cable length."),
+        ("sma21", " For the cable length, see [times](#timings) and [characteristics](hardware.md#characteristics)."),
     ],
 )
 def test_a_text_about_the_cable_is_linked(pages: Mapping[str, str], family: str, line: str) -> None:

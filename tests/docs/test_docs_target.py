@@ -178,8 +178,8 @@ def test_what_a_flag_makes_of_the_position(files: Files) -> None:
     page = files["docs/sma21/rs485-fields.md"]
     (alarm,) = [line for line in page.splitlines() if line.startswith("| `status_alarm`")]
     assert (
-        "<br>Combines `temperature_alarm` and `signal_strength_alarm`.<br>While it is active, the position is usable, "
-        "with a warning. If a flag that it combines is active in the same frame, that flag decides instead. |"
+        "<br>This flag combines `temperature_alarm` and `signal_strength_alarm`.<br>While it is active, the position "
+        "is usable with a warning. If a flag that it combines is active in the same frame, that flag decides instead. |"
     ) in alarm
     (speed,) = [line for line in page.splitlines() if line.startswith("| `overspeed`")]
     assert "<br>While it is active, the position is not usable. |" in speed
@@ -461,6 +461,6 @@ def test_a_picture_says_which_level_is_active(files: Files) -> None:
 def test_a_page_lacks_a_parameter_that_an_answer_sets() -> None:
     """The page of one interface has the question, but not the parameter ``beyond``, which only the other one uses."""
     devices, _ = load_library([Path(__file__).parents[1] / "python" / "specs"])
-    pages = [text for text in generate(Library(devices)).values() if "`value` = 2: A width" in text]
+    pages = [text for text in generate(Library(devices)).values() if "`value` = 2 (A width" in text]
     assert any("`beyond` = 3" in page for page in pages)
     assert any("`beyond` = 3" not in page for page in pages)

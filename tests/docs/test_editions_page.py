@@ -191,7 +191,7 @@ def test_each_edition_is_in_each_output(generated: Path) -> None:
         for path in (f"c/include/lika/{stem}_biss.h", f"python/lika_encoders/{stem}.py", f"docs/{stem}.md"):
             flat = " ".join((generated / path).read_text(encoding="utf-8").replace("\n *", "\n").split())
             date = f" of {device.manual.date}" if device.manual.date else ""
-            about = f"Describes encoders of edition {revision} of the manual{date}, as far as they are known"
+            about = f"This describes encoders of edition {revision} of the manual{date}, as far as they are known"
             assert about in flat, path
     identity = (generated / "biss" / "idbiss4C69.xml").read_text(encoding="utf-8")
     shipped = (ROOT / "generated" / "biss" / "idbiss4C69.xml").read_text(encoding="utf-8")
@@ -271,8 +271,8 @@ def test_am36_1_1_is_what_six_pages_say() -> None:
 @pytest.mark.parametrize(
     ("arguments", "phrase"),
     [
-        (["--edition", "2020-04-30"], "Describes encoders of edition 1.6 of the manual"),
-        (["--edition", "2018-08-10"], "Describes encoders of edition 1.0 of the manual"),
+        (["--edition", "2020-04-30"], "This describes encoders of edition 1.6 of the manual"),
+        (["--edition", "2018-08-10"], "This describes encoders of edition 1.0 of the manual"),
         (["--edition", "1.9"], "manual AMM5A AMM5B, revision 1.9"),
         (["--edition", "2026-01-01"], "manual AMM5A AMM5B, revision 1.9"),
     ],
@@ -296,8 +296,8 @@ def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: 
         main(["decode", "AMM5A21/65KSC1", "0xF4243D3", "--edition", "registers", *serial_number_options(serial)]) == 0
     )
     out = capsys.readouterr().out
-    assert ("Describes encoders of edition" in out) == bool(revision)
-    assert f"Describes encoders of edition {revision}" in out or not revision
+    assert ("This describes encoders of edition" in out) == bool(revision)
+    assert f"This describes encoders of edition {revision}" in out or not revision
 
 
 def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> None:
@@ -305,19 +305,19 @@ def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> N
     command = ["master", "AM3616/4096SC5", "--master", "ti_c2000"]
     assert main(command) == 0
     newest = capsys.readouterr().out
-    assert "Describes encoders of edition" not in newest
+    assert "This describes encoders of edition" not in newest
     assert re.search(r"Supply +10 V to 30 V", newest)
     for edition in ("1.1", "label"):
         assert main([*command, "--edition", edition]) == 0
         out = capsys.readouterr().out
-        assert "Describes encoders of edition 1.1 of the manual" in out, edition
+        assert "This describes encoders of edition 1.1 of the manual" in out, edition
         assert re.search(r"Supply +the manual does not say", out), edition
         assert main([*command, "--edition", edition, "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["family"] == "am36_1_1"
     # A possible serial number of an AMM5 from before 1.7. Only these registers identify the edition.
     command_of_registers = ["master", "AMM5A21/65KSC1", "--edition", "registers"]
     assert main([*command_of_registers, *serial_number_options("EE 69 E8 0A")]) == 0
-    assert "Describes encoders of edition 1.6 of the manual of 2020-04-03" in capsys.readouterr().out
+    assert "This describes encoders of edition 1.6 of the manual of 2020-04-03" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("edition", ["2.0", "2018-01-01", "label", "registers", "1.0", "nonsense"])

@@ -70,7 +70,7 @@ def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(p
         f'- <a id="erratum-mem_busy_position"></a>⚠ **open** {title}(errata.md#erratum-mem_busy_position): '
         "Either position is possible. The user must choose, and there is no default."
     )
-    assert set(lines[1:]) == {f"- ⚠ **open** {title}(#erratum-mem_busy_position), see above"}
+    assert set(lines[1:]) == {f"- ⚠ **open** {title}(#erratum-mem_busy_position) (see above)"}
     frame = page.partition('<a id="layout-eeprom_write_request"></a>')[2].partition('<a id="layout-')[0]
     assert lines[0] in frame
 
@@ -82,7 +82,7 @@ def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages:
     ground = '<a href="#erratum-ground_wire">The manual lists no cable wire for the ground pin that must be used</a>'
     polarity = "The manual does not give the polarity of RS-485 lines A and B"
     links = f'{ground} · <a href="#erratum-rs485_polarity">{polarity}</a>'
-    assert f"<details><summary>⚠ 2 open errata</summary>⚠ open: {links}</details>\n" in wiring
+    assert f"<details><summary>Errata: ⚠ 2 open</summary>⚠ open: {links}</details>\n" in wiring
     line = (
         f'- <a id="erratum-rs485_polarity"></a>⚠ **open** [{polarity}](errata.md#erratum-rs485_polarity): '
         "The names are listed as printed. No polarity is assumed.\n"

@@ -162,13 +162,16 @@ def test_what_a_battery_decides_goes_by_the_order_code(library: Library, pages: 
     amm5_rows = [row for device, row in by_family(library, pages, "Deciding bits") if device.name == "amm5"]
     conditions = {(plain(row[2]).strip("`"), plain(row[3]).partition(", ")[0], row[4]) for row in amm5_rows}
     chosen = {
-        "warning": ("0 with `.../65K...` and your choice is `either_cause`", "0 with all others"),
-        "mt_error": ("1 with `.../65K...`", "1 with all others"),
+        "warning": (
+            "0 with `.../65K...` if your choice is `either_cause` (the default)",
+            "0 with all other order codes",
+        ),
+        "mt_error": ("1 with `.../65K...`", "1 with all other order codes"),
     }
     for name, (with_battery, without) in chosen.items():
         assert (name, with_battery, "✕ **not usable**") in conditions
         assert (name, without, "▲ usable with a warning") in conditions
-    with_answer = "0 with `.../65K...` and your choice is `low_battery`"
+    with_answer = "0 with `.../65K...` if your choice is `low_battery`"
     assert ("warning", with_answer, "▲ usable with a warning") in conditions
 
 

@@ -67,7 +67,7 @@ def family(name: str) -> Device:
 def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str, str]) -> None:
     """AMM5 7.4.2 p.45: ten requests, 40 µs apart. Without such procedures, there is no picture."""
     amm5 = family("amm5")
-    assert "Between repeated requests: at least 40 µs." in pages["docs/amm5/rs485.md"]
+    assert "Repeated requests are at least 40 µs apart." in pages["docs/amm5/rs485.md"]
     assert "(rs485.md#timings)" in pages["docs/amm5/AMM5A17-1JP1.md"]
     diagram = timing_diagram(replace(amm5, procedures=()), amm5.interface("rs485"))
     assert diagram is not None
@@ -84,8 +84,9 @@ def test_the_shortest_request_is_said_to_be_the_shortest(pages: Mapping[str, str
 def test_it_says_what_it_is_drawn_from(pages: Mapping[str, str]) -> None:
     """The figures of the manuals are lost, and for BiSS the text does not say where acknowledge and start bit are."""
     biss, ssi = pages["docs/amm5/biss.md"], pages["docs/amm5/ssi.md"]
-    assert "Drawn from the text of the manual and the public protocol description of BiSS C-mode, not to scale" in biss
-    assert "Drawn from the text of the manual, not to scale" in ssi
+    start = "This diagram is drawn from the text of the manual"
+    assert f"{start} and the public protocol description of BiSS C-mode. It is not to scale." in biss
+    assert f"{start}. It is not to scale." in ssi
 
 
 def test_the_words_have_each_field_and_time(library: Library) -> None:

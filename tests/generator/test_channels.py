@@ -378,7 +378,7 @@ def test_why_finds_bits_around_the_frame_and_exchanged_words(capsys: pytest.Capt
     assert code == 1
     message = "control_word (32 bits) and safety_word (40 bits) have 72 bits together, got 75: 3 bits are too many."
     assert message in text
-    assert "All CRCs are correct with 2 other bits before the frame and 1 after it." in text
+    assert "All CRCs are correct with 2 extra bits before the frame and 1 after it." in text
     _, text = decoded(capsys, "RXH", f"0b{bits[32:]}{bits[:32]}")
     assert "All CRCs are correct with the channels in the order safety_word, control_word." in text
 

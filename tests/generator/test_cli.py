@@ -109,7 +109,7 @@ def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]
     assert "configuration.select_preset_offset is 0 (preset), the register holds preset, 0 to 1,048,575." in sma21
     assert "Time-out varies with the clock, at most 16 µs" in sma21
     ssi = shown_text(capsys, "AMC3616/4096-GG")
-    assert "below 400 kHz with a cable shorter than 50 m" in ssi
+    assert "below 400 kHz with cables shorter than 50 m" in ssi
     assert "position is in Gray code" in ssi
     assert "Zero" not in ssi.partition("Inputs")[0]
     assert "65,536 counts per revolution, 4,096 revolutions" in ssi

@@ -91,7 +91,7 @@ def test_bytes_that_a_frame_of_bits_lacks_are_counted_first(capsys: Capture, fra
     assert code == 1
     _, _, after_problem = output.partition("crc error: ")
     assert words in after_problem
-    explanations = ("one bit may have been disturbed", "common mistake", "No single mistake", "Possible explanations")
+    explanations = ("one bit may have been corrupted", "common mistake", "No single mistake", "Possible explanations")
     beginnings = [after_problem.index(phrase) for phrase in explanations if phrase in after_problem]
     assert after_problem.index(words) < min(beginnings)
 
@@ -166,7 +166,7 @@ def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
     exit_code, out = text(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "10" + CRCS["10"])
     assert exit_code == 0
     assert "no frame error" not in out
-    assert out.endswith("so the position is usable, with a warning evidence: manual")
+    assert out.endswith("so the position is usable with a warning evidence: manual")
     assert text(capsys, "AMM5A21/65KSC1", "0xf4243d3")[1].endswith(
         "(x^6 + x + 1, sent inverted) no frame error; the position is usable evidence: manual"
     )
@@ -303,7 +303,7 @@ def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> 
     assert (values["status_info"], values["position"], values["unused"]) == (2, 0x25430004DA, 2)
     assert (
         "status_info (dd0 ... dd3): unused bits differ from the documented value 0. Information bits, not used "
-        "in this encoder. so the position is usable, with a warning"
+        "in this encoder. so the position is usable with a warning"
     ) in text(capsys, *printed)[1]
 
 

@@ -93,7 +93,7 @@ def test_show(capsys: pytest.CaptureFixture[str], code: str, own: list[str], oth
 def test_show_of_the_family_lists_the_order_codes(capsys: pytest.CaptureFixture[str]) -> None:
     text = run(capsys, "show", "facts_by_code")
     assert "100 kHz to 2 MHz (only with FBC12...)" in text
-    assert "below 400 kHz with a cable shorter than 50 m (only with FBC16...)" in text
+    assert "below 400 kHz with cables shorter than 50 m (only with FBC16...)" in text
     assert "fixed, at most 20 µs (only with FBC16...)" in text
 
 

@@ -288,6 +288,6 @@ def test_an_overlay_alone_lies_over_what_ships(tmp_path: Path, capsys: pytest.Ca
     assert main(["show", "amm5", "--specs", str(path)]) == 0
     out = capsys.readouterr().out
     assert "Slow here." in out
-    assert "Includes the overlay mine, “Measured here”." in out
+    assert "This includes the overlay mine, “Measured here”." in out
     assert "Overlay mine [6.4]: In the spec: " in " ".join(out.split())
     assert "Why: Measured." in out

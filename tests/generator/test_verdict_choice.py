@@ -229,7 +229,7 @@ def test_the_pages_state_the_question_and_both_answers(pages: dict[str, str]) ->
     assert "warning_cause" not in pages["docs/amm5/AMM5A21-1SC1.md"]
     usable = pages["docs/amm5-verdicts.md"].splitlines()
     deciding = [line for line in usable if "#alternative-warning_cause" in line]
-    assert ["`either_cause`, the default | ✕ **not usable**" in line for line in deciding] == [True, False]
+    assert ["`either_cause` (the default) | ✕ **not usable**" in line for line in deciding] == [True, False]
     assert ["`low_battery` | ▲ usable with a warning" in line for line in deciding] == [False, True]
 
 

@@ -323,7 +323,7 @@ def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[
     assert (exit_code, data["why"]["disturbed"]) == (1, [0])
     assert main(["decode", "AMM5A21/65KSC1", "0xF4243D2"]) == 1
     out = " ".join(capsys.readouterr().out.split())
-    first = "one bit may have been disturbed on the line: the CRC matches with bit 0 inverted"
+    first = "one bit may have been corrupted on the line: the CRC matches with bit 0 inverted"
     assert 0 < out.index(first) < out.index("the polynomial is 0x25")
     # x^8 + 1 reveals the bit but not the byte. A parity bit, a constant and padding are excluded.
     reply = bytes.fromhex("02 00 15 CD 5B 81")

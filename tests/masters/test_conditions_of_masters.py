@@ -277,7 +277,7 @@ leds:
         "Pause between two words: at least 90 µs (only with EXAMPLE-Y)",
         "| 2 | Spare <small>(only EXAMPLE-Y)</small> |",
         "| at least 90 µs (only with EXAMPLE-Y) |",
-        "| red | Error. Only with `EXAMPLE-Y`. |",
+        "| red | Error. This applies only to `EXAMPLE-Y`. |",
     ):
         assert phrase in page, phrase
     assert "| at least 90 µs (only with EXAMPLE-Y) |" in pages["ssi"]

@@ -61,9 +61,9 @@ REGISTERS = [
     ("kept", "Reserved for the manufacturer."),
     ("lost", "Save the parameters after a write, or the encoder loses the value at power-off."),
     ("slow", "Wait at least 15 ms between a write and the next command."),
-    ("key", "Automatically returns to its default after a write."),
-    ("locked", "Can be written only while key is C0h (unlock)."),
-    ("opened", "Can be written only while settings.mode is 0 (open)."),
+    ("key", "After a write, the register returns to its default automatically."),
+    ("locked", "The register can be written only while key is C0h (unlock)."),
+    ("opened", "The register can be written only while settings.mode is 0 (open)."),
     ("either", "While settings.mode is 0 (open), the register holds preset, at most 100. A place [8.1]."),
     ("either", "While settings.mode is 1 (shut), the register holds offset. A distance [8.2]."),
     ("command", "Reading the same address accesses status instead."),
@@ -82,14 +82,14 @@ FIELDS = [
     ("fields.missing", "Not implemented in this encoder."),
     ("fields.theirs", "Reserved for the manufacturer."),
     ("fields.fixed", "Always 2."),
-    ("fields.digits", "Decimal digits, most significant first: tens 1, ones 1."),
+    ("fields.digits", "Decimal digits, most significant digit first: tens 1, ones 1."),
     ("maker.letters", "ASCII text."),
-    ("maker.letters", "Holds Ac, which helps to identify the encoder. The decoder also accepts other values."),
-    ("kind_of.kind", "Holds 20h, which helps to identify the encoder. The decoder also accepts other values."),
+    ("maker.letters", "The value Ac helps to identify the encoder. The decoder also accepts other values."),
+    ("kind_of.kind", "The value 20h helps to identify the encoder. The decoder also accepts other values."),
 ]
 INTERFACES = [
     ("ssi", "Clock: 100 kHz to 4 MHz [5.1]."),
-    ("ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."),
+    ("ssi", "Clock: below 400 kHz with cables shorter than 50 m [5.2]."),
     ("ssi", "Alignment: right: zeros come before the word [5]."),
     ("ssi", "Code: binary or Gray, by order code [5]."),
     ("ssi", "Signals: RS-422 [5]."),
@@ -102,7 +102,7 @@ INTERFACES = [
 ]
 LAYOUTS = [
     ("word", "position is in Gray code while gray is 1, and in binary while it is 0."),
-    ("word", "position consists of turns and steps, most significant first."),
+    ("word", "position consists of turns and steps, most significant part first."),
     ("reply", "Its data_id is 1 (place)."),
 ]
 
@@ -175,14 +175,14 @@ IN_CODE = {
     "#define ACME_SAID_BISS_REG_BOUNDED_MAX 200U",
     ("c", "least", "Limits: at least 3."): "#define ACME_SAID_BISS_REG_LEAST_MIN 3U",
     ("c", "greatest", "Limits: at most 200."): "#define ACME_SAID_BISS_REG_GREATEST_MAX 200U",
-    ("c", "ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."): "if (cable_m < 50U) { return 400000U;",
+    ("c", "ssi", "Clock: below 400 kHz with cables shorter than 50 m [5.2]."): "if (cable_m < 50U) { return 400000U;",
     (
         "python",
         "biss",
         "Description file: acme.xml, which the manufacturer supplies [6].",
     ): 'description_file="acme.xml"',
     ("python", "ssi", "Clock: 100 kHz to 4 MHz [5.1]."): 'clock=Clock(min_hz=100_000, max_hz=4_000_000, source="5.1")',
-    ("python", "ssi", "Clock: below 400 kHz with a cable shorter than 50 m [5.2]."): (
+    ("python", "ssi", "Clock: below 400 kHz with cables shorter than 50 m [5.2]."): (
         'CableLength(shorter_than_m=50, below_hz=400_000, source="5.2")'
     ),
     ("python", "ssi", "Alignment: right: zeros come before the word [5]."): "alignment=Alignment.LSB_RIGHT",
@@ -303,5 +303,5 @@ def test_an_order_code_turns_expressions_into_numbers(device: Device) -> None:
     (equals,) = order_code.parameter_origin(
         device, next(candidate for candidate in device.parameters if candidate.name == "doubled")
     )
-    assert PLAIN_STYLE.sentence(equals) == "Equals 2 * position_bits."
-    assert style_with({"position_bits": 16}).sentence(equals) == "Equals 32."
+    assert PLAIN_STYLE.sentence(equals) == "It equals 2 * position_bits."
+    assert style_with({"position_bits": 16}).sentence(equals) == "It equals 32."

@@ -41,8 +41,8 @@ BISS_CRC = ["CRC | poly 0x43 (x⁶ + x + 1) | init 0 | inverted | 6 bits"]
 XOR = ["CRC | poly 0x101 (x⁸ + 1) | init 0 | 8 bits | XOR of these bytes"]
 NO_COMMANDS = ["SSI only reads the position. It has no preset, reset or save command."]
 NO_PRESET = ["There is no preset other than the resets, and no save command."]
-NO_CABLE = ["Reply time and cable length: the manual does not say."]
-CABLE_ELSEWHERE = ["Cable length: see times and characteristics."]
+NO_CABLE = ["The manual does not state the reply time or the cable length."]
+CABLE_ELSEWHERE = ["For the cable length, see times and characteristics."]
 NO_LEDS = ["The manual describes no LEDs."]
 ANSWERS: dict[str, dict[str, list[str]]] = {
     "AMM5A21/65KSC1": {

@@ -62,7 +62,7 @@ static cw_result show_frame(void)
     static const char *const worth[] = {
         "the position is not usable",
         "no bit of this frame confirms that the position is usable",
-        "the position is usable, with a warning",
+        "the position is usable with a warning",
         "the position is usable"
     };
     cw_verdict verdict;

@@ -211,21 +211,21 @@ class Variant(Rotary, Wrapping):
         multiturn_bits: Width of the revolution count in bits, given by the order code [5.2]. Unit: bits.
         ssi_gray: Position encoding over SSI, given by the order code: 1 Gray code, 0 binary code [5, 5.2].
         used_singleturn_bits: Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm
-            of "Information per revolution" [6.5 p.31]. Unit: bits. Read at run time from register 56h
+            of "Information per revolution" [6.5 p.31]. Unit: bits. It is read at run time from register 56h
             (``singleturn_bits_used.bits``), 0 to 20. Applies only to BiSS C-mode. The value is the factory default
             unless set by with_registers().
         used_multiturn_bits: Width of the multiturn part of the BiSS position, as currently set [6.5 p.31]. Unit: bits.
-            Read at run time from register 57h (``multiturn_bits_used.bits``), 0 to 16. Applies only to BiSS C-mode. The
-            value is the factory default unless set by with_registers().
-        used_revolutions: Number of revolutions after which the BiSS position wraps around, as currently set [6.5 p.28].
-            Unit: revolutions. Read at run time from registers 4Eh to 4Fh (``number_of_revolutions.revolutions``), 1 to
-            65,536. Applies only to BiSS C-mode. The value is the factory default unless set by with_registers().
-        used_information: Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. Read at run time
-            from registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Applies only to BiSS
+            It is read at run time from register 57h (``multiturn_bits_used.bits``), 0 to 16. Applies only to BiSS
             C-mode. The value is the factory default unless set by with_registers().
-        output_code: Position encoding over BiSS, as currently set: 0 Gray code, 1 binary code [6.5 p.26]. Read at run
-            time from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is
-            the factory default unless set by with_registers().
+        used_revolutions: Number of revolutions after which the BiSS position wraps around, as currently set [6.5 p.28].
+            Unit: revolutions. It is read at run time from registers 4Eh to 4Fh (``number_of_revolutions.revolutions``),
+            1 to 65,536. Applies only to BiSS C-mode. The value is the factory default unless set by with_registers().
+        used_information: Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. It is read at run
+            time from registers 4Bh to 4Dh (``information_per_revolution.steps``), 1 to 1,048,576. Applies only to BiSS
+            C-mode. The value is the factory default unless set by with_registers().
+        output_code: Position encoding over BiSS, as currently set: 0 Gray code, 1 binary code [6.5 p.26]. It is read at
+            run time from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value
+            is the factory default unless set by with_registers().
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
         special_code: Suffix /Sxxx of the label, or empty. An encoder whose order code ends in /Sxxx may differ from the
@@ -258,20 +258,20 @@ class Variant(Rotary, Wrapping):
     @property
     def position_bits(self) -> int:
         """Width of the whole position, including revolutions, given by the order code. It is also the length of the
-        SSI word [5.2]. Unit: bits. Equals ``singleturn_bits + multiturn_bits``.
+        SSI word [5.2]. Unit: bits. It equals ``singleturn_bits + multiturn_bits``.
         """
         return self.singleturn_bits + self.multiturn_bits
 
     @property
     def used_position_bits(self) -> int:
-        """Width of the whole BiSS position, as currently set, at most 36 bits [6.3.1 p.21]. Unit: bits. Equals
+        """Width of the whole BiSS position, as currently set, at most 36 bits [6.3.1 p.21]. Unit: bits. It equals
         ``used_singleturn_bits + used_multiturn_bits``.
         """
         return self.used_singleturn_bits + self.used_multiturn_bits
 
     @property
     def biss_gray(self) -> int:
-        """Position encoding over BiSS, as currently set: 1 Gray code, 0 binary code [6.5 p.26]. Equals ``1 -
+        """Position encoding over BiSS, as currently set: 1 Gray code, 0 binary code [6.5 p.26]. It equals ``1 -
         output_code``.
         """
         return 1 - self.output_code
@@ -605,7 +605,8 @@ class _SsiWord(NamedTuple):
 
 
 class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
-    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2].
+    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant bit first
+    [5.2].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -616,7 +617,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
 
-    ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
+    ``position`` consists of ``multiturn`` and ``singleturn``, most significant part first.
 
     The word has as many bits as the position, 28 or 31, and starts with the most significant bit. Extra clock pulses
     after the word read zeros. There is no error bit, no warning bit and no CRC. In Gray code, multiturn and singleturn
@@ -624,7 +625,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     Errata, with their full text in ERRATA:
         The manual does not say which of BG and GG is Gray code (open): BG is binary, GG is Gray.
-        The bits of the SSI words are numbered from 1 instead of 0 (settled): The bits of the words are numbered 27:0
+        The bits of the SSI words are numbered from 1 instead of 0 (resolved): The bits of the words are numbered 27:0
             and 30:0.
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
             clocks satisfy both.
@@ -738,7 +739,7 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``used_singleturn_bits + used_multiturn_bits + 8`` bits,
-    most significant first [6.3 p.21, 6.3.1 p.21].
+    most significant bit first [6.3 p.21, 6.3.1 p.21].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -750,7 +751,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     ``position`` is in Gray code while ``biss_gray`` is 1, and in binary while it is 0.
 
-    ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
+    ``position`` consists of ``multiturn`` and ``singleturn``, most significant part first.
 
     With the defaults, the frame has 44 bits, which is also the maximum. The manual calls multiturn and singleturn
     together Position. The position has up to 36 bits, most significant bit first. The widths of the two parts are the
@@ -934,7 +935,7 @@ class ProfileId(FixedRegister, _ProfileId):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
 
     Attributes:
-        profile: Printed as 00 00 for AMx36. Holds 0000h, which helps to identify the encoder. The decoder also accepts
+        profile: Printed as 00 00 for AMx36. The value 0000h helps to identify the encoder. The decoder also accepts
             other values.
 
     Profile identification code.
@@ -1041,8 +1042,8 @@ class Command(IntEnum):
 
     Saves the parameters, activates the preset, or restores the defaults.
 
-    Default: ``00``. Wait at least 30 ms between a write and the next command. Automatically returns to its default
-    after a write.
+    Default: ``00``. Wait at least 30 ms between a write and the next command. After a write, the register returns to
+    its default automatically.
 
     After a command, the register automatically returns to 00. If a new resolution and a new preset are set together,
     the command "Save parameters and activate Preset" stores the resolution but sets the preset to zero. The preset must
@@ -1117,11 +1118,11 @@ class Configuration(FixedRegister, _Configuration):
     not used. According to the list of defaults, they are 0.
 
     Errata, with their full text in ERRATA:
-        One warning gives the Enable preset bit the opposite polarity (settled): 0 enables the preset function. 1
+        One warning gives the Enable preset bit the opposite polarity (resolved): 0 enables the preset function. 1
             disables it.
-        One example numbers Counting direction as bit 8 instead of bit 6 (settled): Counting direction is bit 6.
-        The preset example writes one bit instead of the whole byte (settled): Register 49h is set to 20h, with bit 2 at
-            0 and the other bits at their defaults.
+        One example numbers Counting direction as bit 8 instead of bit 6 (resolved): Counting direction is bit 6.
+        The preset example writes one bit instead of the whole byte (resolved): Register 49h is set to 20h, with bit 2
+            at 0 and the other bits at their defaults.
         In edition 1.1: Instead of: the note on the register configuration.
 
     Checked by decode():
@@ -1304,8 +1305,8 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     Value that the encoder reports at the current shaft position once the preset is activated.
 
     Byte order: high byte first, at 50h. Default: ``00 00 00 00 00``. Limits: 0 to ``used_information * used_revolutions
-    - 1`` for ``position``. Can be written only while ``configuration.enable_preset`` is 0 (``enable``). Save the
-    parameters after a write, or the encoder loses the value at power-off.
+    - 1`` for ``position``. The register can be written only while ``configuration.enable_preset`` is 0 (``enable``).
+    Save the parameters after a write, or the encoder loses the value at power-off.
 
     The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the "Enable preset" bit to 0 (enable)
     before writing. The command "Save parameters on EEPROM" saves the value without activating it. The command "Save
@@ -1317,9 +1318,9 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     Errata, with their full text in ERRATA:
         Two sections disagree on when a new resolution clears the preset (open): set_resolution saves the resolution
             first, and only then writes and activates the preset.
-        One warning gives the Enable preset bit the opposite polarity (settled): 0 enables the preset function. 1
+        One warning gives the Enable preset bit the opposite polarity (resolved): 0 enables the preset function. 1
             disables it.
-        The printed Preset default has six bytes instead of five (settled): The default is five bytes of 00.
+        The printed Preset default has six bytes instead of five (resolved): The default is five bytes of 00.
 
     Checked by decode():
         zero_above_position: Always zero.
@@ -1374,7 +1375,7 @@ class DeviceType(FixedRegister, _DeviceType):
     """Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
-        device_type: 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which helps to identify the encoder.
+        device_type: 02: multiturn rotary encoder with BiSS C interface. The value 02h helps to identify the encoder.
             The decoder also accepts other values.
 
     Device type.
@@ -1528,11 +1529,11 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
-        model: Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. Holds ``AM``, which helps to identify the
+        model: Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. The value ``AM`` helps to identify the encoder.
+            The decoder also accepts other values.
+        interface_code: Interface, BiSS C (49 37 in hexadecimal). ASCII text. The value ``I7`` helps to identify the
             encoder. The decoder also accepts other values.
-        interface_code: Interface, BiSS C (49 37 in hexadecimal). ASCII text. Holds ``I7``, which helps to identify the
-            encoder. The decoder also accepts other values.
-        enclosure: Enclosure of 36 mm diameter (32 in hexadecimal). ASCII text. Holds ``2``, which helps to identify the
+        enclosure: Enclosure of 36 mm diameter (32 in hexadecimal). ASCII text. The value ``2`` helps to identify the
             encoder. The decoder also accepts other values.
         software_version: Software version, printed as XX. ASCII text.
 
@@ -1541,7 +1542,7 @@ class DeviceId(FixedRegister, _DeviceId):
     Byte order: high byte first, at 78h.
 
     Errata, with their full text in ERRATA:
-        The manual prints the BiSS models with 17 instead of I7 (settled): I7 is the code for BiSS. 17 is also accepted
+        The manual prints the BiSS models with 17 instead of I7 (resolved): I7 is the code for BiSS. 17 is also accepted
             and shown as unlisted.
         All models have the same device ID, despite different data lengths (open): The device ID is used as printed.
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
@@ -1592,7 +1593,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which helps to identify the encoder. The
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
             decoder also accepts other values.
 
     Manufacturer.
@@ -1775,7 +1776,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     new code.
 
     Args:
-        configuration: Value of the whole register, with its unused bits set to 0. Written to ``configuration``.
+        configuration: Value of the whole register, with its unused bits set to 0. It is written to ``configuration``.
         variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
@@ -1811,12 +1812,12 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     Result: The position at the moment of the command becomes the preset value. All other positions shift accordingly.
 
     Errata, with their full text in ERRATA:
-        The preset example writes one bit instead of the whole byte (settled): Register 49h is set to 20h, with bit 2 at
-            0 and the other bits at their defaults.
+        The preset example writes one bit instead of the whole byte (resolved): Register 49h is set to 20h, with bit 2
+            at 0 and the other bits at their defaults.
 
     Args:
         variant: The encoder.
-        position: New value for the current position. Written to ``preset``.
+        position: New value for the current position. It is written to ``preset``.
 
     Returns:
         The steps, for ``run``.
@@ -1862,12 +1863,12 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     activates the preset.
 
     Errata, with their full text in ERRATA:
-        The preset example writes one bit instead of the whole byte (settled): Register 49h is set to 20h, with bit 2 at
-            0 and the other bits at their defaults.
+        The preset example writes one bit instead of the whole byte (resolved): Register 49h is set to 20h, with bit 2
+            at 0 and the other bits at their defaults.
 
     Args:
         variant: The encoder.
-        position: Value to save for later activation. Written to ``preset``.
+        position: Value to save for later activation. It is written to ``preset``.
 
     Returns:
         The steps, for ``run``.
@@ -2009,9 +2010,10 @@ def set_resolution(
 
     Args:
         variant: The encoder.
-        information_per_revolution: Positions per revolution, a power of two. Written to ``information_per_revolution``.
-        number_of_revolutions: Revolutions to count, 1 to 65,536. Written to ``number_of_revolutions``.
-        position: New value for the current position, less than the product of the other two arguments. Written to
+        information_per_revolution: Positions per revolution, a power of two. It is written to
+            ``information_per_revolution``.
+        number_of_revolutions: Revolutions to count, 1 to 65,536. It is written to ``number_of_revolutions``.
+        position: New value for the current position, less than the product of the other two arguments. It is written to
             ``preset``.
 
     Returns:

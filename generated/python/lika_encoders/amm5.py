@@ -241,7 +241,7 @@ class Variant(Rotary, Wrapping):
         singleturn_bits: Singleturn resolution [Preliminary information p.7]. Unit: bits.
         multiturn_bits: Width of the revolution count in bits. 0 in singleturn models [Preliminary information p.7].
             Unit: bits.
-        low_battery_only: 1 if an active warning bit means a low battery [6.2.1 p.33]. Set by your choice of
+        low_battery_only: 1 if an active warning bit means a low battery [6.2.1 p.33]. It is set by your choice of
             ``warning_cause``: 0 for ``either_cause`` (default), 1 for ``low_battery``. Applies only to BiSS C-mode.
         unlisted: Names of the parts whose values the manual does not list.
         tail: Text that followed the order code on the label.
@@ -261,14 +261,14 @@ class Variant(Rotary, Wrapping):
     @property
     def position_bits(self) -> int:
         """Width of the whole position, including revolutions, 17 to 39 bits. The manual calls it "encoder
-        resolution" and "nbitres" [6.2.1 p.32]. Unit: bits. Equals ``singleturn_bits + multiturn_bits``.
+        resolution" and "nbitres" [6.2.1 p.32]. Unit: bits. It equals ``singleturn_bits + multiturn_bits``.
         """
         return self.singleturn_bits + self.multiturn_bits
 
     @property
     def revolutions(self) -> int:
-        """Number of revolutions that the encoder distinguishes [Preliminary information p.7]. Unit: revolutions.
-        Equals ``2^multiturn_bits``.
+        """Number of revolutions that the encoder distinguishes [Preliminary information p.7]. Unit: revolutions. It
+        equals ``2^multiturn_bits``.
         """
         return 1 << self.multiturn_bits
 
@@ -657,7 +657,7 @@ def crc_rs485_8(data: bytes) -> int:
     the XOR of the bytes, so it does not detect swapped bytes. The printed code sets the start value to 0.
 
     Errata, with their full text in ERRATA:
-        The printed CRC code expects the bits of each byte MSB first (settled): The CRC is the XOR of all bytes before
+        The printed CRC code expects the bits of each byte MSB first (resolved): The CRC is the XOR of all bytes before
             it, which is x^8 + 1 with input and output reflected.
 
     Args:
@@ -762,8 +762,8 @@ class _SsiWord(NamedTuple):
 
 
 class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
-    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant first [5.2
-    p.28].
+    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant bit first
+    [5.2 p.28].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -772,16 +772,16 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     In the manual: Structure of the position information.
 
-    ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
+    ``position`` consists of ``multiturn`` and ``singleturn``, most significant part first.
 
     The word has as many bits as the position, 17 to 39, and starts with the most significant bit. Extra clock pulses
     after the word read zeros. There is no error bit, no warning bit and no CRC.
 
     Errata, with their full text in ERRATA:
-        One section says Binary or Gray, but the other says only Binary (settled): The output code is binary.
+        One section says Binary or Gray, but the other says only Binary (resolved): The output code is binary.
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
             clocks satisfy both.
-        The word length table prints 65KKG1 instead of 65KBG1 (settled): The order codes contain 65KBG1.
+        The word length table prints 65KKG1 instead of 65KBG1 (resolved): The order codes contain 65KBG1.
         The manual does not give the order of singleturn and multiturn (open): The multiturn part comes first and is the
             more significant part. The singleturn part follows.
     """
@@ -890,7 +890,7 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``singleturn_bits + multiturn_bits + 8`` bits, most
-    significant first [6.2.1 p.32].
+    significant bit first [6.2.1 p.32].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -905,15 +905,15 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         warning: Warning, nW: Reports an error in the magnetic multiturn system, which may make the number of
             revolutions wrong, or a low battery. The bit does not distinguish the two causes (erratum
             position_under_error). True when 0: a warning is active in the system. False when 1: no active warning.
-            While it is True, the position is not usable. If you set ``low_battery_only`` to 1, the position is usable,
+            While it is True, the position is not usable. If you set ``low_battery_only`` to 1, the position is usable
             with a warning. This applies only to ``.../65K...``. For other order codes, the manual does not explain the
-            flag. While it is active there, the position is usable, with a warning. Remedy: Replace a low battery as
-            soon as possible. For an error in the multiturn system, the manual gives no remedy. Steps:
+            flag. If it is active there, the position is usable with a warning. Remedy: Replace a low battery as soon as
+            possible. For an error in the multiturn system, the manual gives no remedy. Steps:
             ``battery_replacement_without_error``.
 
     In the manual: Single Cycle Data SCD.
 
-    ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
+    ``position`` consists of ``multiturn`` and ``singleturn``, most significant part first.
 
     The manual calls multiturn and singleturn together Position (Italian: Posizione). The position has 17 to 39 bits,
     most significant bit first.
@@ -921,7 +921,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     Errata, with their full text in ERRATA:
         The manual does not give the order of singleturn and multiturn (open): The multiturn part comes first and is the
             more significant part. The singleturn part follows.
-        The frame is one bit longer than printed (settled): The length is position_bits + 8.
+        The frame is one bit longer than printed (resolved): The length is position_bits + 8.
         The manual's error bits, LEDs and alarms do not match one to one (open): Each bit, LED and alarm is used as
             printed. None is derived from any other.
         The manual only partly says which errors affect the position (open): The position is not usable if any of these
@@ -933,7 +933,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         The manual lists battery alarms for models without a battery (open): In singleturn models (.../1...), the manual
             does not explain nW, BATT and MTERR. An active bit is reported, and the position is usable with a warning.
             Without ALMC (data IDs 0 and 1), EE_1 makes the position unusable, since it may mean BUSY. The step is
-            omitted. Only with .../1...
+            omitted. This applies only to .../1...
 
     Checked by decode():
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
@@ -1453,17 +1453,17 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     Attributes:
         variant: Encoder to which the frame belongs.
         data_id: Data ID: Type of request, repeated in the reply.
-        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
-            True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
-            instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. This flag combines ``st_error``. While
+            it is True, the position is not usable. If a flag that it combines is active in the same frame, that flag
+            decides instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
             are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
-            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``,
+            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. This flag combines ``busy``,
             ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag
             that it combines is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC
             shows the active error.
-        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
-            above it.
+        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with
+            leading zeros.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
@@ -1476,7 +1476,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     Errata, with their full text in ERRATA:
         One bit combines BUSY with errors that leave the position intact (open): EE_1 is one flag, status_other_error.
             Do not trust a position received with this flag until ALMC has been read.
-        The frame in the CRC example does not match any reply (settled): The bytes are used only as a check of the CRC.
+        The frame in the CRC example does not match any reply (resolved): The bytes are used only as a check of the CRC.
             The decoder rejects them as a reply because of their length.
 
     See also these errata in ERRATA: The manual's error bits, LEDs and alarms do not match one to one; The manual does
@@ -1611,17 +1611,17 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
-            True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
-            instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. This flag combines ``st_error``. While
+            it is True, the position is not usable. If a flag that it combines is active in the same frame, that flag
+            decides instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
             are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
-            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``,
+            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. This flag combines ``busy``,
             ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag
             that it combines is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC
             shows the active error.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have this field. Unit:
-            revolutions. Right-aligned in 24 bits, with zeros above it.
+            revolutions. Right-aligned in 24 bits, with leading zeros.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
@@ -1760,17 +1760,17 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
     """Encoder ID reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
 
     Attributes:
-        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
-            True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
-            instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. This flag combines ``st_error``. While
+            it is True, the position is not usable. If a flag that it combines is active in the same frame, that flag
+            decides instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
             are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
-            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``,
+            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. This flag combines ``busy``,
             ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag
             that it combines is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC
             shows the active error.
-        encoder_id: ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. Holds 23h, which
-            helps to identify the encoder. The decoder also accepts other values.
+        encoder_id: ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. The value 23h helps
+            to identify the encoder. The decoder also accepts other values.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
@@ -1893,21 +1893,21 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
 
     Attributes:
         variant: Encoder to which the frame belongs.
-        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. Combines ``st_error``. While it is
-            True, the position is not usable. If a flag that it combines is active in the same frame, that flag decides
-            instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+        status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. This flag combines ``st_error``. While
+            it is True, the position is not usable. If a flag that it combines is active in the same frame, that flag
+            decides instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
         status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
             are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
-            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. Combines ``busy``,
+            data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. This flag combines ``busy``,
             ``ps_error``, ``battery_alarm`` and ``mt_error``. While it is True, the position is not usable. If a flag
             that it combines is active in the same frame, that flag decides instead. Remedy: Request data ID 3. Its ALMC
             shows the active error.
-        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with zeros
-            above it.
-        encoder_id: ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. Holds 23h, which
-            helps to identify the encoder. The decoder also accepts other values.
+        singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with
+            leading zeros.
+        encoder_id: ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. The value 23h helps
+            to identify the encoder. The decoder also accepts other values.
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have this field. Unit:
-            revolutions. Right-aligned in 24 bits, with zeros above it.
+            revolutions. Right-aligned in 24 bits, with leading zeros.
         busy: BUSY. True when 1: the encoder is not ready after power-on or during a reset. All position data are 0.
             False when 0: ready. While it is True, the position is not usable.
         st_error: STERR. True when 1: the counted and calculated data disagree. False when 0: no ST error. While it is
@@ -1916,17 +1916,17 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             error. False when 0: no PS error. While it is True, the position is not usable.
         mt_error: MTERR. True when 1: the external battery is below 3.05 V. False when 0: no MT error. While it is True,
             the position is not usable. This applies only to ``.../65K...``. For other order codes, the manual does not
-            explain the flag. While it is active there, the position is usable, with a warning.
+            explain the flag. If it is active there, the position is usable with a warning.
         battery_alarm: BATT. True when 1: the external battery is below 3.15 V. False when 0: no battery alarm. While it
-            is True, the position is usable, with a warning. This applies only to ``.../65K...``. For other order codes,
-            the manual does not explain the flag. While it is active there, the position is usable, with a warning.
+            is True, the position is usable with a warning. This applies only to ``.../65K...``. For other order codes,
+            the manual does not explain the flag. If it is active there, the position is usable with a warning.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
 
     Its ``data_id`` is 3 (all_data).
 
-    ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
+    ``position`` consists of ``multiturn`` and ``singleturn``, most significant part first.
 
     Errata, with their full text in ERRATA:
         The encoder ID 23h may be the decimal number 23 (open): 23h is the expected encoder ID. A frame with a different
@@ -2612,8 +2612,8 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     Value that the encoder reports at the current shaft position once the preset is activated.
 
     Byte order: low byte first, at 11h. Default: ``00 00 00 00 00 00 00``. Limits: 0 to ``2^position_bits - 1`` for
-    ``position``. Can be written only while ``preset_setting_enable`` is 01h (``enable``). Save the parameters after a
-    write, or the encoder loses the value at power-off.
+    ``position``. The register can be written only while ``preset_setting_enable`` is 01h (``enable``). Save the
+    parameters after a write, or the encoder loses the value at power-off.
 
     Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, disable writing again with "Preset
     setting enable" and save the value. Then activate the preset if it should take effect immediately. The manual
@@ -2621,13 +2621,13 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     points of the encoder and the application.
 
     Errata, with their full text in ERRATA:
-        Only the Italian edition allows the total resolution as a preset (settled): The maximum is 2^position_bits − 1.
-        The English edition gives singleturn models 65,536 revolutions (settled): Singleturn models have no multiturn
+        Only the Italian edition allows the total resolution as a preset (resolved): The maximum is 2^position_bits − 1.
+        The English edition gives singleturn models 65,536 revolutions (resolved): Singleturn models have no multiturn
             bits. Bits 48:33 of these models are assumed to be 0.
         The manual does not describe the bits below the singleturn position (open): All bits below the lowest singleturn
             bit are 0.
         The preset uses registers that BiSS reserves for bank access (open): The registers are used as printed.
-        The printed Preset default has five bytes instead of seven (settled): The default is seven bytes of 00.
+        The printed Preset default has five bytes instead of seven (resolved): The default is seven bytes of 00.
 
     Checked by decode():
         zero_above_multiturn: Always zero.
@@ -2780,8 +2780,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
     def serial(self) -> int:
         """Digits of ``year``, ``week``, ``number`` as one number.
 
-        Decimal digits, most significant first: ``year`` 2 (Production year), ``week`` 2 (Production week), ``number`` 5
-        (Serial number, assigned in ascending order).
+        Decimal digits, most significant digit first: ``year`` 2 (Production year), ``week`` 2 (Production week),
+        ``number`` 5 (Serial number, assigned in ascending order).
         """
         return index(self.year) * 10_000_000 + index(self.week) * 100_000 + index(self.number)
 
@@ -2819,8 +2819,8 @@ class Command(IntEnum):
 
     Saves the parameters or activates the preset.
 
-    Default: ``00``. Wait at least 30 ms between a write and the next command. Automatically returns to its default
-    after a write.
+    Default: ``00``. Wait at least 30 ms between a write and the next command. After a write, the register returns to
+    its default automatically.
 
     After a command, the register automatically returns to 00.
 
@@ -2866,7 +2866,7 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
 
     Attributes:
-        name: Device name (41 4D 4D 35 in hexadecimal). ASCII text. Holds ``AMM5``, which helps to identify the encoder.
+        name: Device name (41 4D 4D 35 in hexadecimal). ASCII text. The value ``AMM5`` helps to identify the encoder.
             The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
 
@@ -2920,7 +2920,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39, it: 6.4 p.40].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which helps to identify the encoder. The
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
             decoder also accepts other values.
 
     Manufacturer.
@@ -3021,7 +3021,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Args:
         variant: The encoder.
-        position: New value for the current position. Written to ``preset``.
+        position: New value for the current position. It is written to ``preset``.
 
     Returns:
         The steps, for ``run``.
@@ -3071,7 +3071,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Args:
         variant: The encoder.
-        position: Value to save for later activation. Written to ``preset``.
+        position: Value to save for later activation. It is written to ``preset``.
 
     Returns:
         The steps, for ``run``.
@@ -3212,7 +3212,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
 
     Errata, with their full text in ERRATA:
         One list of resettable errors omits the battery alarm (open): Data IDs 7 and C also clear the battery alarm.
-            Only with .../65K...
+            This applies only to .../65K...
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
         The manual calls a shaft turning at 300 rpm stopped (open): The condition is standstill, which the manual
@@ -3248,7 +3248,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Errata, with their full text in ERRATA:
         One list of resettable errors omits the battery alarm (open): Data IDs 7 and C also clear the battery alarm.
-            Only with .../65K...
+            This applies only to .../65K...
         The interval between the ten reset requests is ambiguous (open): No other request is sent in between. After each
             request, at least 40 µs pass before the next one begins.
         The manual calls a shaft turning at 300 rpm stopped (open): The condition is standstill, which the manual

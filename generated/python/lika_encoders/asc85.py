@@ -512,7 +512,7 @@ class _SsiWord(NamedTuple):
 
 
 class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
-    """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant first [5.2 p.16].
+    """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant bit first [5.2 p.16].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -530,7 +530,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         The manual does not say which of BG and GG is Gray code (open): BG is binary, GG is Gray.
         Two sections disagree on the number of SSI clocks (open): The generated files do not enforce either rule. n + 1
             clocks satisfy both.
-        The bits of the SSI words are numbered from 1 instead of 0 (settled): The bits are 19:0 to 24:0, with bit 0 as
+        The bits of the SSI words are numbered from 1 instead of 0 (resolved): The bits are 19:0 to 24:0, with bit 0 as
             the LSB.
     """
 
@@ -610,7 +610,7 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
-    first [6.2.1 p.20].
+    bit first [6.2.1 p.20].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -621,7 +621,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             usable. Remedy: Read the error register (69h). It shows the active errors.
         warning: Warning, nW: Normal or fault status of the encoder. The error register shows the active warning. True
             when 0: a warning is active in the system. False when 1: no active warning. While it is True, the position
-            is usable, with a warning. Remedy: Read the error register (69h). It shows the active warnings.
+            is usable with a warning. Remedy: Read the error register (69h). It shows the active warnings.
 
     In the manual: Single Cycle Data SCD.
 
@@ -814,8 +814,8 @@ class ProfileId(FixedRegister, _ProfileId):
     """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
 
     Attributes:
-        variant_: Singleturn resolution, Variant 0-24++. Holds 28h, which helps to identify the encoder. The decoder
-            also accepts other values.
+        variant_: Singleturn resolution, Variant 0-24++. The value 28h helps to identify the encoder. The decoder also
+            accepts other values.
         data_length: Data length, printed as 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits.
 
     Encoder profile identification code, BP1 (Standard Encoder Profile).
@@ -1100,8 +1100,8 @@ class Status(FixedRegister, _Status):
     procedure request_position.
 
     Errata, with their full text in ERRATA:
-        The manual prints Absolute data valid as bit 2 and as bit 1 (settled): Absolute data valid is bit 1.
-        The manual prints Internal data bus busy as bit 3 and as bit 2 (settled): Internal data bus busy is bit 2.
+        The manual prints Absolute data valid as bit 2 and as bit 1 (resolved): Absolute data valid is bit 1.
+        The manual prints Internal data bus busy as bit 3 and as bit 2 (resolved): Internal data bus busy is bit 2.
         The manual does not say which errors cause a warning (open): No bit of the error register is interpreted as a
             warning. All are active errors.
         The manual does not list the EDS registers (open): The generated files have no EDS.
@@ -1298,7 +1298,7 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
 
     Attributes:
-        name: Device name, ASC85 without the C (41 53 38 35 in hexadecimal). ASCII text. Holds ``AS85``, which helps to
+        name: Device name, ASC85 without the C (41 53 38 35 in hexadecimal). ASCII text. The value ``AS85`` helps to
             identify the encoder. The decoder also accepts other values.
         release: Hardware-software release, printed as 30 31. ASCII text.
 
@@ -1353,7 +1353,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which helps to identify the encoder. The
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
             decoder also accepts other values.
 
     Manufacturer.
@@ -1502,7 +1502,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
 
     Errata, with their full text in ERRATA:
-        The manual prints Internal data bus busy as bit 3 and as bit 2 (settled): Internal data bus busy is bit 2.
+        The manual prints Internal data bus busy as bit 3 and as bit 2 (resolved): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1547,7 +1547,7 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Errata, with their full text in ERRATA:
         The manual does not explain the cycle counter of a singleturn encoder (open): The command and the error are
             described as printed.
-        The manual prints Absolute data valid as bit 2 and as bit 1 (settled): Absolute data valid is bit 1.
+        The manual prints Absolute data valid as bit 2 and as bit 1 (resolved): Absolute data valid is bit 1.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1623,7 +1623,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
     Result: Configuration error shows whether the configuration registers match their checksum.
 
     Errata, with their full text in ERRATA:
-        The manual prints Internal data bus busy as bit 3 and as bit 2 (settled): Internal data bus busy is bit 2.
+        The manual prints Internal data bus busy as bit 3 and as bit 2 (resolved): Internal data bus busy is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

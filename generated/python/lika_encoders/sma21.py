@@ -242,13 +242,13 @@ class Variant(Linear, Wrapping):
         scd_padding_bits: Number of bits above the position in the position field of the BiSS single cycle data. These
             bits are zero unless an offset is selected [6.2 p.25, 6.4 p.32]. Unit: bits.
         offset_selected: Bit 1 of the BiSS Configuration register: 1 while the Preset / Offset register contains an
-            offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Read at run time from register 49h
+            offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. It is read at run time from register 49h
             (``configuration.select_preset_offset``), 0 to 1. Applies only to BiSS C-mode. The value is the factory
             default unless set by with_registers().
         profile_id: Profile ID in the BiSS registers 42h and 43h [6.4 p.28].
-        output_code: Bit 5 of the BiSS Configuration register: 0 for Gray code, 1 for binary [6.4 p.31]. Read at run
-            time from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value is
-            the factory default unless set by with_registers().
+        output_code: Bit 5 of the BiSS Configuration register: 0 for Gray code, 1 for binary [6.4 p.31]. It is read at
+            run time from register 49h (``configuration.output_code``), 0 to 1. Applies only to BiSS C-mode. The value
+            is the factory default unless set by with_registers().
         rs485_position_bits: Width of the position in the 24-bit replies over RS-485. At 1 µm, it is one bit narrower
             than over SSI and BiSS [4.10 p.18, 7.3.3.2]. Unit: bits.
         unlisted: Names of the parts whose values the manual does not list.
@@ -282,7 +282,7 @@ class Variant(Linear, Wrapping):
 
     @property
     def scd_position_bits(self) -> int:
-        """Width of the position field of the BiSS single cycle data, 24 or 25 bits [6.2 p.25]. Unit: bits. Equals
+        """Width of the position field of the BiSS single cycle data, 24 or 25 bits [6.2 p.25]. Unit: bits. It equals
         ``position_bits + scd_padding_bits``.
         """
         return self.position_bits + self.scd_padding_bits
@@ -290,14 +290,14 @@ class Variant(Linear, Wrapping):
     @property
     def scd_value_bits(self) -> int:
         """Width of the position in the BiSS single cycle data, which is the whole field while an offset is selected
-        [6.2 p.25, 6.4 p.32]. Unit: bits. Equals ``position_bits + scd_padding_bits * offset_selected``.
+        [6.2 p.25, 6.4 p.32]. Unit: bits. It equals ``position_bits + scd_padding_bits * offset_selected``.
         """
         return self.position_bits + self.scd_padding_bits * self.offset_selected
 
     @property
     def biss_gray(self) -> int:
-        """Position encoding in the BiSS single cycle data: 1 for Gray code, 0 for binary code [6.4 p.31]. Equals ``1
-        - output_code``.
+        """Position encoding in the BiSS single cycle data: 1 for Gray code, 0 for binary code [6.4 p.31]. It equals
+        ``1 - output_code``.
         """
         return 1 - self.output_code
 
@@ -798,7 +798,7 @@ class _SsiWord(NamedTuple):
 
 
 class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
-    """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant first [5.2 p.20].
+    """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant bit first [5.2 p.20].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -908,7 +908,7 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + scd_padding_bits + 8`` bits, most
-    significant first [6.2 p.25].
+    significant bit first [6.2 p.25].
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -919,7 +919,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             1: there is no active error and the LED is off. While it is True, the position is not usable.
         warning: Warning, nW: Used with the Position check register for an automatic check of the position. It is
             intended only for Lika's technicians. True when 0: a warning is active. False when 1: no warning is active.
-            While it is True, the position is usable, with a warning. Reserved for the manufacturer.
+            While it is True, the position is usable with a warning. Reserved for the manufacturer.
 
     In the manual: Single Cycle Data SCD.
 
@@ -933,7 +933,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     Errata, with their full text in ERRATA:
         The manual does not say which bits are in Gray code (open): Only the position is encoded. The error bit, the
             warning bit and the CRC are sent unchanged.
-        At 1 µm, the frame is one bit longer than printed (settled): The frame has 32 bits at resolutions of 50 µm to 2
+        At 1 µm, the frame is one bit longer than printed (resolved): The frame has 32 bits at resolutions of 50 µm to 2
             µm and 33 bits at 1 µm.
         With an offset, bits that should be 0 carry data (open): While an offset is selected in the Configuration
             register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the
@@ -1149,17 +1149,17 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
         data_id: cc0 ... cc3: Type of request, repeated in the reply.
         status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
-            0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
-            position is usable, with a warning. If a flag that it combines is active in the same frame, that flag
-            decides instead.
+            0: no encoder alarm. This flag combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is
+            True, the position is usable with a warning. If a flag that it combines is active in the same frame, that
+            flag decides instead.
         status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
             of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
-            Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
+            This flag combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
             errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
-            Right-aligned in 24 bits, with zeros above it.
+            Right-aligned in 24 bits, with leading zeros.
         overspeed: Overspeed. True when 1: the speed is too high. False when 0: no overspeed. While it is True, the
             position is not usable.
         initialization_error: Initialization error. True when 1: an error occurred during the initialization, or the
@@ -1187,10 +1187,10 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
         The manual does not give the values sent for positions below zero (open): Over SSI and BiSS, the position wraps
             around after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of
             its field. The 48-bit position can be negative, and it never wraps around.
-        The printed highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
+        The printed highest 24-bit position has one digit too many (resolved): The highest value is FFFFFFh.
         The manual does not give the RS-485 position width of each model (open): The position has 20 bits at 50 µm, 22
             at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
-        Arrows in the manual show the position bytes in the wrong order (settled): ABS0 is sent first.
+        Arrows in the manual show the position bytes in the wrong order (resolved): ABS0 is sent first.
 
     See also these errata in ERRATA: The manual prints the control field's parity bit as part of the ID; The manual does
     not say how individual alarms affect the position; The example reply sets an unused status bit; The manual gives an
@@ -1354,12 +1354,12 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     Attributes:
         status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
-            0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
-            position is usable, with a warning. If a flag that it combines is active in the same frame, that flag
-            decides instead.
+            0: no encoder alarm. This flag combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is
+            True, the position is usable with a warning. If a flag that it combines is active in the same frame, that
+            flag decides instead.
         status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
             of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
-            Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
+            This flag combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
             errors with data ID B.
@@ -1378,12 +1378,12 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
         The manual does not give the values sent for positions below zero (open): Over SSI and BiSS, the position wraps
             around after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of
             its field. The 48-bit position can be negative, and it never wraps around.
-        The printed highest 48-bit position lacks two digits (settled): The highest value is 7FFFFFFFFFFFh.
+        The printed highest 48-bit position lacks two digits (resolved): The highest value is 7FFFFFFFFFFFh.
         The manual says that high bits of the signed 48-bit position are 0 (open): The position is signed and uses all
             48 bits.
         The example reply sets an unused status bit (open): dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other
             values is decoded, and the bits are reported.
-        Arrows in the manual show the position bytes in the wrong order (settled): ABS0 is sent first.
+        Arrows in the manual show the position bytes in the wrong order (resolved): ABS0 is sent first.
 
     See also these errata in ERRATA: The manual prints the control field's parity bit as part of the ID; The manual does
     not say how individual alarms affect the position; The manual gives an error bit level without naming the interface.
@@ -1518,17 +1518,17 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
         variant: Encoder to which the frame belongs.
         status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
-            0: no encoder alarm. Combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is True, the
-            position is usable, with a warning. If a flag that it combines is active in the same frame, that flag
-            decides instead.
+            0: no encoder alarm. This flag combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is
+            True, the position is usable with a warning. If a flag that it combines is active in the same frame, that
+            flag decides instead.
         status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
             of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
-            Combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
+            This flag combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
             usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
             errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
-            Right-aligned in 24 bits, with zeros above it.
+            Right-aligned in 24 bits, with leading zeros.
         overspeed: Overspeed. True when 1: the speed is too high. False when 0: no overspeed. While it is True, the
             position is not usable.
         initialization_error: Initialization error. True when 1: an error occurred during the initialization, or the
@@ -1550,10 +1550,10 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     Its ``data_id`` is A (identification).
 
     Errata, with their full text in ERRATA:
-        The printed highest 24-bit position has one digit too many (settled): The highest value is FFFFFFh.
+        The printed highest 24-bit position has one digit too many (resolved): The highest value is FFFFFFh.
         The manual does not give the RS-485 position width of each model (open): The position has 20 bits at 50 µm, 22
             at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
-        Arrows in the manual show the position bytes in the wrong order (settled): ABS0 is sent first.
+        Arrows in the manual show the position bytes in the wrong order (resolved): ABS0 is sent first.
 
     See also these errata in ERRATA: The manual prints the control field's parity bit as part of the ID; The manual does
     not say how individual alarms affect the position; The example reply sets an unused status bit; The manual gives an
@@ -1861,8 +1861,8 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
 
     Attributes:
         variant: Encoder to which the register belongs.
-        profile_id: 28h, followed by the number of position bits in decimal. Holds ``profile_id``, which helps to
-            identify the encoder. The decoder also accepts other values.
+        profile_id: 28h, followed by the number of position bits in decimal. The value ``profile_id`` helps to identify
+            the encoder. The decoder also accepts other values.
 
     Code of the profile that the encoder uses.
 
@@ -1968,8 +1968,8 @@ class Command(IntEnum):
 
     Saves the parameters, activates the preset or offset, or restores the defaults.
 
-    Default: ``00``. Wait at least 30 ms between a write and the next command. Automatically returns to its default
-    after a write.
+    Default: ``00``. Wait at least 30 ms between a write and the next command. After a write, the register returns to
+    its default automatically.
 
     After a command, the register automatically returns to 00.
     """
@@ -2033,7 +2033,7 @@ class Configuration(FixedRegister, _Configuration):
     A new setting takes effect as soon as it has been transmitted. Save it with the Command register.
 
     Errata, with their full text in ERRATA:
-        One example numbers Counting direction as bit 8 instead of bit 6 (settled): Counting direction is bit 6.
+        One example numbers Counting direction as bit 8 instead of bit 6 (resolved): Counting direction is bit 6.
 
     Checked by decode():
         unused_7: Non utilizzato: Not used. Always 0.
@@ -2090,8 +2090,8 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
 
     Attributes:
         variant: Encoder to which the register belongs.
-        absolute_resolution: Length of one count. Unit: µm. Holds ``resolution_um``, which helps to identify the
-            encoder. The decoder also accepts other values.
+        absolute_resolution: Length of one count. Unit: µm. The value ``resolution_um`` helps to identify the encoder.
+            The decoder also accepts other values.
 
     Resolution of the absolute position.
 
@@ -2149,7 +2149,7 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
 
     Preset or offset, as selected by the Select preset / offset bit of the Configuration register.
 
-    Byte order: high byte first, at 50h. Default: ``00 00 00 00``. Can be written only while
+    Byte order: high byte first, at 50h. Default: ``00 00 00 00``. The register can be written only while
     ``configuration.enable_preset_offset`` is 0 (``enable``). Save the parameters after a write, or the encoder loses
     the value at power-off. While ``configuration.select_preset_offset`` is 0 (``preset``), the register holds
     ``preset``, 0 to ``2^position_bits - 1``. Value that the encoder reports at the current sensor position once the
@@ -2171,7 +2171,7 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
             bits above the position are zero, and a frame with a nonzero bit there is rejected.
         The manual describes the offset both as a preset and as a shift (open): All transmitted values are shifted by
             the offset.
-        The printed highest value with an offset is one too high (settled): The highest value is that sum minus 1.
+        The printed highest value with an offset is one too high (resolved): The highest value is that sum minus 1.
     """
 
     @classmethod
@@ -2224,7 +2224,7 @@ class DeviceType(FixedRegister, _DeviceType):
     """Device type (it: Tipo di dispositivo), register 55h, read only, over BiSS C-mode [6.4 p.33].
 
     Attributes:
-        type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which helps to identify the
+        type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. The value 08h helps to identify the
             encoder. The decoder also accepts other values.
 
     Device type.
@@ -2272,8 +2272,8 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
     """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode [6.4 p.33].
 
     Attributes:
-        period: 00h: no sine and cosine signals. Holds 00h, which helps to identify the encoder. The decoder also
-            accepts other values.
+        period: 00h: no sine and cosine signals. The value 00h helps to identify the encoder. The decoder also accepts
+            other values.
 
     Period of the sine and cosine signals.
 
@@ -2368,7 +2368,7 @@ class DeviceId(FixedRegister, _DeviceId):
     """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
-        name: Device name (53 4D 32 31 in hexadecimal). ASCII text. Holds ``SM21``, which helps to identify the encoder.
+        name: Device name (53 4D 32 31 in hexadecimal). ASCII text. The value ``SM21`` helps to identify the encoder.
             The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
 
@@ -2421,7 +2421,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
-        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds ``Li``, which helps to identify the encoder. The
+        name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
             decoder also accepts other values.
 
     Manufacturer.
@@ -2574,7 +2574,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     Result: The new configuration is active and saved.
 
     Args:
-        configuration: Value of the whole register. Written to ``configuration``.
+        configuration: Value of the whole register. It is written to ``configuration``.
         variant: The encoder. It is checked, but the steps are the same for the whole family.
 
     Returns:
@@ -2612,7 +2612,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Args:
         variant: The encoder.
-        position: New value for the current position. Written to ``preset_offset`` as its ``preset``.
+        position: New value for the current position. It is written to ``preset_offset`` as its ``preset``.
 
     Returns:
         The steps, for ``run``.
@@ -2688,7 +2688,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
 
     Args:
         variant: The encoder.
-        offset: Value by which the positions are shifted. Written to ``preset_offset`` as its ``offset``.
+        offset: Value by which the positions are shifted. It is written to ``preset_offset`` as its ``offset``.
 
     Returns:
         The steps, for ``run``.

@@ -309,7 +309,7 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     style = style_with(variant.parameters)
     name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
     heading = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
-    notes = [style.sentence(fact) for fact in say_layout.carries(interface, layout)]
+    notes = [style.sentence(fact) for fact in say_layout.describe_selector(interface, layout)]
     notes += _notes_about_choices(device, layout, style)
     paths_of_widths = run_time_widths(device, layout)
     if paths_of_widths:

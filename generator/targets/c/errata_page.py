@@ -7,7 +7,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Device, Erratum, Manufacturer, cite, layer_in_words
 from ...model.record import dataclass
-from ...say.errata import changed, consequence, paths_in_words
+from ...say.errata import STATUS_IN_WORDS, changed, consequence, paths_in_words
 from .device import manual_title
 from .names import errata_page_name
 
@@ -84,7 +84,7 @@ def _erratum_text(erratum: Erratum) -> ErratumText:
     rows = tuple((label, text) for label, text in labeled_texts if text)
     return ErratumText(
         title=erratum.title,
-        standing=f"The erratum {erratum.name} is {erratum.status}. {consequence(erratum.severity)}.",
+        standing=f"The erratum {erratum.name} is {STATUS_IN_WORDS[erratum.status]}. {consequence(erratum.severity)}.",
         rows=(*rows, *_reason_and_source(erratum)),
     )
 

@@ -22,7 +22,7 @@ from ...plan import steps
 from ...plan.limits import Refusal
 from ...plan.operations import Check, JoinedNumber
 from ...render import Templates, our_templates, tests_for
-from ...say.layout import join as say_join
+from ...say.layout import describe_join as say_join
 from ...say.markdown import escape as markdown_text
 from ...say.names_and_places import addresses_text, name_in_words, title_of
 from ...say.plain_text import text_on_one_line

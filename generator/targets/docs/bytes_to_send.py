@@ -1,4 +1,4 @@
-"""Bytes to send, on the page of an order code: requests, presets and commands."""
+"""The section of an order code's page about the bytes to send: requests, presets and commands."""
 
 from __future__ import annotations
 
@@ -42,7 +42,10 @@ Row = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class SendingSection:
-    """Requests and commands with their bytes. ``other_value`` says how to write a position other than 0."""
+    """Requests and commands with their bytes, and facts about them.
+
+    ``other_value`` is a sentence on how to write a preset other than 0, or empty without a preset.
+    """
 
     facts: tuple[str, ...]
     requests: tuple[Row, ...]
@@ -54,9 +57,9 @@ class SendingSection:
 def sending_section(
     family_device: Device, device: Device, interface: Interface, variant: Variant, errata_at: Callable[..., str]
 ) -> SendingSection:
-    """Return the bytes to send for an order code. ``errata_at`` returns links to errata that change bytes.
+    """Return the section about the bytes to send for an order code.
 
-    ``device`` is ``family_device`` reduced to the order code.
+    ``device`` is ``family_device`` reduced to the order code. ``errata_at`` returns links to errata that change bytes.
     """
     # In this order, because ``errata_at`` lists the errata in the order of its calls.
     requests = tuple(_request_rows(device, interface, errata_at))
@@ -88,10 +91,10 @@ def sending_section(
 def _introduction_paragraphs(
     device: Device, interface: Interface, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
-    """Yield what the bytes mean, and what the interface lacks, such as a preset.
+    """Yield sentences on the notation of the bytes, and on what the interface does not have, such as a preset.
 
-    A sentence denies a preset, reset or save only if no possible command may be one. ``has_rows`` is true if the page
-    has rows of commands, and ``has_preset`` if one of the registers is a preset whose bytes for 0 are known.
+    A sentence says that there is no preset, reset or save only if nothing in the spec may be one. ``has_rows`` is True
+    if the page has rows of commands, and ``has_preset`` if a register is a preset whose bytes for 0 are known.
     """
     match interface:
         case Ssi():
@@ -113,9 +116,9 @@ def _introduction_paragraphs(
 def _introduction_for_biss(
     device: Device, possible_commands: Commands, *, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
-    """Yield what the rows of commands show over BiSS, or without rows, what is known about commands.
+    """Yield sentences on the rows of commands over BiSS or, without rows, on the commands that the encoder may have.
 
-    The sentence that there are no commands needs a spec of a whole manual. Otherwise the encoder may have commands.
+    That it has no commands is said only if the spec covers a whole manual.
     """
     if has_preset:
         # The script of the site changes this sentence together with the bytes.
@@ -137,7 +140,7 @@ def _introduction_for_biss(
 
 
 def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[str]:
-    """Yield a sentence for each register that holds commands, and one about all others that can be written."""
+    """Yield a sentence for each register that accepts commands, and one about all other writable registers."""
     for register in possible_commands.registers:
         command_names: list[str] = []
         for field in register.layout.fields:
@@ -150,13 +153,14 @@ def _sentences_on_writable_registers(possible_commands: Commands) -> Iterator[st
 
 
 def _register_link(register: Register) -> str:
+    """Return a link to a register, labeled with its addresses and its title."""
     return markdown_link(f"{addresses_text(register)} {escape(title_of(register))}", f"#register-{register.name}")
 
 
 def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -> Iterator[str]:
-    """Yield that there is no preset and no save command, unless something may be a preset.
+    """Yield the sentence that there is no preset and no save command, or nothing if anything may be a preset.
 
-    The sentence leaves out the save command if something may be one.
+    If anything may be a save command, the sentence is only about the preset.
     """
     if possible_commands.may_preset:
         return
@@ -167,7 +171,7 @@ def _commands_missing_in_t_format(device: Device, possible_commands: Commands) -
 
 
 def _preset_registers(device: Device) -> Iterator[Register]:
-    """Yield the registers to which procedures write a position: the registers of their arguments ``position``."""
+    """Yield the preset registers: those to which procedures write their argument ``position``."""
     for procedure in device.procedures:
         for argument in procedure.arguments:
             if argument.name == "position":
@@ -175,18 +179,18 @@ def _preset_registers(device: Device) -> Iterator[Register]:
 
 
 def _registers_with_known_zero(device: Device, variant: Variant) -> Iterator[Register]:
-    """Yield the preset registers whose bytes for the position 0 are known."""
+    """Yield the preset registers for which the bytes of a preset of 0 are known."""
     for register in _preset_registers(device):
         if bytes_of_zero_position(device, register, variant) is not None:
             yield register
 
 
 def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
-    """Return a sentence on how to write a position other than 0 to a preset register, with an example.
+    """Return a sentence on how to write a preset other than 0 to a register, with an example.
 
-    Return an empty string if the order code lacks the field of the position.
+    Return an empty string if the field of the position has no bits for this order code.
     """
-    # The limits of a preset register apply to its position, which may begin above bit 0 of the register.
+    # The limits of a preset register apply to the field of the position, which may begin above bit 0.
     low, width = register.layout.place(variant.parameters).place_of(register.limits_of)
     if not width:
         return ""
@@ -203,7 +207,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
 
 
 def _request_rows(device: Device, interface: Interface, errata_at: Callable[..., str]) -> Iterator[Row]:
-    """Yield rows of two columns: a request with its reply, and its meaning."""
+    """Yield rows of request with reply, meaning."""
     for exchange in exchanges(interface):
         yield _exchange_row(exchange)
     if isinstance(interface, Rs485):
@@ -212,9 +216,10 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
 
 
 def _exchange_row(exchange: RequestAndReply) -> Row:
-    """Return a row: links to the request and its reply, and the purpose of the request.
+    """Return a row of request with reply, meaning.
 
-    Without a purpose, it is the first sentence of the note on the request. The size of words that have one follows.
+    The meaning is the purpose of the request or, without a purpose, the first sentence of the note on it. The size of
+    its words follows if the spec states one.
     """
     layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
     frame_links = [markdown_link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
@@ -224,15 +229,15 @@ def _exchange_row(exchange: RequestAndReply) -> Row:
     if word_bits is not None:
         word_size = f"in words of {word_lengths([word_bits])}"
         description = f"{description}, {word_size}" if description else word_size
-    # capitalize() would change the case of the other letters.
+    # capitalize() would also change the case of the other letters.
     return " → ".join(frame_links), description[:1].upper() + description[1:]
 
 
 def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: Callable[..., str]) -> Row:
-    """Return a row of request → reply, meaning.
+    """Return a row of request with reply, meaning for a T-format request.
 
-    The request is shown as its control byte and the names of the rest, such as ``C2, address, data``. The meaning is
-    followed by the repetitions in procedures that send only this request, by the data ID, and by errata.
+    The request is shown as its control byte, followed by the names of its other parts: ``C2, address, data``. The
+    meaning is followed by the repetitions in procedures that send only this request, by the data ID, and by errata.
     """
     request = _layout_with_data_id(interface, "master", data_id.id)
     reply = _layout_with_data_id(interface, "encoder", data_id.id)
@@ -250,9 +255,9 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
 
 
 def _names_after_control_field(request: Layout) -> list[str]:
-    """Return the names of the parts of a request after its control field, each group of fields once.
+    """Return the names of the parts that follow the control field of a request. A group of fields counts as one part.
 
-    The control field is the group of the first field. If this field is in no group, all fields are listed.
+    The control field is the group of the first field. If this field is not in a group, all fields are listed.
     """
     control_group = request.fields[0].group
     unique_names: dict[str, None] = {}
@@ -260,7 +265,7 @@ def _names_after_control_field(request: Layout) -> list[str]:
         is_in_control_field = bool(field.group) and field.group == control_group
         if not is_in_control_field:
             unique_names[field.group or field.name] = None
-    # Of "preset of turns", only "preset" is shown.
+    # For "preset of turns", only "preset" is shown.
     return [escape(name_as_words(part_name).partition(" of ")[0]) for part_name in unique_names]
 
 
@@ -270,11 +275,12 @@ def _procedures_sending_only(device: Device, data_id: DataId) -> list[Procedure]
 
 
 def _requests_sent(procedure: Procedure) -> list[str]:
+    """Return the names of the requests that a procedure sends, in order."""
     return [step.data_id for step in procedure.steps if isinstance(step, SendStep)]
 
 
 def _repetition_text(procedure: Procedure) -> str:
-    """Return how often a procedure repeats its only request, such as ``Send it 10 times, at least 40 µs apart``."""
+    """Return how often a procedure sends its only request, such as ``Send it 10 times, at least 40 µs apart``."""
     send_step = next(step for step in procedure.steps if isinstance(step, SendStep))
     waits = [f"wait {time_text(step.microseconds)}" for step in procedure.steps if isinstance(step, WaitStep)]
     times = markdown_link(f"{send_step.times} times", f"#procedure-{procedure.name}")
@@ -283,11 +289,12 @@ def _repetition_text(procedure: Procedure) -> str:
 
 
 def _layout_with_data_id(interface: Rs485, sender: str, data_id: int) -> Layout | None:
+    """Return the frame from a sender that a data ID identifies, or None if there is none."""
     return next((layout for layout in interface.layouts if layout.sender == sender and data_id in layout.selects), None)
 
 
 def _writing_procedures(device: Device) -> list[Procedure]:
-    """Return the procedures that write a register, in whole or in part."""
+    """Return the procedures that write a register or a field of a register."""
     return [procedure for procedure in device.procedures if _has_write_step(procedure)]
 
 
@@ -296,9 +303,9 @@ def _has_write_step(procedure: Procedure) -> bool:
 
 
 def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str]) -> Iterator[Row]:
-    """Yield rows of task and bytes to send, for procedures that write something.
+    """Yield rows of task, bytes to write for the procedures that write registers.
 
-    Errata about a single bit are next to it. ``_command_errata`` yields errata about several bits.
+    Errata about a field that a step changes are in its row. Errata about whole registers are not in the rows.
     """
     for procedure in _writing_procedures(device):
         bytes_to_write = join_filled((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
@@ -310,18 +317,18 @@ def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str
 
 
 def _command_errata(device: Device, errata_at: Callable[..., str]) -> str:
-    """Return the errata about procedures that write something, and about whole registers that they write."""
+    """Return links to the errata about procedures that write registers, and about these registers as a whole."""
     procedure_paths, register_paths = list[str](), list[str]()
     for procedure in _writing_procedures(device):
         procedure_paths.append(f"procedures.{procedure.name}")
         register_paths += [f"registers.{step.register}" for step in procedure.steps if isinstance(step, WriteStep)]
-    # Each path once, in this order.
+    # Each path only once, in this order.
     spec_paths = dict.fromkeys((*procedure_paths, *register_paths))
     return errata_at(*spec_paths, exactly=register_paths) if spec_paths else ""
 
 
 def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
-    """Return a step of a procedure in short, such as ``wait 1 ms`` or an address with the bytes to write."""
+    """Return a step of a procedure in short, such as ``wait 1 ms``, or an address with the bytes to write."""
     match step:
         case WaitStep():
             return f"wait {time_text(step.microseconds)}"
@@ -345,7 +352,10 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
 
 
 def _bytes_to_write(device: Device, register: Register, value: int | None, variant: Variant) -> str:
-    """Return the bytes of a value, or the bytes of the position 0 for a preset without a value."""
+    """Return the bytes to write to a register: those of a value or, if it is None, those of a preset of 0.
+
+    If these are unknown, return ``the new value``.
+    """
     register_bytes = bytes_of_zero_position(device, register, variant) if value is None else register.bytes_of(value)
     if register_bytes is None:
         return "the new value"
@@ -353,16 +363,16 @@ def _bytes_to_write(device: Device, register: Register, value: int | None, varia
 
 
 def _bits_of_field(register: Register, name: str, variant: Variant) -> str:
-    """Return the bits of a field in a register, or its name if the order code lacks it."""
+    """Return the bits of a field in a register, or its name if it has no bits for this order code."""
     placed_field = register.layout.place(variant.parameters).find_field(name)
     return bits(placed_field.high, placed_field.low) if placed_field is not None else code_span(name)
 
 
 def bytes_of_zero_position(device: Device, register: Register, variant: Variant) -> bytes | None:
-    """Return the bytes of a preset register for the position 0, or None if they are unknown.
+    """Return the bytes that set a preset register to the position 0, or None if they are unknown.
 
-    Constants keep their values, and numbers are 0. With any other field, the bytes are unknown. They are also None for
-    a register that is not a preset.
+    Constants keep their values, and numbers are 0. The bytes are unknown if the register has any other field, or if it
+    is not a preset register.
     """
     if register not in _preset_registers(device):
         return None

@@ -1,4 +1,4 @@
-"""Pages across families: encoder identification, registers by address, alarms, LEDs, and the glossary."""
+"""Pages about all families: identification, comparison, registers by address, alarms and LEDs, and the glossary."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _COMPARED_LABELS = ("Clock", "Alignment", "Code", "Time-out", "Baud rate")
 
 class WhichPage(TypedDict):
     label_rows: Annotated[list[Row], "family, title, patterns of its order codes, interfaces, supply"]
-    told_rows: Annotated[list[Row], "family, identifying register, name, content, source"]
+    identity_rows: Annotated[list[Row], "family, identifying register, name, content, source"]
     compare_page: Annotated[str, "the page that compares the families"]
     compared_rows: Annotated[list[Row], "interface of a family, fact, value, source"]
     resolution_rows: Annotated[list[Row], "quantities set by order codes: family, quantity, values, unit, source"]
@@ -52,10 +52,10 @@ class AlarmsPage(TypedDict):
 
 
 def identification_page_values(devices: Sequence[Device]) -> WhichPage:
-    """Return the values of two pages: the one that identifies an encoder, and the one that compares the families."""
+    """Return the values of two pages: one that identifies an encoder, and one that compares the families."""
     return {
         "label_rows": [_label_row(device) for device in devices],
-        "told_rows": _rows_of_all(devices, _identity_rows),
+        "identity_rows": _rows_of_all(devices, _identity_rows),
         "compare_page": COMPARISON,
         "resolution_rows": _rows_of_all(devices, _resolution_rows),
         "byte_order_rows": _rows_of_all(devices, _byte_order_rows),
@@ -76,13 +76,13 @@ def _grouped_by_interface(rows: Iterable[Row]) -> list[Row]:
     """Group the rows by interface, in the order in which the interfaces first occur."""
     rows_by_interface: dict[str, list[Row]] = {}
     for row in rows:
-        # The first cell of these rows.
-        interface_title = row[0]
+        interface_title, *_ = row
         rows_by_interface.setdefault(interface_title, []).append(row)
     return list(chain.from_iterable(rows_by_interface.values()))
 
 
 def _family_link(device: Device) -> str:
+    """Return a link to the page of a family, labeled with its name in capitals."""
     return markdown_link(escape(device.name.upper()), f"{device.name}.md")
 
 
@@ -107,7 +107,7 @@ def _supply_range(supply: Supply) -> str:
 
 
 def _identity_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of family, address, name, content, source of the register fields that identify an encoder.
+    """Yield rows of family, address, name, content, source for the register fields that identify an encoder.
 
     Their content is the same for the whole family, or the order code determines it.
     """
@@ -125,7 +125,7 @@ def _identity_rows(device: Device) -> Iterator[Row]:
 
 
 def _documented_content(field: Field) -> str:
-    """Return the content of an identifying field, such as ```1Bh```, or an empty string if it is not in the manual."""
+    """Return the content of an identifying field, such as ```1Bh```, or "" if the manual does not state it."""
     match field.equals:
         case int():
             # A hexadecimal digit for each 4 bits, rounded up.
@@ -135,12 +135,12 @@ def _documented_content(field: Field) -> str:
             return code_span(field.equals)
         case None:
             return ""
-        case expression:
-            return MARKDOWN.number(expression) + ", by order code"
+        case expression_by_code:
+            return MARKDOWN.number(expression_by_code) + ", by order code"
 
 
 def _interface_fact_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of interface, family, label, fact, source for the facts with a label in ``_COMPARED_LABELS``."""
+    """Yield rows of interface, family, label, fact, source for the settings that the page compares, such as clocks."""
     for interface in device.interfaces:
         for setting in describe_settings(device, interface):
             if setting.label in _COMPARED_LABELS:
@@ -154,9 +154,9 @@ def _interface_fact_rows(device: Device) -> Iterator[Row]:
 
 
 def _position_frame_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of interface, family, frame, bits, order, CRC for the frames that send the position.
+    """Yield rows of interface, family, frame, bits, order, CRC for the frames with the position.
 
-    ``none`` is one of the CRCs if the frames of some order codes have none.
+    If the frames of some order codes have no CRC, ``none`` is in the list of CRCs.
     """
     for interface, layout in device.layouts():
         if device.sends_position(interface.name, layout):
@@ -174,19 +174,19 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
 
 
 def _range_of_lengths(device: Device, interface: Interface, layout: Layout) -> str:
-    """Return the lengths in bits that a frame has for the order codes of an interface, such as ``33 to 45``."""
+    """Return the shortest and longest length of a frame in bits for the order codes of an interface: ``33 to 45``."""
     variants = device.variants_over(interface.name)
-    # The length is 0 if no order code of the interface is listed.
+    # Without order codes over the interface, the length is 0.
     lengths = {layout.place(variant.parameters).bits for variant in variants} or {0}
     shortest, longest = min(lengths), max(lengths)
     return f"{shortest}" if shortest == longest else f"{shortest} to {longest}"
 
 
 def _resolution_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of family, quantity, values, unit, source.
+    """Yield rows of family, quantity, values, unit, source for the quantities that the order code sets.
 
-    A quantity is a parameter with a unit that an order code sets and no register changes at run time. Its values are
-    those of all listed order codes, in ascending order.
+    A quantity is a parameter that has a unit and that no register changes at run time. Its values are those of all
+    order codes, in ascending order.
     """
     run_time_parameters = run_time_names(device)
     for parameter in device.set_parameters:
@@ -194,8 +194,7 @@ def _resolution_rows(device: Device) -> Iterator[Row]:
             continue
         variants = [variant for variant in device.variants if parameter.name in variant.parameters]
         different_values = sorted({variant.parameters[parameter.name] for variant in variants})
-        values_cell = ", ".join(parameter_value(parameter, count) for count in different_values)
-        # A value is a number of counts in the unit of the parameter.
+        values_cell = ", ".join(parameter_value(parameter, value) for value in different_values)
         yield (
             _family_link(device),
             escape(parameter.meaning),
@@ -206,7 +205,7 @@ def _resolution_rows(device: Device) -> Iterator[Row]:
 
 
 def _byte_order_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of family, byte order, links to its registers of several bytes with this order."""
+    """Yield rows of family, byte order, links to the registers with this byte order. One-byte registers are omitted."""
     registers_by_order: dict[str, list[Register]] = {}
     for register in device.registers:
         if register.length > 1:
@@ -221,7 +220,7 @@ def _register_link(device: Device, register: Register) -> str:
 
 
 def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
-    """Return the values of the page with the registers of all families by address."""
+    """Return the values of the page that lists the registers of all families by address."""
     registers_and_devices: list[tuple[Register, Device]] = []
     for device in devices:
         registers_and_devices += [(register, device) for register in device.registers]
@@ -230,7 +229,7 @@ def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
 
 
 def _address_and_family(register_of_device: tuple[Register, Device]) -> tuple[int, int, str]:
-    """Return the sort key of a register: its address, then its bank, then the family."""
+    """Return the sort key of a register: its address, then its bank, then the name of its family."""
     register, device = register_of_device
     # A register without a bank comes first.
     bank = -1 if register.bank is None else register.bank
@@ -253,13 +252,13 @@ def _register_row(register: Register, device: Device) -> Row:
 
 
 def alarms_page_values(devices: Sequence[Device]) -> AlarmsPage:
-    """Return the values of the page with the alarms of all families by title, and their LEDs."""
-    explained_alarms: list[tuple[Alarm, Device, Interface]] = []
+    """Return the values of the page that lists the alarms and the LEDs of all families."""
+    alarms: list[tuple[Alarm, Device, Interface]] = []
     for device in devices:
-        explained_alarms += _alarms_with_interfaces(device)
-    explained_alarms.sort(key=_title_and_family)
+        alarms += _alarms_with_interfaces(device)
+    alarms.sort(key=_title_and_family)
     return {
-        "alarm_rows": [_alarm_row(alarm, device, interface) for alarm, device, interface in explained_alarms],
+        "alarm_rows": [_alarm_row(alarm, device, interface) for alarm, device, interface in alarms],
         "led_rows": _rows_of_all(devices, _led_rows),
     }
 
@@ -279,7 +278,7 @@ def _led_rows(device: Device) -> Iterator[Row]:
 
 
 def _alarms_with_interfaces(device: Device) -> list[tuple[Alarm, Device, Interface]]:
-    """Return each alarm with the first interface that has it, whose page explains it."""
+    """Return each alarm of a family with the first interface that has it. The page of this interface explains it."""
     interface_by_alarm: dict[str, Interface] = {}
     for interface in device.interfaces:
         for alarm in for_interface(device, interface.name).alarms:
@@ -287,8 +286,9 @@ def _alarms_with_interfaces(device: Device) -> list[tuple[Alarm, Device, Interfa
     return [(alarm, device, interface_by_alarm[alarm.name]) for alarm in device.alarms]
 
 
-def _title_and_family(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
-    alarm, device, _ = explained_alarm
+def _title_and_family(alarm_of_device: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
+    """Return the sort key of an alarm: its title, then the name of its family."""
+    alarm, device, _ = alarm_of_device
     return title_of(alarm).casefold(), device.name
 
 
@@ -314,7 +314,7 @@ class GlossaryPage(TypedDict):
 
 @dataclass(frozen=True, slots=True)
 class _InterfacePage:
-    """Page of an interface. ``names`` are the names on it in lowercase with their anchors."""
+    """Page of an interface. ``names`` are pairs of a name on the page, in lowercase, and its anchor."""
 
     device: Device
     interface: Interface
@@ -322,7 +322,7 @@ class _InterfacePage:
 
 
 def page_values(devices: Sequence[Device]) -> GlossaryPage:
-    """Return the values of the glossary: the terms to which a page of these families has a section."""
+    """Return the values of the glossary, which has the terms that the pages of these families explain or use."""
     pages: list[_InterfacePage] = []
     for device in devices:
         pages += [_interface_page(device, interface) for interface in device.interfaces]
@@ -335,12 +335,13 @@ def page_values(devices: Sequence[Device]) -> GlossaryPage:
 
 
 def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
+    """Return the page of an interface with the names on it."""
     interface_device = for_interface(device, interface.name)
     return _InterfacePage(interface_device, interface, tuple(_anchors_by_name(interface_device, interface)))
 
 
 def _links_to_term(term: GlossaryTerm, pages: Sequence[_InterfacePage]) -> str:
-    """Return links to the sections about a term, one for each interface page with such a section."""
+    """Return links to the sections about a term: one for each interface that has such a section."""
     page_links: list[str] = []
     for page in pages:
         anchor = _anchor_of_term(term, page)
@@ -353,41 +354,41 @@ def _links_to_term(term: GlossaryTerm, pages: Sequence[_InterfacePage]) -> str:
 
 
 def _anchor_of_term(term: GlossaryTerm, page: _InterfacePage) -> str:
-    """Return the anchor of the section about a term on an interface page, or an empty string.
+    """Return the anchor of the section about a term on the pages of an interface, or "" if there is none.
 
-    It is the section that a term of an interface states. For another term, it is the first name that is a spelling of
-    the term, or else the first name that contains one as a whole word.
+    A term of one interface states its section. For any other term, it is the section about the first name that equals
+    a spelling of the term or else, that contains one as a whole word.
     """
-    if term.over is not None:
+    if term.interface is not None:
         # The name of a section is also its anchor.
-        is_on_page = isinstance(page.interface, term.over) and _has_section(page, term.section)
+        is_on_page = isinstance(page.interface, term.interface) and _has_section(page, term.section)
         return term.section if is_on_page else ""
     for lowercase_name, anchor in page.names:
-        if lowercase_name in term.spelled:
+        if lowercase_name in term.spellings:
             return anchor
     for lowercase_name, anchor in page.names:
         # With spaces around both, a spelling is found only as a whole word.
-        contains_term = any(f" {spelling} " in f" {lowercase_name} " for spelling in term.spelled)
+        contains_term = any(f" {spelling} " in f" {lowercase_name} " for spelling in term.spellings)
         if contains_term:
             return anchor
     return ""
 
 
 def _has_section(page: _InterfacePage, section: str) -> bool:
-    """Return whether an interface page has a section. Sections not in ``contents`` are on every page."""
-    contents = {
+    """Return whether the pages of an interface have a section. Most sections always exist."""
+    optional_contents = {
         # Only BiSS has control data.
         "control-data": getattr(page.interface, "control_data", ()),
         "procedures": page.device.procedures,
         "wiring": page.device.connectors,
     }
-    return section not in contents or bool(contents[section])
+    return section not in optional_contents or bool(optional_contents[section])
 
 
 def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
-    """Yield the names on an interface page in lowercase with their anchors, such as ``("crc", "crc-x24")``.
+    """Yield the names on the pages of an interface, in lowercase, with their anchors: ``("crc", "crc-x24")``.
 
-    Names with their own section are first. A name can occur several times.
+    Names that have a section of their own come first. A name can occur several times.
     """
     for register in device.registers:
         yield from _names_with_anchor(register, f"register-{register.name}")
@@ -396,7 +397,7 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
     for crc in device.crcs:
         yield "crc", f"crc-{crc.name}"
     if isinstance(interface, Ssi) and interface.output_code is not None and interface.output_code.code != "binary":
-        # The section about frames mentions the Gray code.
+        # The section about frames mentions Gray code.
         yield "gray", "frames"
     for timing in interface.timings:
         yield timing.symbol.casefold(), "timings"
@@ -410,6 +411,6 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
 
 
 def _names_with_anchor(titled: Titled, anchor: str) -> Iterator[tuple[str, str]]:
-    """Yield our name in words and the printed name in lowercase, each with the anchor."""
+    """Yield the name of an item in the spec and its name in the manual, both in lowercase, with the anchor."""
     yield titled.name.replace("_", " "), anchor
     yield titled.printed_name.casefold(), anchor

@@ -1,4 +1,4 @@
-"""Tables of a page about a device, except tables of its layouts, wide or with two columns for a phone."""
+"""Tables of facts, except about layouts: wide tables for interface pages, and two columns for pages of order codes."""
 
 from __future__ import annotations
 
@@ -62,13 +62,16 @@ SEVERITIES = tuple(_SEVERITY_TEXTS)
 
 
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
-    """Yield rows of fact, value, source."""
+    """Yield rows of fact, value, source for the settings of an interface."""
     for setting in describe_settings(device, interface):
         yield escape(setting.label), MARKDOWN.phrase(setting), citation(setting.source)
 
 
 def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]:
-    """Yield number, instruction, reason, source. A step that exists only in generated code is not numbered."""
+    """Yield rows of number, instruction, reason, source for the steps of a procedure.
+
+    A check that only generated code makes has no number.
+    """
     number_of_step = 0
     for operation in plan_procedure(device, procedure).operations:
         if isinstance(operation, VerifyWrite):
@@ -89,7 +92,7 @@ def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]
 
 
 def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
-    """Yield the name, meaning, duration and source of each time."""
+    """Yield rows of name, meaning, duration, source."""
     for timing in timings:
         duration = escape(bounds_with_codes(timing))
         yield (
@@ -101,9 +104,9 @@ def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
 
 
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
-    """Yield the parameters, and the polynomial in every notation that masters expect."""
+    """Yield the parameters of a CRC as label and value, with the polynomial in every notation that masters expect."""
     with_top_bit = crc.poly_with_top_bit
-    # The notation with x^n, such as "x^6 + x + 1".
+    # In the notation of manuals, such as "x^6 + x + 1".
     yield "Polynomial", escape(crc.polynomial)
     yield "with its top bit", f"`0x{with_top_bit:X}` = {with_top_bit} = `{with_top_bit:b}b`"
     yield "without its top bit", f"`0x{crc.poly:02X}`"
@@ -122,9 +125,9 @@ def _yes_or_no(is_true: bool) -> str:
 
 
 def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
-    """Yield the label and value of each fact of a worked example, without empty facts.
+    """Yield the facts of a worked example as label and value.
 
-    An erratum of the example is linked here only if it does not affect the example, because otherwise it is next to it.
+    The erratum that an example refers to is linked here, unless the page lists it next to the example anyway.
     """
     for label, content in _facts_of_kind(device, example):
         if content:
@@ -139,7 +142,7 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
 
 
 def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]]:
-    """Yield the facts of an example with their values. A value that the example lacks is empty."""
+    """Yield the facts of an example as label and value. The value is empty if the example does not have this fact."""
     match example:
         case FrameExample():
             if example.layout:
@@ -179,12 +182,13 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
 
 
 def _bytes_fact(data: bytes) -> tuple[str, str]:
+    """Return the label and the bytes of an example in hexadecimal."""
     hexadecimal_bytes = f"`{data.hex(' ').upper()}`" if data else ""
     return "Bytes", hexadecimal_bytes
 
 
 def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
-    """Return the label and the values of an example, with quantities for fields that have a scale in a layout."""
+    """Return the label and the field values of an example, with quantities for fields that have a scale in a layout."""
     scales = {field.name: field.scale for layout in layouts for field in layout.fields}
     assignments = [f"{code_span(name)} = {_value_text(value, scales.get(name))}" for name, value in values.items()]
     return "Values", ", ".join(assignments)
@@ -202,7 +206,7 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
 
 
 def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
-    """Yield the printed text and the value used, or the parts of a change by an overlay or edition."""
+    """Yield the printed text and the value used, or the parts of a change by an overlay or edition, with labels."""
     if erratum.overlay:
         yield "Overlay", code_span(erratum.overlay)
     if erratum.edition:
@@ -216,7 +220,7 @@ def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
 
 def sentence_on_changes(count: int) -> str:
     """Return a sentence on the changes by overlays and other editions, or an empty string if there are none."""
-    return f" {count} more entries are changes made by overlays or other editions." if count else ""
+    return f" {count} more entries are changes in overlays or other editions." if count else ""
 
 
 def severity_text(severity: str) -> str:
@@ -224,17 +228,18 @@ def severity_text(severity: str) -> str:
 
 
 def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
-    """Return the key, title and address of each document."""
+    """Return rows of key, title, address."""
     return [_document_row(document) for document in documents]
 
 
 def _document_row(document: Document) -> tuple[str, ...]:
+    """Return a row of key, title, address. The address is empty for a document that is not public."""
     address = f"<{document.url}>" if document.url else ""
     return code_span(document.key), escape(document.title), address
 
 
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
-    """Yield the name, bits, meaning and source of each field of the BiSS control frame."""
+    """Yield rows of name, number of bits, meaning, source for the fields of the BiSS control frame."""
     for control_field in interface.control_data:
         value_phrases = [
             MARKDOWN.phrase(describe_value(named_value, control_field.bits)) for named_value in control_field.values
@@ -252,12 +257,12 @@ Row = tuple[str, ...]
 
 
 def title_cell(titled_part: Titled) -> str:
-    """Return a title in words, with the identifier for programmers in small type."""
+    """Return the title of an item, followed by its name in programs in small type."""
     return f"{escape(title_of(titled_part))} <small>{code_span(titled_part.name)}</small>"
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
-    """Yield rows of place, field. A group of fields is one row with a link to its table."""
+    """Yield rows of place, field. A group of fields has one row, with a link to its table."""
     for field_or_group in fields_and_groups(device, layout):
         if isinstance(field_or_group, FieldGroup):
             yield group_place(device, layout, field_or_group), _group_cell(layout, field_or_group)
@@ -267,14 +272,14 @@ def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
 
 
 def _place_cell(device: Device, layout: Layout, field: Field) -> str:
-    """Return the place of a field. If it has a container, the place includes padding, and the width follows."""
+    """Return the place of a field. If the field has padding, the place includes it, and the field's width follows."""
     place = field_place_cell(layout, field, device.alternatives_of(layout))
     width = count_with_unit(MARKDOWN.number(field.width), "bit") if field.container else ""
     return join_filled([place, width])
 
 
 def _group_cell(layout: Layout, field_group: FieldGroup) -> str:
-    """Return a link to the table of a group, and the names of its fields."""
+    """Return a link to the table of a group of fields, followed by the names of the fields."""
     group_link = markdown_link(escape(heading(field_group.name)), f"#group-{field_group.name}")
     field_names = ", ".join(code_span(field.name) for field in layout.fields if field.group == field_group.name)
     return f"{group_link} <small>{code_span(field_group.name)}</small>: {field_names}"
@@ -287,11 +292,12 @@ def group_rows(device: Device, name: str) -> Iterator[Row]:
 
 
 def _answer_names(answers: Sequence[Answer]) -> str:
+    """Return the names of answers as one piece of code: ```normal, binary```."""
     return code_span(", ".join(answer.name for answer in answers))
 
 
 def _description_cell(device: Device, field: Field, layout_source: Sources, in_register: bool = False) -> str:
-    """Return a field with all statements about it, and its source unless it is ``layout_source``."""
+    """Return a field with all statements about it, and its source if that differs from the source of its layout."""
     description = join_filled([title_cell(field), field_cell(device, field, in_register)])
     if not field.source or field.source == layout_source:
         return description
@@ -299,16 +305,17 @@ def _description_cell(device: Device, field: Field, layout_source: Sources, in_r
 
 
 def value_tables(register: Register) -> list[list[Row]]:
-    """Return rows of value, name and meaning for each field with many named values."""
+    """Return a table of values and their meanings for each field that has many named values."""
     return [_value_table(field) for field in register.layout.fields if has_value_table(field)]
 
 
 def _value_table(field: Field) -> list[Row]:
+    """Return rows of value, name with meaning."""
     return [(number, join_filled([name, meaning])) for number, name, meaning, _ in value_rows(field)]
 
 
 def register_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of bank, addresses, register."""
+    """Yield rows of bank, addresses, register. The bank is empty for a register without a bank."""
     for register in device.registers:
         default_bytes = register.default_bytes()
         default = f", default {code_span(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
@@ -320,7 +327,7 @@ def register_rows(device: Device) -> Iterator[Row]:
 
 
 def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
-    """Yield the steps as sentences, each with its reason."""
+    """Yield the steps of a procedure as sentences, each with its reason in parentheses."""
     for procedure_step in procedure.steps:
         reason = f" ({escape(procedure_step.meaning)})" if procedure_step.meaning else ""
         yield MARKDOWN.phrase(describe_step(device, procedure_step)) + reason + "."
@@ -335,7 +342,7 @@ def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
 
 
 def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
-    """Yield rows of example, its facts with their source. The order code is the page's order code."""
+    """Yield rows of example, facts with their source. The order code is omitted, because the page is about it."""
     for example in examples:
         labelled_values = example_facts(device, example)
         fact_lines = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]
@@ -344,12 +351,12 @@ def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
 
 
 def led_rows(device: Device) -> Iterator[Row]:
-    """Yield a row of LED, source for each LED, followed by rows of state, meaning."""
+    """Yield for each LED a row of name, source, and then rows of state, meaning."""
     for led in device.leds:
         yield f"**{escape(led.title)}**", f"<small>{citation(led.source)}</small>"
         for state in led.states:
             step_links = (markdown_link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
-            order_codes = [f"Only with {code_span(state.only)}."] if state.only else []
+            order_codes = [f"This applies only to {code_span(state.only)}."] if state.only else []
             yield (
                 escape(state.state),
                 join_filled([escape(as_sentence(state.meaning)), *order_codes, *step_links], " "),
@@ -357,7 +364,7 @@ def led_rows(device: Device) -> Iterator[Row]:
 
 
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
-    """Yield the settings of the interface, each with its source."""
+    """Yield the settings of an interface as lines, each with its source."""
     for setting in describe_settings(device, interface):
         value = MARKDOWN.phrase(statement(*setting.parts))
         yield f"{escape(setting.label)}: {value} <small>{citation(setting.source)}</small>"

@@ -1,4 +1,4 @@
-"""Pages of a family that do not belong to an interface: index, hardware, manual and changes."""
+"""Pages of a family that are not about one interface: overview, hardware, manual and changes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, describe_grade, edition_test, origin, other_editions
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.order_code import describe_settings
-from ...say.plain_text import count_with_unit
+from ...say.plain_text import count_with_unit, group_digits
 from ...say.text import Statement, language_name
 from . import fact_tables, inline_errata, masters_page, order_code_tables, page_links, verdict_page
 from .interface_page import subjects
@@ -29,7 +29,7 @@ _TITLES_BY_IMPACT = {
     "compatible": "Compatible",
     "documentation": "Documentation",
 }
-#: Highest number of documentation changes that are listed. If there are more, they are only counted.
+#: Highest number of documentation changes that a page lists. If there are more, it only gives their number.
 _MOST_DOCUMENTATION_CHANGES = 10
 
 
@@ -44,7 +44,7 @@ class ChangesPage(TypedDict):
 
 
 def file_name(device: Device) -> str:
-    """Return the file name of the page."""
+    """Return the file name of the page with the changes."""
     return f"{device.name}-changes.md"
 
 
@@ -61,9 +61,9 @@ def page_values(device: Device) -> ChangesPage:
 
 
 def _release_section(release: Release) -> dict[str, Any]:
-    """Return the changes of a release by their impact, and the changed names in code.
+    """Return the changes in a release by their impact, followed by the names in code that have changed.
 
-    More than ``_MOST_DOCUMENTATION_CHANGES`` changes of the documentation are only counted.
+    If there are many changes to the documentation, only their number is given.
     """
     impact_sections: list[dict[str, Any]] = []
     for impact, title in _TITLES_BY_IMPACT.items():
@@ -80,6 +80,7 @@ def _release_section(release: Release) -> dict[str, Any]:
 
 
 def _change_line(change: ReleasedChange) -> str:
+    """Return a change with its rule, and with the encoders and outputs that it affects."""
     about = "; ".join(filter(None, (change.reach, change.outputs)))
     return f"{escape(change.text)} ({code_span(change.rule)}): {escape(about)}"
 
@@ -121,7 +122,7 @@ class ManualPage(TypedDict):
 
 
 def index_values(family_codes: OrderCodes) -> FamilyPage:
-    """Return the values of the first page of a family."""
+    """Return the values of the overview page of a family."""
     device = family_codes.device
     return {
         "device": device,
@@ -141,7 +142,7 @@ def index_values(family_codes: OrderCodes) -> FamilyPage:
 
 
 def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
-    """Return a row of interface, order codes, clock or port, links to the pages of its subjects."""
+    """Return a row of interface, order codes, clock or port, links to its further pages."""
     codes = [variant.code for variant in device.variants_over(interface.name)]
     # The first settings are the clocks of the master, or the port of a serial interface.
     number_of_clocks_or_ports = len(interface.clocks) if isinstance(interface, Clocked) else 1
@@ -155,13 +156,13 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
 
 
 def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
-    """Yield a link to each further page of an interface, such as the page of its registers."""
+    """Yield a link to each further page of an interface, such as the page about its registers."""
     for subject in subjects(device, interface.name):
         yield markdown_link(subject, f"{device.name}/{page_links.page_in_folder(interface.name, subject)}")
 
 
 def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]]]:
-    """Yield the number of order codes of each interface with order codes, with links to their pages."""
+    """Yield the number of order codes of each interface that has any, with links to their pages."""
     for interface in family_codes.device.interfaces:
         order_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
         if order_codes:
@@ -170,10 +171,9 @@ def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]
 
 
 def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
-    """Yield rows of task, links to its instructions.
+    """Yield rows of task, links to the instructions for it. Tasks without instructions are omitted.
 
-    Procedures have their titles as tasks, including procedures carried out by hand. Tasks without instructions are left
-    out.
+    Each procedure, including procedures carried out by hand, is a task with the title of the procedure.
     """
     frame_links = list(_position_frame_links(device))
     if frame_links:
@@ -190,7 +190,7 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield escape(manual_procedure.title), markdown_link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
     if device.characteristics:
         yield (
-            "Mount it, look up its limits",
+            "Mount it and look up its limits",
             markdown_link("mounting and characteristics", f"{device.name}/hardware.md"),
         )
     master_links = masters_page.page_links(device)
@@ -199,7 +199,7 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
 
 
 def _position_frame_links(device: Device) -> Iterator[str]:
-    """Yield a link to each frame with the position, with its name if its interface has several such frames."""
+    """Yield a link to each frame with the position. If an interface has several, the links contain their names."""
     for interface in device.interfaces:
         layouts = [layout for layout in interface.layouts if device.sends_position(interface.name, layout)]
         for layout in layouts:
@@ -216,7 +216,7 @@ _TASKS_BY_SECTION = {
 
 
 def _section_links(device: Device, section: str) -> Iterator[str]:
-    """Yield a link to a section of ``_TASKS_BY_SECTION`` for each interface whose page has it."""
+    """Yield a link to a section, such as ``leds``, for each interface whose pages have this section."""
     for interface in device.interfaces:
         page_device = for_interface(device, interface.name)
         contents_by_section = {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}
@@ -225,7 +225,7 @@ def _section_links(device: Device, section: str) -> Iterator[str]:
 
 
 def hardware_values(device: Device) -> HardwarePage:
-    """Return the values of the page with the procedures by hand and the characteristics."""
+    """Return the values of the page with the characteristics and the procedures carried out by hand."""
     errata_at = inline_errata.ErrataLines(device)
     return {
         "device": device,
@@ -236,7 +236,7 @@ def hardware_values(device: Device) -> HardwarePage:
 
 
 def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -> Iterator[tuple[str, ...]]:
-    """Yield rows of name, value or link to the steps, order codes, source."""
+    """Yield rows of name, value or link to the steps, order codes, source for the characteristics."""
     names_with_steps = {procedure.characteristic.name for procedure in manual_procedures(device)}
     for characteristic in device.characteristics:
         name = characteristic.name
@@ -262,7 +262,7 @@ def manual_values(device: Device) -> ManualPage:
 
 
 def _history_row(revision: Revision) -> tuple[str, ...]:
-    """Return a row of revision, date, changes, hardware, software for one revision of the manual."""
+    """Return a row of revision, date, changes, hardware, software for a revision of the manual."""
     return (
         escape(revision.revision),
         revision.date,
@@ -273,7 +273,7 @@ def _history_row(revision: Revision) -> tuple[str, ...]:
 
 
 def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
-    """Yield the facts about the manual, each with its label. The content is empty if the spec does not state it."""
+    """Yield the facts about a manual as label and content. The content is empty if the spec does not state the fact."""
     manual = device.manual
     yield "Manual", escape(manual.title)
     yield "Revision", revision_and_date(manual)
@@ -295,14 +295,14 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
 
 
 def _second_reading_text(counts: TimesRead | None) -> str:
-    """Return how many facts agree in two readings, and why others do not, or "" without a second reading.
+    """Return how many facts agree in two transcriptions of the manual, and why the other facts do not.
 
-    Facts that follow from others are not part of the total.
+    Facts that follow from others are not part of the total. Return an empty string if there is only one transcription.
     """
     if counts is None:
         return ""
     number_of_facts = counts.twice + counts.explained + counts.decided + counts.once
-    sentence_parts = [f"Of {number_of_facts} facts, {counts.twice} agree in both readings"]
+    sentence_parts = [f"Of {group_digits(number_of_facts)} facts, {group_digits(counts.twice)} agree in both readings"]
     if counts.explained:
         differ_verb = "differs for a reason" if counts.explained == 1 else "differ for reasons"
         sentence_parts.append(f"{counts.explained} {differ_verb} given in the errata")
@@ -312,13 +312,13 @@ def _second_reading_text(counts: TimesRead | None) -> str:
     if counts.once:
         were_verb = "was" if counts.once == 1 else "were"
         sentence_parts.append(f"and {counts.once} {were_verb} read only once")
-    summary = f"Twice. {', '.join(sentence_parts)}"
+    summary = f"The manual was transcribed twice. {', '.join(sentence_parts)}"
     follow_verb = "follows" if counts.derived == 1 else "follow"
     return f"{summary}. {counts.derived} more {follow_verb} from others" if counts.derived else summary
 
 
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each edition: revision, date, differences before it, differences in it, labels."""
+    """Yield rows of revision, date, differences before it, differences in it, labels for the editions of a manual."""
     for edition in device.editions:
         yield (
             escape(edition.revision),
@@ -330,7 +330,7 @@ def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 
 def _edition_errata(device: Device, edition_name: str) -> str:
-    """Return links to the differences in an edition, named ``1.4`` or ``before 1.4``."""
+    """Return links to the differences in an edition. ``edition_name`` is such as ``1.4`` or ``before 1.4``."""
     differences = [erratum for erratum in device.errata if erratum.edition == edition_name]
     errata_links = [
         markdown_link(escape(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences
@@ -339,6 +339,7 @@ def _edition_errata(device: Device, edition_name: str) -> str:
 
 
 def revision_and_date(manual: Manual) -> str:
+    """Return the revision of a manual, followed by its date if the spec states one: ``1.9 of 2021-12-09``."""
     return escape(manual.revision) + (f" of {manual.date}" if manual.date else "")
 
 

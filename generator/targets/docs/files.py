@@ -1,4 +1,4 @@
-"""Documentation: pages of families, interfaces and order codes, pages across families, and an index."""
+"""The documentation: pages of families, interfaces and order codes, pages across families, and an index."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ class Index(TypedDict):
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
-    """Return ``docs/README.md``, the pages across families, and the pages and pictures of each family.
+    """Return the text of each file by its path: the index, the pages across families, and the files of each family.
 
-    A family has the page ``docs/<device>.md``, with the pages of its master settings, verdicts and changes next to it.
-    The folder ``docs/<device>/`` has the pages of each interface and each order code, the pages of the hardware, the
-    errata and the manual, and the pictures.
+    A family has the page ``docs/<device>.md``, with the pages about master settings, verdicts and changes next to it.
+    The folder ``docs/<device>/`` has the pages about each interface and each order code, about the hardware, the errata
+    and the manual, and the pictures.
     """
     files = licence_in("docs")
     sections: list[Section] = []
@@ -77,6 +77,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each picture and page of a family, and a function for its text.
 
+    All targets pass ``options`` to such a function. The documentation has none.
+
     Raises:
         TargetError: A shipped spec of a master is not valid.
     """
@@ -96,8 +98,8 @@ def _family_page(
 ) -> str:
     """Return the text of a page of a family. ``name`` is its path in the folder ``docs``.
 
-    After rendering, errata that the text names become links, and on a page about an interface, links to places on its
-    other pages get the paths of these pages.
+    Names of errata in the rendered text become links. On a page about an interface, the file name is added to links
+    whose anchor is on another page of this interface.
     """
     values = page_values()
     page_text = _page_text(template, values, library)
@@ -107,30 +109,22 @@ def _family_page(
 
 
 def _page_text(template: str, values: Mapping[str, Any], library: Library) -> str:
+    """Return a rendered template without surplus spaces and empty lines."""
     return _without_surplus_spaces(TEMPLATES.render(template, values, library.own_templates))
 
 
 def _pages_of_family(
     family_codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, str, Callable[[], Mapping[str, Any]]]]:
-    """Yield the name of each page, its template, and a function for its values."""
+    """Yield the path of each page of a family, its template, and a function that returns its values."""
     device = family_codes.device
-    folder = family_codes.device.name
-    kinds = [interface.name for interface in device.interfaces]
+    folder = device.name
     kinds_with_masters = masters_page.kinds_with_masters(device)
     yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, family_codes)
-    for kind in kinds:
-        interface_values = partial(_interface_values, family_codes, kind, kinds_with_masters)
-        yield f"{folder}/{page_links.page_in_folder(kind)}", "interface.md.jinja", interface_values
-        for subject in interface_page.subjects(device, kind):
-            page_name = f"{folder}/{page_links.page_in_folder(kind, subject)}"
-            yield page_name, "interface-subject.md.jinja", partial(_subject_values, subject, interface_values)
+    yield from _pages_of_interfaces(family_codes, kinds_with_masters)
     for group in family_codes.groups:
-        yield (
-            f"{folder}/{group.name}.md",
-            "code.md.jinja",
-            partial(_code_values, family_codes, group, kinds_with_masters),
-        )
+        code_values = partial(_code_values, family_codes, group, kinds_with_masters)
+        yield f"{folder}/{group.name}.md", "code.md.jinja", code_values
     yield f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device)
     yield f"{folder}/{page_links.ERRATA}", "errata.md.jinja", partial(inline_errata.page_values, device)
     yield f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device)
@@ -139,6 +133,20 @@ def _pages_of_family(
         yield masters_page.file_name(device, kind), "masters.md.jinja", page_values
     yield verdict_page.file_name(device), "verdicts.md.jinja", partial(verdict_page.page_values, device)
     yield changes_page.file_name(device), "changes.md.jinja", partial(changes_page.page_values, device)
+
+
+def _pages_of_interfaces(
+    family_codes: order_code_page.OrderCodes, kinds_with_masters: Collection[str]
+) -> Iterator[tuple[str, str, Callable[[], Mapping[str, Any]]]]:
+    """Yield the path, the template and a function for the values of each page about an interface or its subjects."""
+    device = family_codes.device
+    for interface in device.interfaces:
+        interface_values = partial(_interface_values, family_codes, interface.name, kinds_with_masters)
+        page_path = page_links.interface_page_path(device, interface)
+        yield page_path, "interface.md.jinja", interface_values
+        for subject in interface_page.subjects(device, interface.name):
+            subject_path = f"{device.name}/{page_links.page_in_folder(interface.name, subject)}"
+            yield subject_path, "interface-subject.md.jinja", partial(_subject_values, subject, interface_values)
 
 
 def _interface_values(
@@ -157,12 +165,14 @@ def _interface_values(
 def _subject_values(
     subject: str, interface_values: Callable[[], interface_page.InterfacePage]
 ) -> interface_page.SubjectPage:
+    """Return the values of the page about one subject of an interface, such as its registers."""
     return interface_page.subject_values(subject, interface_values())
 
 
 def _code_values(
     family_codes: order_code_page.OrderCodes, code_group: order_code_page.CodeGroup, kinds_with_masters: Collection[str]
 ) -> order_code_page.CodePage:
+    """Return the values of the page about a group of order codes."""
     has_masters = code_group.interface.name in kinds_with_masters
     return order_code_page.page_values(code_group, has_masters, family_codes.pictures)
 
@@ -178,7 +188,7 @@ def _pictures_of_family(family_codes: order_code_page.OrderCodes) -> Iterator[tu
 
 
 def _without_surplus_spaces(page_text: str) -> str:
-    """Remove trailing spaces, empty lines at the start and repeated ones, and end the file with a single line end."""
+    """Return a page without trailing spaces, empty first lines and repeated empty lines, with one final line end."""
     kept_lines: list[str] = []
     for text_line in page_text.splitlines():
         # An empty line is kept only after a line with text.
@@ -189,7 +199,7 @@ def _without_surplus_spaces(page_text: str) -> str:
 
 
 def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[Section]:
-    """Yield the sections of a family on the index, one for each interface with listed order codes."""
+    """Yield the section of the index for each interface of a family that has order codes."""
     device = family_codes.device
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in device.variants_over(interface.name)]
@@ -208,7 +218,7 @@ def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[S
 def _index_values(library: Library, order_codes: list[Section]) -> Index:
     """Return the values of the index of all families."""
     rows = [_index_row(device) for device in library.devices]
-    # Each notice once, in the order of the manufacturers.
+    # Each notice appears once, in the order of the manufacturers.
     trademarks: dict[str, None] = {}
     for manufacturer, _ in library.by_manufacturer():
         trademarks |= dict.fromkeys(manufacturer.trademarks)

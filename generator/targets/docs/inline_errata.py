@@ -1,4 +1,4 @@
-"""Errata, shown next to the facts that they affect, and in full on a page per family and a page for all families."""
+"""Errata next to the facts that they affect, in full on a page for each family, and as a list for all families."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
-from ...say.errata import consequence, errata
+from ...say.errata import STATUS_IN_WORDS, consequence, errata
 from ...say.errata import describe_erratum as erratum_statement
 from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, escape_html, link_list, markdown_link
 from ...say.text import as_sentence
@@ -16,7 +16,7 @@ from .page_links import ERRATA, link_to_erratum
 
 #: File name of the page about all families, which no family can have.
 ALL_ERRATA = "all-errata.md"
-#: Longest text, in characters, that is shown outside the page of the errata.
+#: Longest text of an erratum, in characters, that is shown outside the errata page.
 _LONGEST_TEXT = 240
 Rows = list[tuple[str, ...]]
 
@@ -31,11 +31,11 @@ class ErrataPage(TypedDict):
 
 
 class AllErrataPage(TypedDict):
-    standings: Annotated[list[dict[str, Any]], "open errata, then settled ones: title, anchor, rows"]
+    standings: Annotated[list[dict[str, Any]], "open errata, then resolved ones: title, anchor, rows"]
 
 
 class ErrataLines:
-    """Errata on one page: a line at the first fact that an erratum affects, then links to it."""
+    """Errata of one page: a full line at the first fact that an erratum affects, and links to this line after that."""
 
     def __init__(self, device: Device, folder: str = "") -> None:
         self._device = device
@@ -43,9 +43,9 @@ class ErrataLines:
         self._names_on_page: set[str] = set()
 
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
-        """Return, as a list, the errata about these paths in the spec or about anything inside them.
+        """Return a list of the errata that affect the parts of the spec at these paths, or anything inside them.
 
-        Errata about wording are one item, and so are the differences in other editions.
+        All errata about wording share an item, and so do all differences from other editions.
         """
         manual_errata, edition_errata = _errata_by_origin(self._device, *paths, exactly=exactly)
         list_items = [self._erratum_line(erratum) for erratum in manual_errata if erratum.severity != "wording"]
@@ -58,11 +58,11 @@ class ErrataLines:
             edition_links = [
                 self._link_to_erratum(erratum, escape(_edition_phrase(erratum))) for erratum in edition_errata
             ]
-            list_items.append(f"- The facts differ in other editions: {', '.join(dict.fromkeys(edition_links))}")
+            list_items.append(f"- Other editions of the manual differ: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(list_items)
 
     def links_in_cell(self, *paths: str) -> str:
-        """Return the errata about these paths, those about wording included, as links for a table cell."""
+        """Return links for a table cell to the errata about these paths, including errata about wording."""
         affecting_errata = errata(self._device, *paths, wording=True)
         links = [
             f"{status_badge(erratum)} {self._link_to_erratum(erratum, escape(erratum.title))}"
@@ -74,105 +74,108 @@ class ErrataLines:
         return markdown_link(label, f"{self._page}#erratum-{erratum.name}")
 
     def _erratum_line(self, erratum: Erratum) -> str:
-        """Return an erratum as an item of a list: its text at the first mention on the page, then a link to that."""
+        """Return an erratum as a list item: its text at the first mention on the page, or else a link to this text."""
         if erratum.name in self._names_on_page:
             first_mention = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
-            return f"- {status_badge(erratum)} {first_mention}, see above"
+            return f"- {status_badge(erratum)} {first_mention} (see above)"
         self._names_on_page.add(erratum.name)
         return f"- {anchor_of(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
 
 
 class ErrataLinks:
-    """Errata on the page of an order code: links at the facts that they affect, and a list of one line each."""
+    """Errata of the page of an order code: links at the facts that they affect, and a list at the end of the page."""
 
     def __init__(self, device: Device) -> None:
         self._device = device
-        #: Errata on the page so far, by name: errata of the manual, and the differences in other editions.
+        #: Errata that the page has mentioned so far, by name: mistakes in the manual, and differences from editions.
         self._errata: dict[str, Erratum] = {}
         self._differences: dict[str, Erratum] = {}
 
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
-        """Return links to the errata about these paths in the spec or about anything inside them, in one line.
+        """Return one line of links to the errata about the parts of the spec at these paths, or anything inside them.
 
-        Several links are folded under their number. Errata about wording are left out. Differences in other editions
-        are only noted for ``list_of_errata``.
+        Several links are folded under their number. Errata about wording are omitted. Differences from other editions
+        are only remembered for ``list_of_errata``.
         """
         manual_errata, differences = _errata_by_origin(self._device, *paths, exactly=exactly)
         self._differences |= {difference.name: difference for difference in differences}
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity != "wording"])
 
     def links_about_bytes(self, *paths: str, exactly: Collection[str] = ()) -> str:
-        """Return links to those errata about these paths that change bytes on the wire."""
+        """Return links to the errata about these paths that can lead to wrong bytes on the wire."""
         manual_errata, _ = _errata_by_origin(self._device, *paths, exactly=exactly)
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity == "wrong_data"])
 
     def _links_by_status(self, linked_errata: Sequence[Erratum]) -> str:
-        """Return links to errata in one cell, and add the errata to the list on the page.
+        """Return links to errata for one cell, or "" without errata. Also add the errata to the list of the page.
 
-        Several links are folded under their number by status. Without errata, return an empty string.
+        Several links are folded under the number of errata with each status.
         """
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         if len(linked_errata) == 1:
             (erratum,) = linked_errata
             title_link = markdown_link(escape(erratum.title), f"#erratum-{erratum.name}")
-            return f"{_MARK_BY_STATUS[erratum.status]} {erratum.status}: {title_link}"
-        counts = []
-        links = []
+            return f"{_MARK_BY_STATUS[erratum.status]} {STATUS_IN_WORDS[erratum.status]}: {title_link}"
+        counts: list[str] = []
+        links: list[str] = []
         for status, mark in _MARK_BY_STATUS.items():
-            with_status = [erratum for erratum in linked_errata if erratum.status == status]
-            if with_status:
-                counts.append(f"{mark} {len(with_status)} {status}")
-                links.append(f"{mark} {status}: {link_list(map(_html_link, with_status))}")
+            errata_of_status = [erratum for erratum in linked_errata if erratum.status == status]
+            if errata_of_status:
+                counts.append(f"{mark} {len(errata_of_status)} {STATUS_IN_WORDS[status]}")
+                links.append(f"{mark} {STATUS_IN_WORDS[status]}: {link_list(map(_html_link, errata_of_status))}")
         if not links:
             return ""
-        return f"<details><summary>{', '.join(counts)} errata</summary>{' '.join(links)}</details>"
+        return f"<details><summary>Errata: {', '.join(counts)}</summary>{' '.join(links)}</details>"
 
     def count_by_status(self) -> str:
-        """Return the number of errata on the page so far, such as ``1 open, 3 settled``, or that there are none."""
+        """Return the number of errata that the page has mentioned so far, such as ``1 open, 3 resolved``."""
         counts = Counter(erratum.status for erratum in self._errata.values())
-        texts_of_counts = [f"{counts[status]} {status}" for status in _MARK_BY_STATUS if counts[status]]
-        if texts_of_counts:
-            return ", ".join(texts_of_counts)
+        if counts:
+            return ", ".join(f"{counts[status]} {word}" for status, word in STATUS_IN_WORDS.items() if counts[status])
         return "none that change these facts" if self._device.errata else "none known"
 
     def list_of_errata(self) -> str:
-        """Return the errata on the page so far, open errata first, and links to the differences in other editions."""
+        """Return a list of the errata that the page has mentioned so far, open errata first.
+
+        The last item has links to the differences from other editions.
+        """
         open_first = sorted(self._errata.values(), key=lambda erratum: erratum.status != "open")
         list_items = [
             f"- {anchor_of(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first
         ]
-        anchors_by_edition: dict[str, list[str]] = {}
+        targets_by_edition: dict[str, list[str]] = {}
         # In the order of the spec, not of the page.
         for difference in self._device.errata:
             if difference.name in self._differences:
-                path_with_anchor = f"{ERRATA}#erratum-{difference.name}"
-                anchors_by_edition.setdefault(_edition_phrase(difference), []).append(path_with_anchor)
-        if anchors_by_edition:
-            editions = link_list(_numbered_links(label, pages) for label, pages in anchors_by_edition.items())
-            list_items.append(f"- The facts differ in other editions: {editions}")
+                link_target = f"{ERRATA}#erratum-{difference.name}"
+                targets_by_edition.setdefault(_edition_phrase(difference), []).append(link_target)
+        if targets_by_edition:
+            editions = link_list(_numbered_links(label, targets) for label, targets in targets_by_edition.items())
+            list_items.append(f"- Other editions of the manual differ: {editions}")
         return "\n".join(list_items)
 
 
 def _html_link(erratum: Erratum) -> str:
-    """Return a link in HTML, since a block that begins with HTML has no Markdown in it."""
+    """Return a link in HTML, for a block that begins with HTML and therefore cannot contain Markdown."""
     return f'<a href="#erratum-{erratum.name}">{escape_html(erratum.title)}</a>'
 
 
-def _numbered_links(label: str, pages: Sequence[str]) -> str:
-    """Return the label as a link to the page, or in front of the numbers of several pages."""
-    if len(pages) == 1:
-        return markdown_link(escape(label), pages[0])
-    return f"{escape(label)} ({', '.join(markdown_link(f'{number}', page) for number, page in enumerate(pages, 1))})"
+def _numbered_links(label: str, targets: Sequence[str]) -> str:
+    """Return the label as a link or, for several targets, the label followed by a numbered link to each of them."""
+    if len(targets) == 1:
+        return markdown_link(escape(label), targets[0])
+    links = [markdown_link(f"{number}", target) for number, target in enumerate(targets, 1)]
+    return f"{escape(label)} ({', '.join(links)})"
 
 
-#: Marks of the links, by status.
+#: Marks in front of links to errata, by status.
 _MARK_BY_STATUS = {"open": "⚠", "settled": "✓"}
 
 
 def _errata_by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[list[Erratum], list[Erratum]]:
-    """Return the errata of the manual about these paths, and the differences in other editions.
+    """Return two lists of errata about the parts of a spec at these paths: mistakes, and differences from editions.
 
-    If the device itself is one of the other editions, all errata are in the first list.
+    If the device itself is another edition, all errata are in the first list.
     """
     affecting_errata = errata(device, *paths, exactly=exactly, wording=True)
     edition_errata = [erratum for erratum in affecting_errata if erratum.edition and not device.edition]
@@ -181,15 +184,15 @@ def _errata_by_origin(device: Device, *paths: str, exactly: Collection[str]) -> 
 
 
 def _edition_phrase(difference: Erratum) -> str:
-    """Return the edition of a difference as a phrase: ``before edition 1.4``."""
+    """Return the edition in which something differs as a phrase: ``before edition 1.4``."""
     label = erratum_statement(difference).label
     return f"{label[0].lower()}{label[1:]}"
 
 
 def erratum_line(listed_erratum: Erratum, page: str) -> str:
-    """Return the status and title of an erratum, and the value used. The link leads to the full text on ``page``.
+    """Return the status, the title and the value used of an erratum. The title links to the full text on ``page``.
 
-    A change by an overlay comes with its reason and source, because the user of a special model needs them.
+    A change by an overlay also has its reason and its source, which the users of a special model need.
     """
     name = listed_erratum.name
     title_link = (
@@ -202,7 +205,7 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
 
 
 def _shorten_sentences(sentences: str) -> str:
-    """Return a long text up to the last full sentence that fits, or else the last full word, with an ellipsis."""
+    """Return a text, shortened with an ellipsis after the last sentence, or else the last word, that fits."""
     if len(sentences) <= _LONGEST_TEXT:
         return sentences
     text_that_fits = sentences[:_LONGEST_TEXT]
@@ -211,17 +214,17 @@ def _shorten_sentences(sentences: str) -> str:
 
 
 def status_badge(erratum: Erratum) -> str:
-    """Return a visible mark for the status."""
-    return "⚠ **open**" if erratum.status == "open" else "✓ settled"
+    """Return the status of an erratum with a mark: ``⚠ **open**`` or ``✓ resolved``."""
+    return "⚠ **open**" if erratum.status == "open" else f"✓ {STATUS_IN_WORDS[erratum.status]}"
 
 
 def _errata_of_manual(device: Device) -> list[Erratum]:
-    """Return the errata of a family, except changes by overlays and other editions."""
+    """Return the errata about mistakes in the manual, without the changes by overlays and other editions."""
     return [erratum for erratum in device.errata if not (erratum.overlay or erratum.edition)]
 
 
 def page_values(device: Device) -> ErrataPage:
-    """Return the values of the page with the errata of a family."""
+    """Return the values of the errata page of a family."""
     manual_errata = _errata_of_manual(device)
     open_errata = [erratum for erratum in manual_errata if erratum.status == "open"]
     summary = _summary_of_counts(len(manual_errata), len(open_errata))
@@ -233,9 +236,9 @@ def page_values(device: Device) -> ErrataPage:
 
 
 def _erratum_section(erratum: Erratum) -> dict[str, Any]:
-    """Return one erratum for the page of errata: a summary, and its texts as a table of one row."""
+    """Return one erratum for the errata page: a summary, and a table with a single row for its texts."""
     labels_and_texts = (*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)))
-    # The labels are the head of the table, and the texts are its only row.
+    # The labels become the head of the table, and the texts its only row.
     head, cells = zip(*labels_and_texts, strict=True)
     affected = ", ".join(map(code_span, erratum.affects))
     result = f"{status_badge(erratum)}: {consequence(erratum.severity)}."
@@ -244,32 +247,34 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
 
 
 def _summary_of_counts(count: int, open_count: int) -> str:
-    """Return sentences with the number of errata, and with the meaning of their status."""
+    """Return sentences that state how many errata there are, how many are open, and what that means."""
     if not count:
         return "No errata are known."
     sentences = ["There is 1 known erratum." if count == 1 else f"There are {count} known errata."]
     if open_count:
         verb = "is" if open_count == 1 else "are"
         sentences.append(f"{open_count} {verb} open, which means that only hardware or the manufacturer can decide.")
-    settled_count = count - open_count
-    if settled_count > 0:
-        verb = "is" if settled_count == 1 else "are"
-        sentences.append(f"{settled_count} {verb} settled by the manual's own evidence or by arithmetic.")
+    resolved_count = count - open_count
+    if resolved_count > 0:
+        verb = "is" if resolved_count == 1 else "are"
+        sentences.append(f"{resolved_count} {verb} resolved by the manual's own evidence or by arithmetic.")
     return " ".join(sentences)
 
 
 def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
-    """Yield each status and impact with its errata, open errata first and wrong bytes before wording."""
-    for status in ("open", "settled"):
+    """Yield a heading with its errata for each status and impact: open errata first, and wrong bytes before wording."""
+    for status, status_word in STATUS_IN_WORDS.items():
         for severity in fact_tables.SEVERITIES:
-            of_kind = [erratum for erratum in listed_errata if _has_status_and_severity(erratum, status, severity)]
-            if of_kind:
-                kind = escape(f"{status.capitalize()}, {fact_tables.severity_text(severity)}")
-                yield kind, list(map(_erratum_section, of_kind))
+            errata_of_kind = [
+                erratum for erratum in listed_errata if _has_status_and_severity(erratum, status, severity)
+            ]
+            if errata_of_kind:
+                heading = escape(f"{status_word.capitalize()}: {fact_tables.severity_text(severity)}")
+                yield heading, list(map(_erratum_section, errata_of_kind))
 
 
 def _sections_of_changes(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
-    """Yield the changes by overlays, and those in other editions, each under a heading of its own."""
+    """Yield a heading with its errata for the changes by overlays, and for the changes in other editions."""
     overlay_changes = [erratum for erratum in listed_errata if erratum.overlay]
     edition_changes = [erratum for erratum in listed_errata if erratum.edition and not erratum.overlay]
     for heading, changes in (("Overlays", overlay_changes), ("Other editions", edition_changes)):
@@ -282,8 +287,8 @@ def _has_status_and_severity(erratum: Erratum, status: str, severity: str) -> bo
 
 
 def all_values(devices: Sequence[Device]) -> AllErrataPage:
-    """Return the values of the page with the errata of all families."""
-    titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Settled"}
+    """Return the values of the page that lists the errata of all families."""
+    titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Resolved"}
     sections = []
     for status, title in titles.items():
         erratum_rows = list(_rows_of_all_families(devices, status))
@@ -293,10 +298,7 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
 
 
 def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """Yield rows of impact, family and title of the errata with this status.
-
-    Wrong bytes come before wording.
-    """
+    """Yield rows of impact, family, title for the errata with this status, wrong bytes first and wording last."""
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             for erratum in _errata_of_manual(device):

@@ -31,7 +31,7 @@ from ...order_codes.reduction import for_interface
 from ...plan.frames import exchanges
 from ...say import commands as say_commands
 from ...say import layout as say_layout
-from ...say import order_code as hardware_input
+from ...say import order_code as say_order_code
 from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
@@ -77,7 +77,7 @@ class Sections(TypedDict):
 
 
 def page_sections(device: Device) -> Sections:
-    """Return the sections that are on the page of an interface and on the page of an order code."""
+    """Return the sections that the page of an interface and the page of an order code share."""
     return {
         "device": device,
         "document": word_for_document(device),
@@ -98,25 +98,27 @@ def page_sections(device: Device) -> Sections:
     }
 
 
-def _alarm_section(device: Device, device_alarm: Alarm) -> Section:
-    return {"alarm": device_alarm, "title": title_of(device_alarm), "facts": report.alarm_facts(device, device_alarm)}
+def _alarm_section(device: Device, alarm: Alarm) -> Section:
+    """Return an alarm with its title and its facts."""
+    return {"alarm": alarm, "title": title_of(alarm), "facts": report.alarm_facts(device, alarm)}
 
 
-def _input_section(device: Device, device_input: Input) -> Section:
-    """Return an input with its title and its facts."""
+def _input_section(device: Device, hardware_input: Input) -> Section:
+    """Return a hardware input with its title and its facts."""
     return {
-        "input": device_input,
-        "title": title_of(device_input),
-        "facts": hardware_input.input_facts(device, device_input),
+        "input": hardware_input,
+        "title": title_of(hardware_input),
+        "facts": say_order_code.input_facts(device, hardware_input),
     }
 
 
 def _example_section(device: Device, example: Example) -> Section:
+    """Return a worked example with a row for each of its facts."""
     return {"example": example, "rows": fact_tables.example_facts(device, example)}
 
 
 def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each state of an LED. The first row contains the name and the source of the LED."""
+    """Yield rows of LED, state, meaning, order codes, source. Only the first row names the LED and its source."""
     name_cell, source_cell = escape(led.title), citation(led.source)
     for state in led.states:
         meaning = join_filled([escape(state.meaning), *links_to_steps("", state.by_hand)])
@@ -142,7 +144,7 @@ _KEYS_OF_FACTS = (
 
 
 def _interface_section(device: Device, interface: Interface) -> Section:
-    """Return an interface with its facts, frames, groups of fields, and the paths of its errata."""
+    """Return an interface with its facts, frames, requests and groups of fields, and the paths of its errata."""
     groups = {group.name: group for group in device.field_groups}
     used_groups = [groups[name] for name in layout_tables.used_groups(interface)]
     path = f"interfaces.{interface.name}"
@@ -166,7 +168,7 @@ def _interface_section(device: Device, interface: Interface) -> Section:
 
 
 def _group_section(device: Device, interface: Interface, field_group: FieldGroup) -> Section:
-    """Return a group of fields with its rows and the frames that contain it."""
+    """Return a group of fields with a row for each field, and links to the frames that contain the group."""
     return {
         "group": field_group,
         "title": _group_title(field_group),
@@ -176,7 +178,7 @@ def _group_section(device: Device, interface: Interface, field_group: FieldGroup
 
 
 def _data_id_row(data_id: DataId) -> tuple[str, ...]:
-    """Return a row of ID, name, control byte, purpose, meaning, source for one data ID of the T-format."""
+    """Return a row of data ID, name, control byte, purpose, meaning, source for a request of the T-format."""
     return (
         f"{data_id.id:X}",
         code_span(data_id.name),
@@ -188,9 +190,9 @@ def _data_id_row(data_id: DataId) -> tuple[str, ...]:
 
 
 def _exchange_rows(interface: Interface) -> Rows:
-    """Return rows of request, reply, length, purpose, source.
+    """Return rows of request, reply, length, purpose, source for the requests of an interface.
 
-    The rows have a length only if there are requests of bits with different lengths.
+    The length is included only if requests that consist of bits have different lengths.
     """
     frame_exchanges = exchanges(interface)
     lengths = {exchange.request.bits for exchange in frame_exchanges if not exchange.request.in_bytes}
@@ -204,11 +206,12 @@ def _exchange_rows(interface: Interface) -> Rows:
 
 
 def _layout_link(layout: Layout | None) -> str:
+    """Return a link to a frame on the same page, or ``none`` without a frame."""
     return markdown_link(code_span(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
 
 
 def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
-    """Return a row of access, busy, address, data, meaning, source for one kind of access to memory."""
+    """Return a row of access, busy, address, data, meaning, source for one kind of memory access."""
     return (
         escape(access.access),
         f"{access.busy}",
@@ -220,16 +223,13 @@ def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
 
 
 def _group_title(field_group: FieldGroup) -> str:
-    """Return our name, with the name used in the manual in parentheses."""
+    """Return the name of a group in words, followed by its name in the manual in parentheses."""
     printed_name = f" ({field_group.printed_name})" if field_group.printed_name else ""
     return name_in_words(field_group.name).capitalize() + printed_name
 
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
-    """Return a frame with the rows of its fields and its places by order code.
-
-    ``delivered`` is true if registers can change the places or the code, so that the factory defaults are shown.
-    """
+    """Return a frame with its size, its facts, a row for each field, and the positions of its fields by order code."""
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, CodeText(layout.name), device.alternatives),
@@ -237,14 +237,13 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
         "facts": [*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
-        "delivered": follows_registers(device, layout),
     }
 
 
 def _register_section(device: Device, register: Register) -> Section:
-    """Return a register with its facts, fields and named values.
+    """Return a register with its facts, a row for each field, and tables of named values.
 
-    A single field named after the register has no row if the row would say nothing more than the register.
+    A single field with the name of the register has no row if it has neither a meaning nor a source of its own.
     """
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
@@ -266,11 +265,12 @@ def _register_section(device: Device, register: Register) -> Section:
 
 
 def _value_table(field: Field, is_only_field: bool) -> Section:
+    """Return the named values of a field as a table, and whether it is the only field of its register."""
     return {"field": code_span(field.name), "rows": list(layout_tables.value_rows(field)), "alone": is_only_field}
 
 
 def _procedure_section(device: Device, procedure: Procedure) -> Section:
-    """Return a procedure with the rows of its steps and its arguments."""
+    """Return a procedure with its precondition and result, a row for each step, and its arguments."""
     return {
         "procedure": procedure,
         "about": list(say_commands.about_procedure(procedure)),
@@ -282,7 +282,7 @@ def _procedure_section(device: Device, procedure: Procedure) -> Section:
 
 
 def _connector_section(connector: Connector) -> Section:
-    """Return a connector with the head and the rows of its contacts."""
+    """Return a connector or cable with a row for each contact: contact, signal, order codes."""
     return {
         "connector": connector,
         "head": "Wire" if connector.kind == "cable" else "Pin",
@@ -309,14 +309,16 @@ Row = tuple[str, ...]
 
 
 class InterfaceValues(TypedDict):
-    """Values of a page about one interface in addition to its sections."""
+    """Values of a page about one interface, in addition to its sections."""
 
     interface: Annotated[Interface, "the interface"]
     has_masters: Annotated[bool, "whether there is a page of master settings"]
     short_rows: Annotated[list[Row], "fact, value, source: the position, the supply, the interface"]
     pictures: Annotated[Pictures, "pictures by their subject, such as `register-preset`: name, text"]
     timing: Annotated[TimingDiagram | None, "timing diagram of the interface, if there is one"]
-    delivered: Annotated[Sequence[str], "frames in which positions of fields, or the code, depend on registers"]
+    frames_set_by_registers: Annotated[
+        Sequence[str], "frames in which positions of fields, or the code, depend on registers"
+    ]
     initial: Annotated[str, "values until these registers are read: factory defaults or values of the order code"]
 
 
@@ -334,18 +336,18 @@ class SubjectPage(InterfacePage):
 
 
 def subjects(device: Device, interface_name: str) -> list[str]:
-    """Return the subjects for which an interface has any content. Each has a page of its own."""
+    """Return the subjects that an interface has content for, such as ``registers``. Each has a page of its own."""
     return list(_contents_by_subject(for_interface(device, interface_name)))
 
 
 def _contents_by_subject(device: Device) -> dict[str, list[str]]:
     """Return the contents of the page about each subject, such as ``{"wiring": ["wiring", "LEDs"]}``.
 
-    ``device`` is reduced to one interface. A subject without content is left out.
+    ``device`` is a family reduced to one interface. Subjects without content are omitted.
     """
     (interface,) = device.interfaces
     contents: dict[str, list[str]] = {}
-    for subject, content, parts in (
+    for subject, content, parts_of_device in (
         ("fields", "bit fields", layout_tables.used_groups(interface)),
         ("registers", "registers", device.registers),
         ("procedures", "procedures", device.procedures),
@@ -355,13 +357,13 @@ def _contents_by_subject(device: Device) -> dict[str, list[str]]:
         ("wiring", "LEDs", device.leds),
         ("examples", "worked examples", device.examples),
     ):
-        if parts:
+        if parts_of_device:
             contents.setdefault(subject, []).append(content)
     return contents
 
 
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
-    """Return the values of the page about a subject. ``page`` contains the values of the page of its interface."""
+    """Return the values of the page about one subject. ``page`` has the values of the interface page."""
     contents = _contents_by_subject(page["device"])[subject]
     return {**page, "subject": subject, "contents": MARKDOWN.phrase(statement(*list_parts(contents)))}
 
@@ -369,7 +371,7 @@ def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
 def interface_values(
     family_device: Device, device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> InterfaceValues:
-    """Return the values of a page about one interface. ``device`` is ``family_device`` reduced to the interface."""
+    """Return the values of a page about one interface, to which ``family_device`` is reduced in ``device``."""
     (interface,) = device.interfaces
     layouts = family_device.interface(interface.name).layouts
     return {
@@ -378,7 +380,7 @@ def interface_values(
         "short_rows": list(_overview_rows(device, interface, variants)),
         "pictures": pictures,
         "timing": timing_diagram(device, interface),
-        "delivered": [layout.name for layout in layouts if follows_registers(family_device, layout)],
+        "frames_set_by_registers": [layout.name for layout in layouts if follows_registers(family_device, layout)],
         "initial": initial(family_device),
     }
 
@@ -386,7 +388,7 @@ def interface_values(
 def page_values(
     device: Device, interface_name: str, links: Mapping[str, str], has_masters: bool, pictures: Pictures
 ) -> InterfacePage:
-    """Return the values of the page of an interface. ``links`` contains a link to the page of each order code."""
+    """Return the values of an interface page. ``links`` contains a link to the page of each order code."""
     interface_device = for_interface(device, interface_name)
     variants = device.variants_over(interface_name)
     codes = [variant.code for variant in variants]
@@ -402,7 +404,7 @@ def page_values(
 
 
 def _overview_rows(device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
-    """Yield rows of fact, value, source: the position with its unit, each supply, and the facts of the interface."""
+    """Yield rows of fact, value, source: the unit and range of the position, the supplies, the interface's facts."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:
         resolution_and_range = MARKDOWN.phrase(describe_measurement(position_measurement))
@@ -417,7 +419,7 @@ def _overview_rows(device: Device, interface: Interface, variants: Sequence[Vari
 
 
 def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
-    """Return the order codes with each supply, without those whose supply is unknown."""
+    """Return the order codes that have each supply. Order codes whose supply is unknown are omitted."""
     codes_by_supply: dict[Supply, list[str]] = {}
     for variant in variants:
         supply = device.supply_of(variant)
@@ -427,7 +429,7 @@ def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply
 
 
 def _name_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of name, printed name, language, name in that language if it differs from the printed name."""
+    """Yield rows of name, name in the manual, language, and a different name in the edition of this language."""
     for named_part in _parts_with_names(device):
         for language, name_in_language in named_part.names.items():
             if name_in_language != title_of(named_part):
@@ -440,7 +442,7 @@ def _name_rows(device: Device) -> Iterator[Row]:
 
 
 def _parts_with_names(device: Device) -> Iterator[HasOtherNames]:
-    """Yield the parts of an interface that may have other names. Of fields or values with one name, yield the last."""
+    """Yield the parts of an interface that can have names in other editions. If fields share a name, yield the last."""
     (interface,) = device.interfaces
     layouts = [*interface.layouts, *(register.layout for register in device.registers)]
     all_fields = list(chain.from_iterable(layout.fields for layout in layouts))

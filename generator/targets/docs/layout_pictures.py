@@ -1,8 +1,8 @@
-"""Elements shared by all pictures: a card with a title, text, and colours for light and dark screens.
+"""Pictures of frames and registers as rows of bytes, and the SVG elements that all pictures share.
 
-A picture is as wide as the screen of a phone, so that its text is readable there and next to a table. Every picture has
-a background in the light or dark colour scheme of the screen. A name that does not fit into its box is below the row
-with its bit number, and so is each active-low bit. ``text_alternative`` returns a description in words.
+A picture is as wide as the screen of a phone, so that its text is readable there and next to a table. Its background
+follows the light or dark color scheme of the screen. A name that does not fit into its box is below the row, with its
+bit numbers, and so is each active-low flag. Each picture has a description in words.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from ...say.names_and_places import bit_range
 from ...say.plain_text import text_on_one_line
 from ..palette import palette
 
-#: Width that fits on the screen of a phone: 375 pixels minus the margins of a page.
+#: Width in pixels that fits on the screen of a phone: 375 minus the margins of a page.
 WIDE = 340.0
-#: Average character width of sans-serif fonts as a fraction of the font size, deliberately a little too high.
+#: Average character width of sans-serif fonts as a fraction of the font size, rounded up to be safe.
 _LETTER_WIDTH = 0.58
-#: Class of an element, its property, and the name of the colour in the palette.
+#: Class of an element, CSS property, and name of the color in the palette.
 _CLASS_COLOURS = (
     ("card", "fill", "page"),
     ("card", "stroke", "border"),
@@ -36,7 +36,7 @@ _CLASS_COLOURS = (
 
 
 def _style_element() -> str:
-    """Return the style sheet of a picture, with the colours of its classes for light and dark screens."""
+    """Return the style sheet of a picture, with the colors of its classes for light and dark screens."""
     colours = palette()
     light = "".join(
         f".{name}{{{css_property}:{colours.light[colour]}}}" for name, css_property, colour in _CLASS_COLOURS
@@ -49,7 +49,7 @@ def _style_element() -> str:
 
 
 def create_picture(title: str, body: Sequence[str], width: float, height: float, description: str) -> str:
-    """Return a picture of this size. ``description`` is its text alternative."""
+    """Return an SVG picture of this size. ``body`` are its elements, and ``description`` is its text alternative."""
     svg_start = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
         f'viewBox="0 0 {number(width)} {number(height)}" role="img" '
@@ -63,18 +63,18 @@ def create_picture(title: str, body: Sequence[str], width: float, height: float,
 
 
 def _escape_xml(words: str) -> str:
-    """Return words as the content of an element."""
+    """Return text for the content of an element, with the markup of XML escaped."""
     return html.escape(text_on_one_line(words), quote=False)
 
 
 def draw_box(x: float, top: float, box_width: float, box_height: float, fill: str) -> str:
-    """Return a box. ``fill`` is its colour class."""
+    """Return a rectangle. ``fill`` is its color class."""
     size = f'width="{number(box_width)}" height="{number(box_height)}"'
     return f'<rect x="{number(x)}" y="{number(top)}" {size} class="{fill}"/>'
 
 
 def draw_swatch(x: float, top: float, box_width: float, box_height: float, colour: str) -> str:
-    """Return a box in a colour that is the same in both colour schemes, such as the colour of a wire."""
+    """Return a rectangle in a color that is the same on light and dark screens, such as the color of a wire."""
     size = f'width="{number(box_width)}" height="{number(box_height)}"'
     return f'<rect x="{number(x)}" y="{number(top)}" {size} fill="{colour}"/>'
 
@@ -89,10 +89,7 @@ def draw_text(
     faint: bool = False,
     bold: bool = False,
 ) -> str:
-    """Return a line of text that starts, ends or has its middle at ``x``.
-
-    ``anchor`` is ``start``, ``end`` or ``middle``.
-    """
+    """Return a line of text. ``anchor`` says which part of it is at ``x``: its ``start``, ``middle`` or ``end``."""
     weight = ' font-weight="600"' if bold else ""
     colour = "faint" if faint else "ink"
     look = f'font-size="{size}" text-anchor="{anchor}" class="{colour}"{weight}'
@@ -105,13 +102,13 @@ def text_width(words: str, size: float) -> float:
 
 
 def wrap_to_width(words: str, room: float, size: float) -> list[str]:
-    """Return text as lines no wider than ``room``, with at least one character in each."""
+    """Return text as lines of at most ``room`` pixels, with at least one character per line."""
     letters_per_line = int(room / (size * _LETTER_WIDTH))
     return wrap(text_on_one_line(words), max(1, letters_per_line))
 
 
 def number(value: float) -> str:
-    """Return a number with at most one decimal, identical on every machine."""
+    """Return a number with at most one decimal, so that it is identical on every machine."""
     return f"{value:.1f}".removesuffix(".0")
 
 
@@ -119,16 +116,16 @@ _GROUP, _NOTHING = "group", "nothing"
 _MARGIN, _LABELS, _BOX, _LINE, _GAP, _INDENT = 10.0, 50.0, 34.0, 16.0, 12.0, 16.0
 _BIT = (WIDE - 2 * _MARGIN - _LABELS) / 8
 _BIG, _SMALL = 13, 12
-#: Captions are order codes, in bold capitals.
+#: Factor for the width of captions, which are order codes in bold capitals.
 _WIDE_LETTERS = 1.2
 
 
 @dataclass(frozen=True)
 class Box:
-    """Bits of a field within one byte. ``high`` and ``low`` are bit numbers in the byte.
+    """Bits of a field within one byte, which a picture shows as a box.
 
-    ``place`` has their bit numbers in the whole layout, and ``fill`` is their colour class. ``active_low`` marks a flag
-    that is active at 0.
+    ``high`` and ``low`` are bit numbers in the byte. ``place`` has the bit numbers to print, and ``fill`` is the color
+    class. ``active_low`` marks a flag that is active at 0.
     """
 
     high: int
@@ -141,7 +138,7 @@ class Box:
 
 @dataclass(frozen=True)
 class ByteRow:
-    """Row of boxes, with the highest bit on the left. ``label`` is the name of the byte."""
+    """Byte as a row of boxes, with the highest bit on the left. ``label`` is the name of the byte."""
 
     label: str
     boxes: tuple[Box, ...]
@@ -149,7 +146,7 @@ class ByteRow:
 
 @dataclass(frozen=True)
 class Stack:
-    """Bytes, one below the other, under a caption. ``text`` is the text alternative."""
+    """Bytes of a frame or register, one below the other, under a caption. ``text`` describes them in words."""
 
     caption: str
     rows: tuple[ByteRow, ...]
@@ -158,7 +155,7 @@ class Stack:
 
 @dataclass(frozen=True)
 class _BitRun:
-    """Bits that belong together: a field, a group of fields, or bits that belong to no field."""
+    """Consecutive bits: a field, a group of fields, or bits outside all fields. ``fill`` is their color class."""
 
     high: int
     low: int
@@ -171,7 +168,7 @@ class _BitRun:
         return self.low < byte_low + 8 and self.high >= byte_low
 
     def box(self, byte_low: int, place: str) -> Box:
-        """Return the part within the byte that begins at ``byte_low``, with bit numbers in this byte."""
+        """Return the box for the bits in the byte that begins at ``byte_low``. ``place`` is the text to print in it."""
         return Box(
             high=min(self.high, byte_low + 7) - byte_low,
             low=max(self.low, byte_low) - byte_low,
@@ -182,21 +179,21 @@ class _BitRun:
         )
 
     def bits_in_byte(self, byte_low: int, origin: int = 0) -> str:
-        """Return the bit numbers in the byte that begins at ``byte_low``, counted from ``origin``."""
+        """Return the bit numbers of the bits in the byte that begins at ``byte_low``, counted from ``origin``."""
         return bit_range(min(self.high, byte_low + 7) - origin, max(self.low, byte_low) - origin)
 
 
 def bit_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
-    """Return a frame that is one number, with one byte of the number per row, highest bits first."""
+    """Return a frame that consists of bits as one number, with a row for each byte, highest bits first."""
     runs = runs_of(placed_layout)
-    # Lowest bit of each byte of the number. The first byte may have fewer than eight bits.
+    # The lowest bit of each byte of the number. The first byte may have fewer than eight bits.
     lows = range((placed_layout.bits - 1) // 8 * 8, -1, -8)
     labels = [bit_range(min(low + 7, placed_layout.bits - 1), low) for low in lows]
     return Stack(caption, _byte_rows(runs, lows, labels), f"{placed_layout.bits} bits: {_runs_text(runs)}")
 
 
 def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
-    """Return a register, one byte per row in order of address. Bit numbers refer to the whole register."""
+    """Return a register with a row for each byte, in address order. Bits are numbered in the whole register."""
     runs = runs_of(placed_layout)
     lows = _lowest_bits(placed_layout.bits, low_byte_first)
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
@@ -206,10 +203,10 @@ def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_
 
 
 def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
-    """Return a frame of bytes in transmission order.
+    """Return a frame that consists of bytes, with a row for each byte, in the order of transmission.
 
-    A group of fields, or a field with its padding, is one run. If a run spans several bytes, its bit numbers are the
-    bit numbers in the number formed by these bytes.
+    A group of fields has a single box in each byte, and so has a field with its padding. If they span several bytes,
+    their bits are numbered in the number that these bytes form.
     """
     runs = _runs_with_groups_merged(placed_layout)
     is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
@@ -225,10 +222,10 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
 
 
 def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
-    """Return the box of a run in one byte of a frame.
+    """Return the box for the part of a field or group in one byte of a frame.
 
-    Its bit numbers are counted in the byte or, if the run spans several bytes, in the run. A run that fills this byte
-    exactly has no bit numbers.
+    Its bits are numbered in the byte or, if the field or group spans several bytes, from its own lowest bit. A field or
+    group that exactly fills the byte has no bit numbers.
     """
     is_within_byte = run.high < byte_low + 8 and run.low >= byte_low
     is_whole_byte = is_within_byte and run.high - run.low == 7
@@ -239,16 +236,16 @@ def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
 
 
 def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
-    """Return a group of fields, each given with its highest and lowest bit within the group."""
+    """Return a group of fields as rows of bytes. Each field is given with its highest and lowest bit in the group."""
     runs = [_run_of_field(field, high, low) for field, high, low in fields]
-    # Lowest bit of each byte, highest first.
+    # The lowest bit of each byte, highest first.
     lows = range((bits - 1) // 8 * 8, -1, -8)
     return Stack(caption, _byte_rows(runs, lows, [""] * len(lows)), _runs_text(runs))
 
 
 def text_alternative(stacks: Sequence[Stack]) -> str:
-    """Return the text alternative for a picture of these stacks. It describes the first stacks."""
-    # To mention a single further stack would be no shorter than to describe it.
+    """Return the text alternative for a picture of these frames. It describes the first ones and counts the others."""
+    # To count a single one would be no shorter than to describe it.
     if len(stacks) <= _MOST_DESCRIBED + 1:
         return "; ".join(map(_stack_text, stacks))
     further_stacks = f"and {len(stacks) - _MOST_DESCRIBED} more, in the tables"
@@ -260,24 +257,24 @@ _MOST_DESCRIBED = 4
 
 
 def _stack_text(stack: Stack) -> str:
-    """Return the text alternative of one stack, with its caption."""
+    """Return the description of one frame, with its caption."""
     if not stack.caption:
         return stack.text
-    # The caption of a frame ends with its number of bits, and so its text need not begin with it.
+    # The caption of a frame ends with its number of bits, so its text does not need to begin with the same number.
     number_of_bits = stack.caption.rpartition(": ")[2]
     text_without_number = stack.text.removeprefix(f"{number_of_bits}: ")
     return f"{stack.caption}: {text_without_number}"
 
 
 def _lowest_bits(bits: int, low_byte_first: bool) -> range:
-    """Return the lowest bit of each byte, in byte order."""
+    """Return the lowest bit of each byte, in the order of the bytes. ``bits`` is a multiple of 8."""
     return range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
 
 
 def _byte_rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
-    """Return a row for each byte. Boxes have bit numbers in the whole layout.
+    """Return a row for each byte, with its bits numbered in the whole layout.
 
-    ``lows`` are the lowest bits of the bytes, such as 8 and 0, and ``labels`` their names, which can be empty.
+    ``lows`` are the lowest bits of the bytes, such as 8 and 0. ``labels`` are the names of the bytes, or empty texts.
     """
     byte_rows = []
     for low, row_label in zip(lows, labels, strict=True):
@@ -287,11 +284,12 @@ def _byte_rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[st
 
 
 def _runs_text(runs: Sequence[_BitRun]) -> str:
+    """Return the description of consecutive bits: ``error 7 (0 = active), position 6:0``."""
     return ", ".join(_box_text(run.name, bit_range(run.high, run.low), run.active_low) for run in runs)
 
 
 def _box_text(name: str, place: str, active_low: bool) -> str:
-    """Return the bits of a box in words, such as ``error 7 (0 = active)``. Constant bits are ``always 0``."""
+    """Return the description of some bits, such as ``error 7 (0 = active)``, or ``always 0`` for a constant."""
     # The name of constant bits is their value.
     spoken_name = f"always {name}" if name.isdecimal() else name
     level = "(0 = active)" if active_low else ""
@@ -299,7 +297,7 @@ def _box_text(name: str, place: str, active_low: bool) -> str:
 
 
 def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
-    """Return the fields, and the bits that belong to no field, highest first."""
+    """Return the fields of a layout, and the bits outside all fields, highest bits first."""
     fields = placed_layout.fields
     runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in fields]
     runs += [
@@ -309,16 +307,16 @@ def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
 
 
 def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
-    """Return the runs, highest first, with a group of fields, or a field with its padding, as one run.
+    """Return the groups of fields and the fields with their padding, highest bits first.
 
-    Bits that belong to no field are left out.
+    Bits outside all fields are omitted.
     """
     field_names = {placed_field.name for placed_field in placed_layout.fields}
     group_names = {placed_field.field.group for placed_field in placed_layout.fields} - {""}
     fields_by_group_or_field: dict[str, list[PlacedField]] = {}
     for placed_field in placed_layout.fields:
         field = placed_field.field
-        # Padding belongs to the field that it pads, unless the order code lacks that field.
+        # Padding belongs to the field that it pads, unless this field has no bits for the order code.
         padded_field = field.padding_of if field.padding_of in field_names else ""
         group_or_field = field.group or padded_field or field.name
         fields_by_group_or_field.setdefault(group_or_field, []).append(placed_field)
@@ -334,7 +332,7 @@ def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
 
 
 def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
-    """Return the bits of a field, with its label and colour."""
+    """Return the bits of a field with its label and color class."""
     return _BitRun(
         high=high,
         low=low,
@@ -345,9 +343,9 @@ def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
 
 
 def _gaps_between_fields(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
-    """Return the highest and lowest bit of each run of bits that belong to no field, highest run first."""
+    """Return the highest and lowest bit of each gap between fields, or above or below them, highest first."""
     gaps: list[tuple[int, int]] = []
-    # All bits from here on upwards are fields or listed gaps.
+    # All bits from this one upward are in fields or in listed gaps.
     top = placed_layout.bits
     for placed_field in sorted(placed_layout.fields, key=lambda field: -field.high):
         if placed_field.high + 1 < top:
@@ -362,7 +360,7 @@ def _gaps_between_fields(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
 
 
 def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
-    """Return a picture of the stacks, one below the other. Names that do not fit a box are below its row."""
+    """Return a picture with several frames, one below the other. Names that do not fit a box are below its row."""
     body: list[str] = []
     top = _MARGIN
     for stack in stacks:
@@ -384,7 +382,7 @@ def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
 
 
 def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
-    """Yield the name of a byte, and its boxes with their names and bit numbers."""
+    """Yield the elements of a byte: its name, and its boxes with their names and bit numbers."""
     if row.label:
         yield draw_text(_MARGIN, top + _BOX / 2 + 4, row.label, size=_SMALL, anchor="start", faint=True)
     for box in row.boxes:
@@ -395,7 +393,7 @@ def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
         name_lines = _lines_inside(box)
         number_of_lines = len(name_lines) + bool(box.place)
         center = left + box_width / 2
-        # The lines are 14 pixels apart, and centred in the box.
+        # The lines are 14 pixels apart and centered in the box.
         baseline = top + _BOX / 2 + 4.5 - 7 * (number_of_lines - 1)
         for name_line in name_lines:
             yield draw_text(center, baseline, name_line, size=_SMALL, anchor="middle")
@@ -405,14 +403,15 @@ def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
 
 
 def _width_of_box(box: Box) -> float:
+    """Return the width of a box in pixels."""
     return (box.high - box.low + 1) * _BIT
 
 
 def _lines_inside(box: Box) -> list[str]:
-    """Return the lines of the name inside its box, or none if the name is below the row.
+    """Return the lines of a name inside its box, or no lines if the name goes below the row.
 
-    The name must fit on one line, or on two without a place and without breaking a word. Active-low flags are always
-    below.
+    A name goes into its box if it fits on one line, or on two lines without breaking a word if the box has no bit
+    numbers. The names of active-low flags always go below.
     """
     if box.active_low:
         return []
@@ -423,9 +422,9 @@ def _lines_inside(box: Box) -> list[str]:
 
 
 def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
-    """Return the colour class and text of each line below a row, for names that do not fit their box.
+    """Return the color class and the text of each line below a row, for names that do not fit their boxes.
 
-    Further lines of a name have no colour class.
+    The color class is empty for the second and further lines of a name.
     """
     colours_and_lines = []
     for box in row.boxes:
@@ -437,8 +436,8 @@ def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
 
 
 def _name_below(box: Box) -> str:
-    """Return the name with its bit numbers, and the level of an active-low flag: ``error (bit 7, 0 = active)``."""
-    # A range of bits is like ``7:4``.
+    """Return the name for a line below a row, with bit numbers and active level: ``error (bit 7, 0 = active)``."""
+    # A place with several bits looks like ``7:4``.
     noun = "bits" if ":" in box.place else "bit"
     bits_text = f"{noun} {box.place}" if box.place else ""
     level = "0 = active" if box.active_low else ""

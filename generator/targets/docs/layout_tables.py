@@ -1,4 +1,4 @@
-"""Markdown tables of the fields of a layout, and pictures of the layout."""
+"""Markdown tables of the fields in a layout (a frame or register), and the contents of its pictures."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _Shape = tuple[tuple[str, int, int], ...]
 
 @dataclass(frozen=True)
 class Placement:
-    """Layout with the positions that apply to some order codes."""
+    """Layout with the positions of its fields for some order codes."""
 
     codes: tuple[str, ...]
     placed_layout: PlacedLayout
@@ -50,10 +50,10 @@ class Placement:
 def distinct_placements(
     device: Device, layout: Layout, interface_name: str, parameters: Mapping[str, int] = _NO_PARAMETERS
 ) -> tuple[Placement, ...]:
-    """Return the different shapes that the layout has for the order codes of an interface, shortest first.
+    """Return the layout with each of its different shapes for the order codes of an interface, the shortest first.
 
-    A shape is the names, lowest bits and widths of the fields. ``parameters`` are those set by answers to alternatives,
-    if those are not the first answers.
+    A shape is the names, lowest bits and widths of the fields. ``parameters`` are the values that answers to open
+    questions set, if they differ from the first answers.
     """
     codes_by_shape: dict[_Shape, list[str]] = {}
     layouts_by_shape: dict[_Shape, PlacedLayout] = {}
@@ -62,23 +62,27 @@ def distinct_placements(
         shape = _shape_of(placed_layout)
         layouts_by_shape.setdefault(shape, placed_layout)
         codes_by_shape.setdefault(shape, []).append(variant.code)
-    different_placements = []
+    placements = []
     for shape, placed_layout in layouts_by_shape.items():
-        different_placements.append(Placement(codes=tuple(codes_by_shape[shape]), placed_layout=placed_layout))
-    return tuple(sorted(different_placements, key=lambda placement: placement.placed_layout.bits))
+        placements.append(Placement(codes=tuple(codes_by_shape[shape]), placed_layout=placed_layout))
+    return tuple(sorted(placements, key=lambda placement: placement.placed_layout.bits))
 
 
 def _shape_of(placed_layout: PlacedLayout) -> _Shape:
+    """Return the name, lowest bit and width of each field."""
     return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
 
 
 def name_cell(named_part: HasOtherNames) -> str:
-    """Return a name as code, with the name used in the manual below it."""
+    """Return the name of an item as code, with its name in the manual below it."""
     return join_filled([code_span(named_part.name), escape(named_part.printed_name)])
 
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
-    """Return all statements about a field in one cell. Many values of a register are in a separate table."""
+    """Return all statements about a field in one cell.
+
+    If a register field has many named values, they have a table of their own, which the cell refers to.
+    """
     statements = [
         *spec_text(field.meaning),
         *_value_statements(field, in_register),
@@ -89,9 +93,9 @@ def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
 
 
 def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
-    """Yield a statement for each named value or, if there are many, a single one.
+    """Yield a statement for each named value of a field or, if there are many, a single statement.
 
-    In a register, it refers to the table of values. In a frame, it lists the values without their meanings.
+    For a register, this statement refers to the table of values. For a frame, it lists the values without meanings.
     """
     if not has_value_table(field):
         for named_value in field.values:
@@ -105,12 +109,12 @@ def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
 
 
 def has_value_table(field: Field) -> bool:
-    """Return whether a field has too many values for one cell."""
+    """Return whether a field has too many named values for one cell."""
     return len(field.values) > _MOST_VALUES_IN_CELL
 
 
 def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
-    """Yield rows of value, name, meaning, source."""
+    """Yield rows of value, name, meaning, source for the named values of a field."""
     # A hexadecimal digit for each 4 bits, rounded up.
     digits = (field.widest + 3) // 4
     for named_value in field.values:
@@ -119,7 +123,7 @@ def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
-    """Yield rows of field, place, width, meaning, source. A group of fields is one row with a link to its table."""
+    """Yield rows of field, place, width, meaning, source. A group of fields has one row, with a link to its table."""
     for field_or_group in fields_and_groups(device, layout):
         if isinstance(field_or_group, FieldGroup):
             yield _group_row(device, layout, field_or_group)
@@ -128,7 +132,7 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
 
 
 def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple[str, ...]:
-    """Return a row of group, its place, its number of bits, the names of its fields, and no source."""
+    """Return a row of group, place, number of bits, names of its fields, and an empty source."""
     group_cell = join_filled(
         [markdown_link(code_span(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
     )
@@ -149,7 +153,10 @@ def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
 
 
 def fields_and_groups(device: Device, layout: Layout) -> Iterator[Field | FieldGroup]:
-    """Yield the groups of fields, and the fields outside of groups. Padding is in the row of the padded field."""
+    """Yield the groups of fields, and the fields outside groups, in the order of the layout.
+
+    Padding is omitted, because the row of the padded field includes it.
+    """
     groups = {group.name: group for group in device.field_groups}
     field_names = {field.name for field in layout.fields}
     yielded_groups: set[str] = set()
@@ -162,7 +169,7 @@ def fields_and_groups(device: Device, layout: Layout) -> Iterator[Field | FieldG
 
 
 def group_place(device: Device, layout: Layout, field_group: FieldGroup) -> str:
-    """Return the bytes of the longest frame that hold a group of fields, with the first answers to questions."""
+    """Return the bytes of the longest frame that contain a group of fields, for the first answers to open questions."""
     fields_of_group = (field for field in layout.fields if field.group == field_group.name)
     low = _first_bit(fields_of_group, _first_answers(device))
     high = low + field_group.bits - 1
@@ -170,24 +177,25 @@ def group_place(device: Device, layout: Layout, field_group: FieldGroup) -> str:
 
 
 def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> str:
+    """Return the place of a field, or its place for each answer to open questions that decide it."""
     return MARKDOWN.phrase(statement(*field_place(layout, field, alternatives)))
 
 
 def _first_answers(device: Device) -> Mapping[str, int]:
-    """Return the parameters with the values that the first answer to each question sets."""
+    """Return the values of the parameters that the first answer to each open question sets."""
     return next(parameters for _, parameters in answer_combinations(device.alternatives))
 
 
 def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
-    """Return the lowest bit of several fields, for an order code with these parameters."""
+    """Return the lowest bit of several fields for these values of the parameters."""
     return min(field.low.value(parameters) for field in fields)
 
 
 def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
-    """Return the fields of a group in the first layout with it, for all answers to the questions that move them.
+    """Return the fields of a group for each combination of answers to the open questions that move these fields.
 
-    Each result is a combination of answers, and the fields with their highest and lowest bit, counted from the lowest
-    bit of the group. Without such questions, there is one result with no answers.
+    Each field has its highest and lowest bit, counted from the lowest bit of the group in the first layout with this
+    group. If no question moves the fields, there is a single result, without answers.
     """
     layouts = (layout for _, layout in device.layouts() if _has_group(layout, name))
     layout = first_or_raise(layouts, f"frame with the field group '{name}'")
@@ -208,45 +216,48 @@ def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], Gr
 
 
 def _highest_first(group_field: tuple[Field, int, int]) -> int:
-    """Return the sort key of a field with its highest and lowest bit."""
+    """Return the sort key that puts the field with the highest bit first."""
     _, high, _ = group_field
     return -high
 
 
 def _has_group(layout: Layout, name: str) -> bool:
+    """Return whether a layout contains the group of fields with this name."""
     return any(field.group == name for field in layout.fields)
 
 
 def _decides_place_of_any(fields: Iterable[Field], alternative: Alternative) -> bool:
-    """Return whether an alternative determines the place of one of these fields."""
+    """Return whether the answers to an open question determine the place or width of any of these fields."""
     # All answers set the same parameters.
     parameters = alternative.answers[0].sets.keys()
     return any(not parameters.isdisjoint((*field.low.parameters, *field.width.parameters)) for field in fields)
 
 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
-    """Yield rows of field, place, meaning, source."""
+    """Yield rows of field, place, meaning, source for a group of fields."""
     for field, place in group_places(device, name, _answers_in_words):
         yield name_cell(field), place, field_cell(device, field), citation(field.source)
 
 
 def _answers_in_words(answers: Sequence[Answer]) -> str:
+    """Return the names of answers as code, such as ```normal```."""
     return MARKDOWN.phrase(statement(*answer_names(answers)))
 
 
 def group_places(
     device: Device, name: str, answers_text: Callable[[Sequence[Answer]], str]
 ) -> Iterator[tuple[Field, str]]:
-    """Yield the fields of a group, each with its place, or with the place for each of the answers that move it.
+    """Yield the fields of a group, each with its place in the group.
 
-    An example is ``bit 3 (normal)<br>bit 4 (swapped)``. If several answers lead to a place, the first answer is named.
+    If answers to open questions move a field, all its places are listed, such as ``bit 3 (normal)<br>bit 4 (swapped)``.
+    If several answers lead to the same place, the first of them is named.
     """
     shapes = group_shapes(device, name)
     _, fields_of_first_shape = shapes[0]
     for field, _, _ in fields_of_first_shape:
         answers_by_place: dict[str, str] = {}
         for answers, group_fields in shapes:
-            places = (bits(high, low) for moved_field, high, low in group_fields if moved_field is field)
+            places = (bits(high, low) for group_field, high, low in group_fields if group_field is field)
             place = first_or_raise(places, f"place of '{field.name}'")
             answers_by_place.setdefault(place, answers_text(answers))
         if len(answers_by_place) == 1:
@@ -270,12 +281,13 @@ def used_groups(interface: Interface) -> list[str]:
 
 
 def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
-    """Return a table of field positions by order code and choice, or "" if they are the same for all.
+    """Return a table of field positions by order code, or "" if they are the same for all order codes.
 
-    Only choices that change the length are included. The row of a field shows its places for all other choices.
+    Answers to open questions that change the length of the layout have rows of their own. Places for the answers to
+    all other questions are in the main table of fields.
     """
     questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
-    # ``parameters`` are those that the answers set.
+    # ``parameters`` are the values that the answers set.
     answers_and_placements: list[tuple[tuple[Answer, ...], Placement]] = []
     for answers, parameters in answer_combinations(questions):
         for placement in distinct_placements(device, layout, interface_name, parameters):
@@ -302,18 +314,18 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
 
 
 def _fields_moved_by_order_code(device: Device, layout: Layout) -> list[Field]:
-    """Return the fields, except padding, whose place or width depends on anything other than answers to questions."""
+    """Return the fields, except padding, whose place or width depends on the order code."""
     set_by_answers: set[str] = set()
     for alternative in device.alternatives:
         set_by_answers.update(alternative.answers[0].sets)
-    fields_with_content = [field for field in layout.fields if not field.padding_of]
-    return [field for field in fields_with_content if _depends_on_order_code(field, set_by_answers)]
+    fields_without_padding = [field for field in layout.fields if not field.padding_of]
+    return [field for field in fields_without_padding if _depends_on_order_code(field, set_by_answers)]
 
 
 def _places_of_containers(layout: Layout, fields: Sequence[Field]) -> dict[str, str]:
-    """Return, by the name of the field, the place of each container that a field of a frame fills partly.
+    """Return the place of each container (the bits of a field with its padding), by the name of the field.
 
-    Registers have none.
+    Registers have no containers, so the result for a register is empty.
     """
     if not layout.sender:
         return {}
@@ -321,7 +333,10 @@ def _places_of_containers(layout: Layout, fields: Sequence[Field]) -> dict[str, 
 
 
 def _bits_cell(placed_field: PlacedField | None, *, from_own_low: bool) -> str:
-    """Return the bits of a field, or a dash if the order code lacks it. ``from_own_low`` counts from its lowest bit."""
+    """Return the bits of a field, or a dash if it is None, which means that the order code does not have the field.
+
+    If ``from_own_low`` is True, bits are counted from the lowest bit of the field.
+    """
     if placed_field is None:
         return "–"
     bit_0 = placed_field.low if from_own_low else 0
@@ -329,17 +344,18 @@ def _bits_cell(placed_field: PlacedField | None, *, from_own_low: bool) -> str:
 
 
 def _field_head(field: Field, containers: Mapping[str, str]) -> str:
+    """Return the name of a field for the head of its column, followed by the place of its container if it has one."""
     name = code_span(field.name)
     return f"{name} in {containers[field.name]}" if field.name in containers else name
 
 
 def _decides_length(layout: Layout, alternative: Alternative) -> bool:
-    """Return whether the length of the layout depends on an alternative."""
+    """Return whether the length of the layout depends on the answer to an open question."""
     return not alternative.answers[0].sets.keys().isdisjoint(layout.bits.parameters)
 
 
 def _depends_on_order_code(field: Field, set_by_answers: Container[str]) -> bool:
-    """Return whether the position or width of a field depends on the order code, not only on answers."""
+    """Return whether the position or width of a field depends on any parameter that answers do not set."""
     parameters_of_place = (*field.low.parameters, *field.width.parameters)
     return any(name not in set_by_answers for name in parameters_of_place)
 
@@ -348,9 +364,9 @@ def _depends_on_order_code(field: Field, set_by_answers: Container[str]) -> bool
 
 
 def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
-    """Return the bytes of each shape of a layout, once for each choice that changes the picture.
+    """Return the rows of bytes to draw for each shape of a layout, and for all answers that change the picture.
 
-    A frame of bytes with a single picture has no caption.
+    A frame that consists of bytes has no caption if there is only one picture.
     """
     stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
     for answers, parameters in answer_combinations(device.alternatives_of(layout)):
@@ -364,12 +380,12 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
 
 
 def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
-    """Yield the stack of each shape. For a frame of bytes, yield only the stack of the longest shape.
+    """Yield the rows of bytes to draw for each shape, or only for the longest shape of a frame that consists of bytes.
 
-    There, the boxes of fields include their padding, so that shapes hardly differ.
+    In such a frame, the boxes of fields include their padding, so shapes hardly differ.
     """
     if layout.in_bytes:
-        # The shortest shape is first, the longest is last.
+        # The shapes are sorted by length, so the longest is last.
         yield byte_stack("", shapes[-1].placed_layout)
         return
     for shape in shapes:
@@ -377,9 +393,9 @@ def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[S
 
 
 def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
-    """Return each shape of a layout for one order code, with its answers as a caption.
+    """Return each shape of a layout for one order code, with a caption that names the answers and the length.
 
-    A single shape has an empty caption.
+    If there is only one shape, its caption is empty.
     """
     shapes: dict[_Shape, tuple[str, PlacedLayout]] = {}
     for answers, parameters in answer_combinations(device.alternatives_of(layout)):
@@ -392,29 +408,31 @@ def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> li
 
 
 def _caption_with_answers(answers: Sequence[Answer], caption: str) -> str:
+    """Return the names of the answers and the caption, separated by commas. Either can be empty."""
     return ", ".join(filter(None, (*(answer.name for answer in answers), caption)))
 
 
 def _codes_caption(placement: Placement) -> str:
-    """Return the first two order codes, and the number of further codes: ``X-12, X-13 and 4 more``."""
+    """Return the first two order codes and the number of the others: ``X-12, X-13 and 4 more``."""
     first_codes, further_codes = placement.codes[:2], placement.codes[2:]
     number_of_further_codes = f" and {len(further_codes)} more" if further_codes else ""
     return f"{', '.join(first_codes)}{number_of_further_codes}"
 
 
 def group_stacks(device: Device, field_group: FieldGroup) -> list[Stack]:
+    """Return the rows of bytes to draw for a group of fields, for all answers that move its fields."""
     shapes = group_shapes(device, field_group.name)
     return [group_stack(_caption_with_answers(answers, ""), fields, field_group.bits) for answers, fields in shapes]
 
 
 def has_picture(register: Register) -> bool:
-    """Return whether a register has anything other than one field of full width."""
+    """Return whether a register needs a picture: it has several fields, or one that does not fill it."""
     fields = register.layout.fields
     return len(fields) > 1 or fields[0].width != Expression(8 * register.length)
 
 
 def register_stacks(device: Device, register: Register) -> list[Stack]:
-    """Return the bytes of each shape of a register."""
+    """Return the rows of bytes to draw for each shape of a register. A single shape has no caption."""
     low_byte_first = register.byte_order == "low_byte_first"
     shapes = distinct_placements(device, register.layout, register.interface)
     stacks = []

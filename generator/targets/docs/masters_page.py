@@ -1,4 +1,4 @@
-"""Pages of the BiSS and SSI master settings for the order codes of a family, one for each interface."""
+"""Pages with the BiSS and SSI master settings for the order codes of a family, one page for each interface."""
 
 from __future__ import annotations
 
@@ -30,18 +30,19 @@ Row = tuple[str, ...]
 Table = dict[str, Any]
 
 
-#: Groups of order codes, each with its rows by the name of the fact. A row consists of the name and the value.
-Columns = Sequence[tuple[CodesWithSameSettings, Mapping[Any, Row]]]
-#: Settings of one master for each group.
+#: Groups of order codes with their facts. Each fact is a row of name and value, and its key is the name of the fact.
+GroupFacts = Sequence[tuple[CodesWithSameSettings, Mapping[str, Row]]]
+#: Groups of order codes with their settings for one master.
 GroupSettings = Sequence[tuple[CodesWithSameSettings, SettingsSheet]]
 
 
 def kinds_with_masters(device: Device) -> list[str]:
-    """Return the kinds of interface for which an order code of the family has settings for masters."""
+    """Return the names of the interfaces over which order codes of the family have settings for masters."""
     return [interface.name for interface in device.interfaces if _has_records(device, interface)]
 
 
 def _has_records(device: Device, interface: Interface) -> bool:
+    """Return whether an order code has the facts that masters need over an interface."""
     return next(records_of(device, interface), None) is not None
 
 
@@ -65,7 +66,7 @@ def page_links(device: Device) -> list[str]:
 
 
 def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
-    """Return the values of the page with the settings of all masters for an interface, which has such settings."""
+    """Return the values of the page with the settings of all masters for an interface that has such settings."""
     interface_sheets = sheets_of(device, masters)
     group_sheets = first_or_raise(
         (group for group in interface_sheets if group.interface.name == interface_name), f"sheets of {interface_name}"
@@ -83,12 +84,12 @@ def page_values(device: Device, interface_name: str, masters: Sequence[Master]) 
 
 
 def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, Any]:
-    """Return the facts that masters need over an interface, and the settings of each master.
+    """Return the facts that masters need over an interface, and a section for each master that supports it.
 
-    ``tables`` contains the facts that differ between order codes. ``silent`` lists the masters without this interface.
+    ``facts`` are the same for all order codes, and ``tables`` contain the facts that differ between them.
     """
     interface = group_sheets.interface
-    # Each group is a record of facts with the order codes that share it. A master has a sheet for each group.
+    # A group has order codes that share all facts. Each master has a sheet of settings for each group.
     groups = group_sheets.groups
     common_rows, tables = _common_rows_and_tables([(group, _fact_rows(group)) for group in groups])
     order_code_rows = [] if tables else [("Order codes", _codes_label(groups))]
@@ -110,7 +111,7 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         "links": [
             markdown_link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections
         ],
-        "silent": unsupporting_masters,
+        "unsupporting_masters": unsupporting_masters,
     }
 
 
@@ -119,78 +120,72 @@ def _links_to_errata(device: Device, names: Collection[str]) -> str:
     return link_list(link_to_erratum(device, erratum) for erratum in device.errata if erratum.name in names)
 
 
-def _fact_rows(group: CodesWithSameSettings) -> dict[Any, Row]:
+def _fact_rows(group: CodesWithSameSettings) -> dict[str, Row]:
+    """Return a row of name and value for each fact about a group of order codes, by the name of the fact."""
     return {name: (name, escape(value)) for name, value in record_facts(group.record)}
 
 
-def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
-    """Return the rows common to all groups, and tables of the other rows: one for rows that depend only on the supply.
+def _common_rows_and_tables(group_facts: GroupFacts) -> tuple[list[Row], list[Table]]:
+    """Return the facts that all groups of order codes share, and tables of the facts that differ between them.
 
-    Each column is a group with its rows by key. The first cell of a row is its name, the second its value.
+    Facts that depend only on the supply have a table of their own.
     """
-    setting_keys: dict[Any, None] = {}
-    for _, rows_of_group in columns:
-        setting_keys |= dict.fromkeys(rows_of_group)
+    fact_names: dict[str, None] = {}
+    for _, rows_of_group in group_facts:
+        fact_names |= dict.fromkeys(rows_of_group)
     common_rows: list[Row] = []
-    differing_keys: list[Any] = []
-    supply_keys: list[Any] = []
-    for setting_key in setting_keys:
-        first_row, *other_rows = [rows_of_group.get(setting_key) for _, rows_of_group in columns]
+    differing_facts: list[str] = []
+    facts_by_supply: list[str] = []
+    for fact_name in fact_names:
+        first_row, *other_rows = [rows_of_group.get(fact_name) for _, rows_of_group in group_facts]
         is_common = all(row == first_row for row in other_rows)
         if first_row is not None and is_common:
             common_rows.append(first_row)
-        elif _follows_supply(setting_key, columns):
-            supply_keys.append(setting_key)
+        elif _depends_only_on_supply(fact_name, group_facts):
+            facts_by_supply.append(fact_name)
         else:
-            differing_keys.append(setting_key)
-    tables = [_table_of_differences(table_keys, columns) for table_keys in (differing_keys, supply_keys) if table_keys]
+            differing_facts.append(fact_name)
+    tables = [_table_of_differences(names, group_facts) for names in (differing_facts, facts_by_supply) if names]
     return common_rows, tables
 
 
-def _follows_supply(fact_key: Any, columns: Columns) -> bool:
-    """Return whether all groups with the same supply have the same row."""
+def _depends_only_on_supply(fact_name: str, group_facts: GroupFacts) -> bool:
+    """Return whether all groups of order codes with the same supply have the same value of a fact."""
     rows_by_supply: dict[tuple[int | None, int | None], set[Row | None]] = {}
-    for group, rows in columns:
+    for group, rows in group_facts:
         numbers = group.record.numbers
         supply = (numbers["supply_min_mv"], numbers["supply_max_mv"])
-        rows_by_supply.setdefault(supply, set()).add(rows.get(fact_key))
+        rows_by_supply.setdefault(supply, set()).add(rows.get(fact_name))
     return all(len(rows) == 1 for rows in rows_by_supply.values())
 
 
-def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
-    """Return the column heads, and one row for all groups with the same values.
+def _table_of_differences(fact_names: Sequence[str], group_facts: GroupFacts) -> Table:
+    """Return a table with a column for each of these facts, and a row for all groups that have the same values.
 
     A group without a value has a dash.
     """
-    heads = [_row_name(key, columns) for key in keys]
     groups_by_cells: dict[Row, list[CodesWithSameSettings]] = {}
-    for group, rows in columns:
-        cells = tuple(_value_cell(key, rows) for key in keys)
+    for group, rows in group_facts:
+        cells = tuple(_value_cell(fact_name, rows) for fact_name in fact_names)
         groups_by_cells.setdefault(cells, []).append(group)
     return {
-        "head": ["Order codes", *heads],
+        "head": ["Order codes", *fact_names],
         "rows": [[_codes_label(groups), *cells] for cells, groups in groups_by_cells.items()],
     }
 
 
-def _row_name(fact_key: Any, columns: Columns) -> str:
-    """Return the name of a fact: the first cell of its row in the first group that has it."""
-    name, _ = next(rows[fact_key] for _, rows in columns if fact_key in rows)
-    return name
-
-
-def _value_cell(fact_key: Any, rows: Mapping[Any, Row]) -> str:
-    """Return the value of a fact, or a dash if the group lacks it."""
-    if fact_key not in rows:
+def _value_cell(fact_name: str, rows: Mapping[str, Row]) -> str:
+    """Return the value of a fact, or a dash if the group of order codes does not have this fact."""
+    if fact_name not in rows:
         return "–"
-    _, value = rows[fact_key]
+    _, value = rows[fact_name]
     return value
 
 
 def _codes_label(groups: Sequence[CodesWithSameSettings]) -> str:
-    """Return the order codes of all groups, with the answers: ``X-24 with `order=swapped` ``.
+    """Return the order codes of several groups, with the answers to open questions: ``X-24 with `order=swapped` ``.
 
-    Answers are left out if the groups have the same order codes for every combination of answers.
+    The answers are omitted if the groups have the same order codes for every combination of answers.
     """
     device = groups[0].device
     codes_by_answers: dict[tuple[tuple[str, str], ...], list[str]] = {}
@@ -211,32 +206,30 @@ def _codes_label(groups: Sequence[CodesWithSameSettings]) -> str:
 
 
 def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
-    """Return the settings of one master for all groups of order codes.
-
-    It lists the documents whose keys are in the texts.
-    """
-    accepted_sheets = [(group, sheet) for group, sheet in sheets if not sheet.refusals]
-    refused = list(_refusal_lines(sheets))
-    notes = [*_setting_notes(accepted_sheets), *_further_notes(accepted_sheets)]
-    cited_texts = "\n".join([*refused, *notes])
-    documents = [document for document in master.documents if re.search(rf"\b{document.key}\b", cited_texts)]
+    """Return the section about one master: its settings, notes, unsupported order codes, and the documents it cites."""
+    supported_sheets = [(group, sheet) for group, sheet in sheets if not sheet.refusals]
+    refusal_lines = list(_refusal_lines(sheets))
+    notes = [*_setting_notes(supported_sheets), *_further_notes(supported_sheets)]
+    # A document is listed if its key is in the texts.
+    texts_with_sources = "\n".join([*refusal_lines, *notes])
+    documents = [document for document in master.documents if re.search(rf"\b{document.key}\b", texts_with_sources)]
     return {
         "name": master.name,
         "title": escape(master.title),
-        "settings": " · ".join(_setting_names(accepted_sheets)),
-        "refused": refused,
+        "settings": " · ".join(_setting_names(supported_sheets)),
+        "refused": refusal_lines,
         "notes": notes,
         "documents": document_rows(documents),
     }
 
 
 def _setting_names(group_sheets: GroupSettings) -> list[str]:
-    """Return the names of all settings, in the order of the description of the master."""
+    """Return the names of all settings of a master, each once, in the order of the master's description."""
     return list(dict.fromkeys(escape(setting.name) for _, sheet in group_sheets for setting in sheet.settings))
 
 
 def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
-    """Yield the notes on settings and their conditions, with the order codes unless a note applies to all of them."""
+    """Yield the notes on settings, with their conditions. Notes that apply only to some order codes name these."""
     groups_by_note: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in group_sheets:
         notes = filter(None, (_setting_note(setting, sheet) for setting in sheet.settings))
@@ -246,34 +239,35 @@ def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 
 def _setting_note(setting: Setting, sheet: SettingsSheet) -> str:
-    """Return the note on a setting with its conditions and its source, or "" without a note and conditions."""
+    """Return the note on a setting with its conditions and its source, or "" if it has neither note nor conditions."""
     note = escape(" ".join(filter(None, [setting.note, *condition_texts(setting, sheet)])))
     source = f" \\[{escape(cited(setting.source))}\\]"
-    # The last condition may have the same source.
+    # If the last condition has the same source, it is cited only once.
     return f"{escape(setting.name)}: {note.removesuffix(source)}{source}" if note else ""
 
 
 def _with_order_codes(groups_by_note: Mapping[str, Sequence[CodesWithSameSettings]], group_count: int) -> Iterator[str]:
-    """Yield each note, with its order codes at the end unless it applies to all groups."""
+    """Yield each note. If it does not apply to all ``group_count`` groups, its order codes follow."""
     for note, groups in groups_by_note.items():
         yield note if len(groups) == group_count else f"{note} This applies to {_codes_label(groups)}."
 
 
 def _refusal_text(refusal: MasterRefusal) -> str:
+    """Return the reason why a master does not support an encoder, with its mark and its source."""
     source = f" \\[{escape(cited(refusal.source))}\\]" if refusal.source else ""
     return f"{escape(refusal.reason)}{_spaced_mark(refusal)}{source}"
 
 
 def _spaced_mark(rule: Setting | MasterRefusal) -> str:
-    """Return the mark of a rule, which is outside the text to copy."""
+    """Return the mark that says how certain a rule is, with a space in front of it, or "" without a mark."""
     rule_mark = escape(standing_mark(rule))
     return f" {rule_mark}" if rule_mark else ""
 
 
 def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
-    """Yield the notes that belong to no single setting, with the order codes unless one applies to all.
+    """Yield the notes that are not about a single setting. Notes that apply only to some order codes name these.
 
-    They are about gaps in the description of the master, about conditions for several settings, or of the sheet.
+    They are about gaps in the description of the master, about conditions for several settings, or about all settings.
     """
     groups_by_note: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in group_sheets:
@@ -284,7 +278,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
 
 
 def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:
-    """Yield the order codes that the master cannot use, with the reasons. Codes with the same reasons share a line."""
+    """Yield the order codes that the master does not support, with the reasons. Equal reasons share a line."""
     groups_by_reasons: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in sheets:
         if sheet.refusals:

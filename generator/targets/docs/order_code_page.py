@@ -1,6 +1,6 @@
-"""Page of an order code.
+"""Page of an order code, or of several that are identical for software.
 
-Texts of the family show the width of the order code instead of ranges such as 17 to 39 bits.
+In the texts of the family, the width for the order code replaces ranges such as 17 to 39 bits.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ from .wiring_tables import no_leds, no_supply
 
 
 def range_of_widths(family_device: Device, parameter: Parameter) -> str:
-    """Return the range of a width over the order codes of a family: ``17 to 39``.
+    """Return the range that a parameter in bits has over the order codes of a family: ``17 to 39``.
 
-    It is empty if all have the same width, and for a parameter with another unit than bits.
+    The range is empty if all order codes have the same value, or if the unit of the parameter is not bits.
     """
     if parameter.unit != "bits":
         return ""
@@ -61,18 +61,18 @@ def range_of_widths(family_device: Device, parameter: Parameter) -> str:
 
 
 def meaning_without_range(family_device: Device, parameter: Parameter) -> str:
-    """Return the meaning of a quantity without its range, for a row that begins with its value."""
+    """Return the meaning of a parameter without its range over the family, for a row that begins with its value."""
     family_range = range_of_widths(family_device, parameter)
     return parameter.meaning.replace(f", {family_range} bits", "") if family_range else parameter.meaning
 
 
 def with_widths_of_order_code(family_device: Device, device: Device, variant: Variant) -> Device:
-    """Return the device whose notes on frames show the width of the order code instead of the range."""
+    """Return the device with notes on frames that have the widths for an order code in place of ranges."""
     parameters = [parameter for parameter in family_device.parameters if parameter.name in variant.parameters]
     ranges = [range_of_widths(family_device, parameter) for parameter in parameters]
     widths: dict[str, str] = {}
     for parameter, family_range in zip(parameters, ranges, strict=True):
-        # In a text, two quantities with the same range look alike.
+        # In a text, two parameters with the same range cannot be told apart.
         is_unique = ranges.count(family_range) == 1
         if family_range and is_unique:
             widths[family_range] = str(variant.parameters[parameter.name])
@@ -81,14 +81,15 @@ def with_widths_of_order_code(family_device: Device, device: Device, variant: Va
 
 
 def _interface_with_widths(interface: Interface, widths: Mapping[str, str]) -> Interface:
+    """Return the interface with each range in the notes on its frames replaced by a width. ``widths`` are by range."""
     layouts = [_layout_with_widths(layout, widths) for layout in interface.layouts]
     return replace(interface, layouts=tuple(layouts))
 
 
 def _layout_with_widths(layout: Layout, widths: Mapping[str, str]) -> Layout:
-    """Return the layout with each range of widths in its note replaced by the width of the order code."""
+    """Return the layout with each range in its note replaced by a width. ``widths`` are by range."""
     note = layout.note
-    # A shorter number must not match within a longer one, so the text around it is compared too.
+    # The text around a range is part of the pattern, so that it does not match within a longer number.
     for family_range, width in widths.items():
         note = note.replace(f" {family_range} bits", f" {width} bits").replace(f", {family_range},", f", {width},")
     return replace(layout, note=note)
@@ -96,7 +97,7 @@ def _layout_with_widths(layout: Layout, widths: Mapping[str, str]) -> Layout:
 
 @dataclass(frozen=True, slots=True)
 class ManualProcedure:
-    """Steps that a person carries out. ``before`` is the text before the first step."""
+    """Procedure that a person carries out by hand. ``before`` is the text before its first step."""
 
     characteristic: Characteristic
     title: str
@@ -105,19 +106,20 @@ class ManualProcedure:
 
 
 def manual_procedures(device: Device) -> list[ManualProcedure]:
-    """Return the procedures that a person carries out for a family, in the order of its spec."""
+    """Return the procedures that a person carries out by hand, in the order of the spec."""
     return [_manual_procedure(fact) for fact in device.characteristics if has_steps(fact.value)]
 
 
 def _manual_procedure(characteristic: Characteristic) -> ManualProcedure:
+    """Return a characteristic with numbered steps as a procedure."""
     before, *steps = steps_of(characteristic.value)
     return ManualProcedure(characteristic, title=heading(characteristic.name), before=before, steps=tuple(steps))
 
 
 Row = tuple[str, ...]
-#: Longest lead, in characters.
+#: Longest text, in characters, that a page quotes at its top from the note on the interface.
 _LONGEST_LEAD = 180
-#: Other files in the folder of a family: names of pages, and first words of the names of pictures.
+#: Other files in the folder of a family: names of pages, and first words in the names of pictures.
 RESERVED_NAMES = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "timing")
 
 
@@ -154,9 +156,10 @@ class CodePage(Sections, InterfaceValues):
 
 @dataclass(frozen=True)
 class CodeGroup:
-    """Order codes that are identical for software. ``name`` is the name of their common page.
+    """Order codes that are identical for software, and so share a page, whose name is ``name``.
 
-    ``narrowed_family`` has only these order codes, and ``device`` is this family with the quantities that they set.
+    ``narrowed_family`` is the family with only these order codes, and ``device`` is this reduced family with numbers in
+    place of the quantities that the order codes set.
     """
 
     family: Device
@@ -182,12 +185,12 @@ class CodeGroup:
 
     @cached_property
     def frame(self) -> Layout | None:
-        """Frame at the top of the page."""
+        """Frame that is shown at the top of the page, or None if no frame contains the position."""
         return order_code_tables.position_frame(self.family, self.interface)
 
     @cached_property
     def pictures(self) -> Pictures:
-        """Pictures for these codes that differ from the family's pictures."""
+        """Pictures for these order codes, as far as they differ from the family's pictures."""
         frame_name = self.frame.name if self.frame is not None else ""
         return pictures_of_order_codes(self.family, self.narrowed_family, self.name, frame_name)
 
@@ -200,7 +203,7 @@ class OrderCodes:
 
     @cached_property
     def groups(self) -> tuple[CodeGroup, ...]:
-        """Order codes that have the same interface with the same limits, and set the same quantities."""
+        """Groups of order codes that have the same interface with the same limits, and set the same quantities."""
         variants_by_facts: dict[Hashable, list[Variant]] = {}
         for variant in self.device.variants:
             quantities = tuple(sorted(variant.parameters.items()))
@@ -249,7 +252,7 @@ class OrderCodes:
 
 
 def _clock_limits_of(interface: Interface, order_code: str) -> Hashable:
-    """Return the clock, the time-out and the clocks by cable length of an order code."""
+    """Return the clock, the time-out and the clocks by cable length for an order code. None means not applicable."""
     clock = interface.clock_of(order_code) if isinstance(interface, Clocked) else None
     timeout = interface.timeout_of(order_code) if isinstance(interface, Biss) else None
     cable_lengths = facts_for_code(interface.cable_lengths, order_code) if isinstance(interface, Ssi) else ()
@@ -257,7 +260,7 @@ def _clock_limits_of(interface: Interface, order_code: str) -> Hashable:
 
 
 def _position_text(device: Device, interface: Interface) -> str:
-    """Return the unit and range of the position, and the ranges of single frames."""
+    """Return the unit and range of the position, followed by the range in each frame that has its own."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is None:
         return ""
@@ -266,12 +269,13 @@ def _position_text(device: Device, interface: Interface) -> str:
 
 
 def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
+    """Return a frame with the range of its position: ``in `reply`: 65,536 counts in total``."""
     frame_name = f"in {code_span(name)}:" if frame_range.wraps else code_span(name)
     return f"{frame_name} {MARKDOWN.phrase(describe_position_range(frame_range))}"
 
 
 def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
-    """Return the values of the page. ``pictures`` are the family's pictures, some of which the page may replace."""
+    """Return the values of a page. ``pictures`` are the family's pictures, some of which the page may replace."""
     device, interface, errata_links = code_group.device, code_group.interface, ErrataLinks(code_group.device)
     interface_sections = page_sections(device)
     variant, frame = code_group.variants[0], code_group.frame
@@ -280,7 +284,7 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         **interface_values(code_group.family, device, code_group.variants, has_masters, code_group.pictures),
         "errata_at": errata_links,
         "codes": code_group.codes,
-        # The notes on SSI and RS-485 begin with the line, and the notes on BiSS with limits that users must keep.
+        # The notes on SSI and RS-485 begin with the line, but the notes on BiSS with limits that users must observe.
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
         "evidence": describe_grade(device),
@@ -313,23 +317,24 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
 
 
 def _register_section(device: Device, section: Section) -> Section:
-    """Return the values of a register with tables of two columns."""
+    """Return the section of a register with its tables reduced to two columns."""
     register: Register = section["register"]
     field_rows = list(fact_tables.field_rows(device, register.layout)) if section["rows"] else []
     return {**section, "rows": field_rows, "value_tables": fact_tables.value_tables(register)}
 
 
 def _procedure_section(device: Device, section: Section) -> Section:
+    """Return the section of a procedure with its steps as sentences."""
     return {**section, "steps": list(fact_tables.step_sentences(device, section["procedure"]))}
 
 
 def _examples_of_order_codes(device: Device) -> list[Example]:
-    """Return the worked examples that belong to an order code."""
+    """Return the worked examples that are about an order code."""
     return [example for example in device.examples if getattr(example, "order_code", "")]
 
 
 def lead_sentences(note: str) -> str:
-    """Return the first sentences of a text, as many as fit at the top of a page but at least one."""
+    """Return the first sentences of a note: as many as fit at the top of a page, but at least one."""
     if not note:
         return ""
     sentences, *further_sentences = note.split(". ")
@@ -342,12 +347,12 @@ def lead_sentences(note: str) -> str:
 
 
 def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
-    """Return the frame with the position: its picture, fields, facts and verdicts."""
+    """Return the section about the frame with the position: its pictures, facts and verdicts."""
     # All order codes of a group set the same quantities, so the first represents all.
     variant = code_group.variants[0]
     crc = code_group.family.crc_of(layout.place(variant.parameters))
     choices = [alternative.name for alternative in code_group.device.alternatives]
-    # The layout of the page contains other notes. Verdicts are known for the family's layout.
+    # The layout of the page is a copy with different notes. Verdicts are known only for the family's layout.
     layouts_of_family = code_group.family.interface(code_group.interface.name).layouts
     family_layout = member_named(layouts_of_family, layout.name, "layout")
     verdict_head, verdict_rows = verdict_table(code_group.family, code_group.device, family_layout, variant)
@@ -357,7 +362,7 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
         "size": MARKDOWN.phrase(statement(*describe_size(layout, code_group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
-        # Widest screen that shows the narrow picture.
+        # Width of the widest screen that shows the narrow picture.
         "narrower": wide_pictures.SCREEN - 1,
         "questions": list(order_code_tables.open_questions(code_group.device, layout)),
         "facts": list(order_code_tables.frame_facts(code_group.family, layout, variant, choices)),
@@ -368,22 +373,24 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
 
 
 def _with_short_rows(device: Device, interface_section: Section) -> Section:
-    """Return the values of an interface with tables of two columns."""
+    """Return the section of an interface with its tables reduced to two columns."""
     layouts = [_layout_section(device, section) for section in interface_section["layouts"]]
     groups = [_group_section(device, section) for section in interface_section["groups"]]
     return {**interface_section, "layouts": layouts, "groups": groups}
 
 
 def _layout_section(device: Device, section: Section) -> Section:
+    """Return the section of a frame with two columns: place and field."""
     return {**section, "rows": list(fact_tables.field_rows(device, section["layout"]))}
 
 
 def _group_section(device: Device, section: Section) -> Section:
+    """Return the section of a group of fields with two columns: place and field."""
     return {**section, "rows": list(fact_tables.group_rows(device, section["group"].name))}
 
 
 def _registers_summary(device: Device) -> str:
-    """Return the number of registers and their lowest and highest address."""
+    """Return the number of registers and their lowest and highest address, or "" if there are no registers."""
     if not device.registers:
         return ""
     lowest = min(register.address for register in device.registers)
@@ -392,10 +399,10 @@ def _registers_summary(device: Device) -> str:
 
 
 def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
-    """Yield rows of value, meaning of the quantities set by the order code or by registers.
+    """Yield rows of value, meaning for the quantities that the order code or registers set.
 
-    The values of those that registers set are their factory defaults. Quantities that are 0 are left out, and so are
-    quantities that answers set.
+    The values of quantities that registers set are factory defaults. Quantities that are 0, or that answers to open
+    questions set, are omitted.
     """
     run_time_parameters = run_time_names(code_group.family)
     for parameter in parameters_of(code_group.family, code_group.interface.name):
@@ -414,7 +421,7 @@ def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registe
 
 
 def _origin_of_quantity(family_device: Device, parameter: Parameter, is_set_by_registers: bool) -> str:
-    """Return a sentence on the registers that hold or set a quantity, or an empty string."""
+    """Return a sentence on the registers that hold or set a quantity, or "" if the order code sets it."""
     if parameter.read_from:
         has_default = family_device.register(parameter.register).default is not None
         value_kind = "Factory default" if has_default else "Value of the order code"

@@ -1,4 +1,4 @@
-"""Tables of order codes: their parts and quantities, patterns for many codes, and the position frame of a code."""
+"""Tables about order codes: their parts and quantities, patterns for many codes, and facts about the position frame."""
 
 from __future__ import annotations
 
@@ -32,13 +32,16 @@ from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import count_with_unit, group_digits
 from ...say.register import covered_by_parity_bit, describe_measurement, describe_position_range, own_ranges
-from ...say.report import deciding_bits
+from ...say.report import deciding_value
 from .page_links import style_in_folder
 from .verdict_table import changed_verdicts_of, place_of_field, verdict_line
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield rows of part, meaning, value, meaning of the value, source, then of other values that a part accepts."""
+    """Yield rows of part, meaning, value, meaning of the value, source, for all parts of the order code.
+
+    If a part accepts values that are not listed, its last row says so.
+    """
     parameters = {parameter.name: parameter for parameter in device.parameters}
     for part in device.order_code.parts:
         name_cell, meaning_cell = code_span(part.name), escape(part.meaning)
@@ -61,12 +64,12 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 
 def _assignment_text(parameter: Parameter, number: int) -> str:
-    """Return a parameter with the value that a part of an order code, or an answer, sets."""
+    """Return a parameter with a value as an assignment: ```position_bits` = 24``."""
     return f"{code_span(parameter.name)} = {parameter_value(parameter, number)}"
 
 
 def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield rows of pattern, its use, texts that differ from the order code, source, for each other notation."""
+    """Yield rows of pattern, its use, texts that differ from the order code, source for other spellings on labels."""
     for spelling in device.order_code.also_written:
         differing_values = [value for value in spelling.values if value.text != value.value]
         texts_of_values = "; ".join(
@@ -82,7 +85,10 @@ def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 
 def _combinable_parts(texts_by_part: Mapping[str, Sequence[str]]) -> str:
-    """Return the parts of an order code with which a value can be combined."""
+    """Return the condition on other parts of the order code: ``only with `output` `BG`, `GG```.
+
+    ``texts_by_part`` are the texts that each of these parts may have. The result is empty without conditions.
+    """
     conditions = []
     for part_name, texts in texts_by_part.items():
         conditions.append(f"only with {code_span(part_name)} {', '.join(map(code_span, texts))}")
@@ -90,7 +96,7 @@ def _combinable_parts(texts_by_part: Mapping[str, Sequence[str]]) -> str:
 
 
 def parameter_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ...]]:
-    """Yield the name, meaning, unit, formula and source of the quantities that an order code sets for an interface."""
+    """Yield rows of name, meaning, unit, formula, source for the quantities that order codes set over an interface."""
     for parameter in _parameters_of_order_codes(device, interface_name):
         yield (
             code_span(parameter.name),
@@ -102,16 +108,17 @@ def parameter_rows(device: Device, interface_name: str) -> Iterator[tuple[str, .
 
 
 def _parameters_of_order_codes(device: Device, interface_name: str) -> list[Parameter]:
-    """Return the parameters of an interface, except those that answers or registers determine."""
+    """Return the parameters of an interface that neither answers to open questions nor registers determine."""
     names_at_run_time = run_time_names(device)
     parameters = [parameter for parameter in parameters_of(device, interface_name) if not parameter.alternative]
     return [parameter for parameter in parameters if parameter.name not in names_at_run_time]
 
 
 def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ...]]:
-    """Yield name, meaning, origin, factory default, source of the quantities that registers determine.
+    """Yield rows of name, meaning, origin, factory default, source for the quantities that registers determine.
 
-    These are parameters that a register holds, possibly of another interface, and parameters calculated from them.
+    These are parameters that a register holds, possibly a register of a different interface, and parameters that are
+    calculated from them.
     """
     names_at_run_time = run_time_names(device)
     for parameter in parameters_of(device, interface_name):
@@ -127,10 +134,10 @@ def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ..
 
 
 def _factory_default(device: Device, parameter: Parameter) -> str:
-    """Return the factory default of a parameter that registers determine, such as ``4,096``, or "" if unknown.
+    """Return the factory default of a parameter that registers determine, such as ``4,096``, or "" if it is unknown.
 
-    It is the value for the first order code over an interface with the parameter. ``by order code`` means that its
-    register has no fixed default.
+    It is the value for the first order code over an interface with the parameter, or ``by order code`` if the register
+    has no fixed default.
     """
     if parameter.read_from and device.register(parameter.register).default is None:
         return "by order code"
@@ -154,14 +161,15 @@ def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -
 
 
 def alternative_sections(device: Device) -> list[dict[str, Any]]:
-    """Return each question that the manual leaves open, its answers, and the frames that need an answer."""
+    """Return a section for each question that the manual leaves open."""
     return [_alternative_section(device, alternative) for alternative in device.alternatives]
 
 
 def _alternative_section(device: Device, alternative: Alternative) -> dict[str, Any]:
-    """Return a question that the manual leaves open, with the parameters (``members``) that each answer sets.
+    """Return a question that the manual leaves open, with a row for each answer.
 
-    ``frames`` are links to the frames whose layout or verdict depends on the answer.
+    ``members`` are the parameters that each answer sets, and ``frames`` links to the frames whose layout or verdict
+    depends on the answer.
     """
     frame_links = []
     for _, layout in device.layouts():
@@ -177,19 +185,23 @@ def _alternative_section(device: Device, alternative: Alternative) -> dict[str, 
 
 
 def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tuple[str, ...]:
-    """Return a row of answer, meaning, quantities that it sets, source."""
+    """Return a row of answer, meaning, quantities that it sets, source for one answer to an open question."""
     parameters = {parameter.name: parameter for parameter in device.parameters}
     assignments = []
     for name, value in answer.sets.items():
-        # The page of one interface lacks the parameters of other interfaces.
+        # A device reduced to one interface does not have the parameters of other interfaces.
         if name in parameters:
-            assignments.append(f"{_assignment_text(parameters[name], value)}: {escape(parameters[name].meaning)}")
+            assignments.append(f"{_assignment_text(parameters[name], value)} ({escape(parameters[name].meaning)})")
     source = answer.source or alternative.source
     return code_span(answer.name), escape(answer.meaning), join_filled(assignments), citation(source)
 
 
 def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
-    """Yield the unit of the position, for one interface or all, and its range in frames with another range."""
+    """Yield rows of position, unit and range, source.
+
+    The rows are for the position over all interfaces, over each interface that has a unit of its own, and in each frame
+    that has a range of its own.
+    """
     if device.measurement is not None:
         yield _measurement_row(device.measurement)
     for interface in device.interfaces:
@@ -204,11 +216,12 @@ def measurement_rows(device: Device) -> Iterator[tuple[str, ...]]:
                 yield position_in_frame, range_text, citation(frame_range.source)
 
 
-def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[str, ...]:
+def _measurement_row(measurement: Measurement, over_interface: str = "") -> tuple[str, ...]:
+    """Return a row of position, unit and range, source. ``over_interface`` follows the name of the position."""
     return (
-        code_span(position.of) + over_interface,
-        MARKDOWN.phrase(describe_measurement(position)),
-        citation(position.source),
+        code_span(measurement.of) + over_interface,
+        MARKDOWN.phrase(describe_measurement(measurement)),
+        citation(measurement.source),
     )
 
 
@@ -221,7 +234,7 @@ PartTexts = tuple[str, ...]
 
 
 def order_codes(device: Device, codes: Sequence[str]) -> str:
-    """Return fewer than ``_FEWEST_FOR_PATTERNS`` order codes one by one, and larger numbers of them as patterns."""
+    """Return a few order codes as a list, or many order codes as patterns."""
     are_few = len(codes) < _FEWEST_FOR_PATTERNS
     return ", ".join(map(code_span, codes)) if are_few else join_filled(code_patterns(device, codes))
 
@@ -236,12 +249,13 @@ def code_patterns(device: Device, codes: Collection[str]) -> list[str]:
 
 
 def _texts_of_parts(variant: Variant, part_names: Sequence[str]) -> PartTexts:
+    """Return the text of each part of an order code, or "" for a part that it lacks."""
     return tuple(variant.parts.get(name, "") for name in part_names)
 
 
 def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: Sequence[Sequence[str]]) -> str:
-    """Return the codes with these texts for each part, in order, such as ```` `A-x/B` with x = 1 or 2````."""
-    # A letter that the pattern or a text contains would be ambiguous. In the pattern, ``{part}`` is replaced.
+    """Return the pattern of the order codes whose parts have any of these texts: ```` `A-x/B` with x = 1 or 2````."""
+    # A letter that the pattern or a text also contains would be ambiguous. Each ``{part}`` in the pattern is replaced.
     pattern_without_parts = re.sub(r"\{\w+\}", "", order_code.pattern)
     fixed_letters = set(pattern_without_parts).union(*map("".join, texts_of_parts))
     letters = _unused_letters(fixed_letters)
@@ -260,19 +274,19 @@ def _code_pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_par
 
 
 def _unused_letters(fixed_letters: Collection[str]) -> Iterator[str]:
-    """Yield letters that are not in an order code, and numbered letters when these are used up."""
+    """Yield the letters that no order code contains, then x1, x2 and so on."""
     yield from (letter for letter in _LETTERS_FOR_PARTS if letter not in fixed_letters)
     yield from (f"x{number}" for number in count(1))
 
 
 def _group_into_products(combinations: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
-    """Yield the combinations as products: a list of texts for each part, ``[["A"], ["1", "2"]]`` for A-1 and A-2.
+    """Yield groups of order codes, each as the texts that its parts can have: ``[["A"], ["1", "2"]]`` for A-1 and A-2.
 
-    If the texts of a part combine with different other parts, the combinations are first split by such a part, namely
-    by the part that leads to the fewest groups. A-1, A-2 and B-1 are split into A-1 and A-2, and B-1.
+    Within a group, the texts of all parts can be combined freely. If they cannot, the order codes are split by the part
+    that leads to the fewest groups: A-1, A-2 and B-1 become one group with A-1 and A-2, and one with B-1.
     """
     number_of_parts = len(combinations[0])
-    groups_by_part = [_divided_by_part(combinations, index) for index in range(number_of_parts)]
+    groups_by_part = [_split_by_part(combinations, index) for index in range(number_of_parts)]
     splitting_groups = [groups for groups in groups_by_part if len(groups) > 1]
     if not splitting_groups:
         texts_by_part = zip(*combinations, strict=True)
@@ -282,8 +296,8 @@ def _group_into_products(combinations: Sequence[PartTexts]) -> Iterator[list[lis
         yield from _group_into_products(group)
 
 
-def _divided_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
-    """Group the combinations by a part: texts of it share a group if they combine with the same other parts."""
+def _split_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[PartTexts]]:
+    """Return the order codes in groups: texts of the part at ``index`` that combine with the same other parts."""
     other_parts_by_text: dict[str, set[PartTexts]] = {}
     for part_texts in combinations:
         other_parts = part_texts[:index] + part_texts[index + 1 :]
@@ -300,26 +314,26 @@ _EXPONENT_IN_TEXT = re.compile(r"\^([0-9]*)")
 
 
 def position_frame(family_device: Device, interface: Interface) -> Layout | None:
-    """Return the frame with the most parts of the position.
+    """Return the frame that contains the most parts of the position, or None if no frame contains any.
 
-    If several tie, it is the frame with the most flags, then the shortest.
+    Of several such frames, it is the one with the most flags, then the shortest one.
     """
     family_layouts = family_device.interface(interface.name).layouts
     position_frames = {layout.name for layout in family_layouts if family_device.sends_position(interface.name, layout)}
     candidates = [layout for layout in interface.layouts if layout.name in position_frames]
     parts_of_position = family_device.position_names(interface.name)
 
-    def information(layout: Layout) -> tuple[int, int, int]:
+    def amount_of_information(layout: Layout) -> tuple[int, int, int]:
         field_names = {field.name for field in layout.fields}
         number_of_parts = len(parts_of_position & field_names)
         number_of_flags = sum(isinstance(meaning_of(field), ActiveFlag) for field in layout.fields)
         return number_of_parts, number_of_flags, -layout.widest
 
-    return max(candidates, key=information, default=None)
+    return max(candidates, key=amount_of_information, default=None)
 
 
 def open_questions(device: Device, layout: Layout) -> Iterator[str]:
-    """Yield a sentence for each open question whose answer is needed to read a frame, with a link to it."""
+    """Yield a sentence, with a link, for each open question whose answer is needed to read a frame."""
     for alternative in device.alternatives_of(layout):
         question = markdown_link("open question", f"#alternative-{alternative.name}")
         answers = " and ".join(code_span(answer.name) for answer in alternative.answers)
@@ -329,13 +343,13 @@ def open_questions(device: Device, layout: Layout) -> Iterator[str]:
 def frame_facts(
     family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
 ) -> Iterator[tuple[str, str]]:
-    """Yield facts as label and text: the CRC or parity bits, the flags, the ranges of signed fields, and the verdict.
+    """Yield the facts about a frame as label and text: CRC or parity bits, flags, ranges of signed fields, verdict.
 
-    ``choices`` are the names of the alternatives on the page, to which the verdicts link.
+    ``choices`` are the names of the open questions on the page, which the verdicts link to.
     """
     crc = family_device.crc_of(layout.place(variant.parameters))
     yield "CRC", "none" if crc is None else crc_line(family_device, crc)
-    # The layout of a page is a copy with other notes. The family finds ranges only for its own layout objects.
+    # The layout of a page is a copy with different notes. The family finds ranges only for its own layout objects.
     family_layout = member_named(family_device.interface(variant.interface).layouts, layout.name, "layout")
     placed_layout = family_layout.place(variant.parameters)
     if crc is None:
@@ -348,7 +362,7 @@ def frame_facts(
 
 
 def _parity_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
-    """Yield each parity bit with its place and the fields that it covers."""
+    """Yield a fact for each parity bit: its place and the fields that it covers."""
     for placed_field in placed_layout.fields:
         covered_fields = covered_by_parity_bit(placed_field.field)
         if covered_fields is not None:
@@ -359,14 +373,15 @@ def _parity_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
 def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     """Yield the flags by active level, such as ``("Active at 1", "`error` (bit 3)")``, and the unused bits.
 
-    Of the unused bits, only single bits that the manual names are listed, and none for a frame in bytes.
+    Unused bits are listed only if they are single bits with a name in the manual, in a frame that does not consist of
+    bytes.
     """
     layout = placed_layout.layout
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
     for placed_field in placed_layout.fields:
         flag = (code_span(placed_field.name), place_of_field(placed_field, placed_layout))
         # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
-        level = deciding_bits(placed_field.field)
+        level = deciding_value(placed_field.field)
         if isinstance(meaning_of(placed_field.field), ActiveFlag):
             flags_by_label.setdefault(f"Active at {level}", []).append(flag)
         elif not layout.in_bytes and placed_field.field.printed_name and level in {"0", "1"}:
@@ -377,7 +392,7 @@ def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
 def _verdict_facts(
     family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
 ) -> Iterator[tuple[str, str]]:
-    """Yield the verdict on the position, if there is one, and verdicts to which other answers add causes."""
+    """Yield the verdict on the position, if the frame has one, and each verdict that another answer adds causes to."""
     verdict_rules = verdict_rules_in_family(family_device, layout)
     if verdict_rules is None:
         return
@@ -394,7 +409,7 @@ def _verdict_facts(
 
 
 def _range_of_signed_number(family_device: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
-    """Return a signed field with its range, such as ``position, in two's complement, -512 to 511``."""
+    """Return a signed field and its range, such as ``position, in two's complement, -512 to 511``."""
     lowest, highest = family_device.signed_range(placed_field, placed_layout)
     return f"{code_span(placed_field.name)}, in two's complement, {group_digits(lowest)} to {group_digits(highest)}"
 
@@ -411,7 +426,7 @@ def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
 
 
 def crc_line(family_device: Device, crc: Crc) -> str:
-    """Return the parameters of a CRC in one line, with the polynomial including its top bit."""
+    """Return the parameters of a CRC in one line. The polynomial includes its top bit."""
     polynomial = _EXPONENT_IN_TEXT.sub(_in_superscript, crc.polynomial)
     crc_properties = [
         f"poly `0x{crc.poly_with_top_bit:X}` ({escape(polynomial)})",
@@ -426,4 +441,5 @@ def crc_line(family_device: Device, crc: Crc) -> str:
 
 
 def _in_superscript(exponent: re.Match[str]) -> str:
+    """Return an exponent such as ``^6`` in superscript digits."""
     return exponent[1].translate(_SUPERSCRIPT_DIGITS)

@@ -1,7 +1,7 @@
-"""Pictures for a family and for the page of an order code, also of connectors, with text alternatives.
+"""All pictures of a family and of the pages of its order codes, with their text alternatives, and connector pictures.
 
-Each colour is next to its name, so the picture can be read without colour vision. The face of a connector is not drawn,
-because the manuals show the arrangement of pins only in figures, and specs have no figures.
+The picture of a connector has the name of each color next to it, so that it can be read without color vision. It does
+not show the face of the connector, because manuals show the arrangement of pins only in figures, which specs lack.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from .layout_pictures import (
 from .wide_pictures import wide_picture
 
 _MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12
-#: Left edges of the names of wires, and of the signals in a table with wires and in one with pins only.
+#: Left edges of the names of wires, of the signals in a table with wires, and of the signals in a table with only pins.
 _NAME, _SIGNAL_AFTER_WIRES, _SIGNAL_AFTER_PINS = 46.0, 136.0, 52.0
 _BETWEEN_COLOURS = re.compile(r"[^a-z]+")
-#: Most shapes of a frame in one picture.
+#: Highest number of shapes of a frame in one picture.
 MOST_SHAPES = 12
-FACE_UNKNOWN = "Pins in the order of the manual's table. Their arrangement on the connector face is not known."
+FACE_UNKNOWN = "The pins are in the order of the manual's table. Their arrangement on the connector face is not known."
 
 
 def connector_text(connector: Connector) -> str:
-    """Return the text alternative of the picture."""
+    """Return the text alternative for the picture of a connector: its contacts and their signals."""
     return f"{connector.title}: {', '.join(map(_contact_text, connector.contacts))}"
 
 
@@ -71,19 +71,19 @@ def connector_picture(connector: Connector) -> str:
 
 
 def _signal_lines(contact: Contact, room: float) -> Iterator[tuple[str, bool]]:
-    """Yield the lines for a signal and its order codes, each with True if it is faint."""
+    """Yield the lines of text for the signal of a contact and its order codes, each with whether it is faint."""
     yield from ((line, False) for line in wrap_to_width(contact.signal, room, _SIZE))
     if contact.only:
         yield from ((line, True) for line in wrap_to_width(f"only {contact.only}", room, _SIZE))
 
 
 def _is_pin(contact: Contact) -> bool:
-    """Return whether a contact is a number, short enough for its box. Other contacts are wires or names."""
+    """Return whether a contact is a pin number of at most three digits. All other contacts are wires or names."""
     return contact.contact.isdecimal() and len(contact.contact) <= 3
 
 
 def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
-    """Yield the elements of a pin with its number, a wire with its colours and their names, or only a name."""
+    """Yield the elements of a contact: a box with a pin number, a wire in its colors with their names, or a name."""
     if _is_pin(contact):
         yield draw_box(_MARGIN, top + 3, box_width=28, box_height=22, fill="data")
         yield draw_text(_MARGIN + 14, top + 18, contact.contact, size=_SIZE, anchor="middle", bold=True)
@@ -107,7 +107,11 @@ def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class Picture:
-    """Image file in the family's folder, with its alt text, and a note below it on what is not drawn."""
+    """Picture in the folder of a family.
+
+    ``name`` is its file name, and ``text`` its text alternative. ``note`` says what the picture does not show, if
+    anything.
+    """
 
     name: str
     text: str
@@ -120,7 +124,7 @@ Pictures = dict[str, Picture]
 
 
 def pictures_of_family(device: Device) -> Pictures:
-    """Return the pictures of the frames, registers, groups of fields and connectors of a family."""
+    """Return the pictures of a family: its frames, groups of fields, registers and connectors."""
     pictures: Pictures = {}
     for interface, layout in device.layouts():
         stacks = layout_tables.layout_stacks(device, interface, layout)
@@ -141,16 +145,16 @@ def pictures_of_family(device: Device) -> Pictures:
 
 
 def pictures_of_order_codes(family_device: Device, narrowed_family: Device, page: str, frame_name: str) -> Pictures:
-    """Return the pictures for a page of order codes that differ from the family's pictures.
+    """Return the pictures that the page of some order codes shows in place of the family's pictures.
 
-    They are the pictures of the layout ``frame_name``, also as one line, and of registers whose fields the order code
-    moves. ``narrowed_family`` is the family with only these order codes.
+    These are the pictures of the layout ``frame_name`` (with a row for each byte, and on one line), and of registers
+    whose fields depend on the order code. ``narrowed_family`` is the family with only these order codes.
     """
     pictures: Pictures = {}
     for interface, layout in narrowed_family.layouts():
         if layout.name == frame_name:
-            stacks = _without_only_caption(layout_tables.layout_stacks(narrowed_family, interface, layout))
-            # In the picture of the family, a frame of bits has captions, so its own picture differs.
+            stacks = _without_single_caption(layout_tables.layout_stacks(narrowed_family, interface, layout))
+            # The picture of the family has captions for a frame that consists of bits, so this picture always differs.
             if not layout.in_bytes or stacks != layout_tables.layout_stacks(family_device, interface, layout):
                 pictures[_layout_key(layout)] = _draw_picture(f"{page}-{layout.name}.svg", layout, stacks)
             shapes = layout_tables.captioned_shapes(narrowed_family, interface, layout)
@@ -160,27 +164,30 @@ def pictures_of_order_codes(family_device: Device, narrowed_family: Device, page
                 svg=wide_picture(title_of(layout), shapes),
             )
     for register in narrowed_family.registers:
-        differs = len(layout_tables.register_stacks(family_device, register)) > 1
-        if differs and layout_tables.has_picture(register):
-            stacks = _without_only_caption(layout_tables.register_stacks(narrowed_family, register))
+        depends_on_order_code = len(layout_tables.register_stacks(family_device, register)) > 1
+        if depends_on_order_code and layout_tables.has_picture(register):
+            stacks = _without_single_caption(layout_tables.register_stacks(narrowed_family, register))
             pictures[_register_key(register)] = _draw_picture(f"{page}-register-{register.name}.svg", register, stacks)
     return pictures
 
 
 def _layout_key(layout: Layout) -> str:
+    """Return the key of the picture of a frame."""
     return f"layout-{layout.name}"
 
 
 def _register_key(register: Register) -> str:
+    """Return the key of the picture of a register."""
     return f"register-{register.name}"
 
 
 def _draw_picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
+    """Return the picture of an item with this file name. ``stacks`` are its shapes, as rows of bytes."""
     return Picture(name, text_alternative(stacks), stacks_picture(title_of(titled), stacks))
 
 
 def _draw_shortest_and_longest(name: str, layout: Layout, stacks: Sequence[Stack]) -> Picture:
-    """Return a picture of all shapes of a layout, or of only the shortest and the longest if there are many."""
+    """Return a picture of all shapes of a layout or, if there are many, of only the shortest and the longest."""
     if len(stacks) <= MOST_SHAPES:
         return _draw_picture(name, layout, stacks)
     picture = _draw_picture(name, layout, [stacks[0], stacks[-1]])
@@ -190,6 +197,6 @@ def _draw_shortest_and_longest(name: str, layout: Layout, stacks: Sequence[Stack
     return replace(picture, note=note)
 
 
-def _without_only_caption(stacks: Sequence[Stack]) -> list[Stack]:
-    """Return the stacks, a single one without its caption."""
+def _without_single_caption(stacks: Sequence[Stack]) -> list[Stack]:
+    """Return shapes as they are or, if there is only one, this shape without its caption."""
     return [replace(stacks[0], caption="")] if len(stacks) == 1 else list(stacks)

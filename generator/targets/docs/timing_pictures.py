@@ -1,7 +1,7 @@
 """Timing diagrams, one for each interface of a family.
 
-The figures in the manuals are not available. The diagrams are drawn from the texts and times in the manuals, and for
-BiSS C-mode also from the public protocol description. Widths are not to scale.
+The diagrams are based on the texts and times in the manuals, because the figures of the manuals are not available, and
+for BiSS C-mode also on the public protocol description. Widths are not to scale.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from .layout_pictures import create_picture, draw_box, draw_text, number
 from .layout_pictures import text_width as text_width
 
 _HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
-#: Width of a clock pulse, including its low and high parts.
+#: Width of a clock pulse in pixels, including its low and its high part.
 _PERIOD = 24.0
 
 
 class Trace(Enum):
-    """Behaviour of a line during a part of the diagram."""
+    """Behavior of a signal line during a part of the diagram."""
 
     UP = "up"
     DOWN = "down"
@@ -38,7 +38,7 @@ class Trace(Enum):
 
 @dataclass(frozen=True, slots=True)
 class SignalPart:
-    """Part of a line: a level, clock pulses, or a box of data with its colour class ``fill``."""
+    """Part of a signal line: a level, clock pulses, a gap, or a box of data with its color class ``fill``."""
 
     trace: Trace
     width: float
@@ -48,7 +48,7 @@ class SignalPart:
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """Time span marked below the lines."""
+    """Time span that is marked below the signal lines, from ``start`` to ``end`` in pixels."""
 
     start: float
     end: float
@@ -57,9 +57,9 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class TimingDiagram:
-    """Stacked signal lines, with a row of times below them.
+    """Signal lines, one below the other, with time spans below them.
 
-    ``text`` is the text alternative.
+    ``text`` is the text alternative. ``further_source`` is the source that the diagram needs in addition to the manual.
     """
 
     title: str
@@ -70,7 +70,7 @@ class TimingDiagram:
 
 
 def timing_diagram(device: Device, interface: Interface) -> TimingDiagram | None:
-    """Return the timing diagram, or None if the interface has no frame."""
+    """Return the timing diagram of an interface, or None if the interface has no frame."""
     if not interface.layouts:
         return None
     match interface:
@@ -87,13 +87,13 @@ def timing_diagram(device: Device, interface: Interface) -> TimingDiagram | None
 
 
 def _symbol_with_times(interface: Interface, symbol: str) -> str:
-    """Return a symbol with its times, each with the order codes to which it applies."""
+    """Return a symbol, such as ``Tp``, with the times that have it: ``Tp, at least 12 µs (only with X-24)``."""
     timings = [timing for timing in interface.timings if timing.symbol == symbol]
     return ", ".join([symbol, *map(bounds_with_codes, timings)])
 
 
 def _ssi_diagram(interface: Ssi) -> TimingDiagram:
-    """Return a word with its clocks. After the word, the data line stays low for some time and then goes high."""
+    """Return the diagram of an SSI word with its clocks. After the word, the data line stays low and then goes high."""
     up, down = Trace.UP, Trace.DOWN
     first_bits = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
     clock_line = (
@@ -104,7 +104,7 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
         SignalPart(up, width=150),
         SignalPart(Trace.CLOCK, width=2 * _PERIOD),
     )
-    # Data is sent from the first rising edge to the last.
+    # Data is sent from the first rising edge of the clock to the last one.
     data_line = (
         SignalPart(up, width=52),
         SignalPart(Trace.EITHER, width=64, label="first bit", fill="data"),
@@ -127,10 +127,10 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
 
 
 def _spi_diagram(interface: Spi) -> TimingDiagram:
-    """Return two words, with the request and the reply of each."""
+    """Return the diagram of two SPI words, with the request and the reply in each."""
     up, down = Trace.UP, Trace.DOWN
     has_requests = bool(interface.exchanges)
-    # In each word is the reply to its own request, or to the request of the word before.
+    # Each word contains the reply to its own request, or to the request in the word before.
     replies = ("reply 1", "reply 2")
     if has_requests and interface.reply == "next_word":
         replies = ("reply to the request before", "reply to request 1")
@@ -164,7 +164,7 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
 
 
 def _spi_words(first: str, second: str) -> tuple[SignalPart, ...]:
-    """Return the data line with two words of these labels."""
+    """Return a data line with two words that have these labels."""
     return (
         SignalPart(Trace.DOWN, width=44),
         SignalPart(Trace.EITHER, width=172, label=first, fill="data"),
@@ -175,36 +175,15 @@ def _spi_words(first: str, second: str) -> tuple[SignalPart, ...]:
 
 
 def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
-    """Return a frame: acknowledge, start bit, CDS, the fields of the single cycle data, time-out."""
+    """Return the diagram of a BiSS frame: acknowledge, start bit, CDS, fields of the single cycle data, time-out."""
     names_and_fills = list(
         _data_boxes(layout_plan_of(device, interface.layouts[0]), device.position_names(interface.name))
     )
-    boxes = [
-        SignalPart(Trace.EITHER, width=max(34.0, text_width(name, 11) + 10), label=name, fill=fill)
-        for name, fill in names_and_fills
-    ]
-    data_line = (
-        SignalPart(Trace.UP, width=76),  # up to the second rising edge of MA
-        SignalPart(Trace.DOWN, width=60, label="Ack"),
-        SignalPart(Trace.UP, width=36, label="Start"),
-        SignalPart(Trace.EITHER, width=36, label="CDS", fill="choice"),
-        *boxes,
-        SignalPart(Trace.DOWN, width=90, label="stop"),
-        SignalPart(Trace.UP, width=46),
-    )
-    # The last two parts, the time-out and the idle level, are 136 pixels wide.
+    data_line = _biss_data_line(names_and_fills)
+    # The last two parts of the line, the time-out and the idle level, are together 136 pixels wide.
     timeout_start = sum(part.width for part in data_line) - 136
-    # Whole pulses, after 136 pixels with the first ones and a gap of at least 40.
-    clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
-    clock_line = (
-        SignalPart(Trace.UP, width=40),
-        SignalPart(Trace.CLOCK, width=4 * _PERIOD),
-        SignalPart(Trace.GAP, width=timeout_start - 136 - clocks_width),
-        SignalPart(Trace.CLOCK, width=clocks_width),
-        SignalPart(Trace.EITHER, width=90, label="not CDM", fill="choice"),
-        SignalPart(Trace.UP, width=46),
-    )
-    timeout = timeouts_with_codes(interface.timeouts) or _words_without_timeout(device, interface)
+    clock_line = _biss_clock_line(timeout_start)
+    timeout = timeouts_with_codes(interface.timeouts) or _words_for_unknown_timeout(device, interface)
     labels = ", ".join(name for name, _ in names_and_fills)
     return TimingDiagram(
         title="BiSS C-mode: a frame",
@@ -217,16 +196,47 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     )
 
 
-def _words_without_timeout(device: Device, interface: Biss) -> str:
-    """Return the words in place of the time-out. A text of the manual may have it."""
+def _biss_data_line(names_and_fills: Sequence[tuple[str, str]]) -> tuple[SignalPart, ...]:
+    """Return the line SLO of a BiSS frame. Its fields are given with their names and color classes."""
+    boxes = []
+    for name, fill in names_and_fills:
+        box_width = max(34.0, text_width(name, 11) + 10)
+        boxes.append(SignalPart(Trace.EITHER, width=box_width, label=name, fill=fill))
+    return (
+        SignalPart(Trace.UP, width=76),  # up to the second rising edge of MA
+        SignalPart(Trace.DOWN, width=60, label="Ack"),
+        SignalPart(Trace.UP, width=36, label="Start"),
+        SignalPart(Trace.EITHER, width=36, label="CDS", fill="choice"),
+        *boxes,
+        SignalPart(Trace.DOWN, width=90, label="stop"),
+        SignalPart(Trace.UP, width=46),
+    )
+
+
+def _biss_clock_line(timeout_start: float) -> tuple[SignalPart, ...]:
+    """Return the line MA of a BiSS frame. Its clocks end at the start of the time-out."""
+    # The width of a whole number of pulses, after 136 pixels with the first pulses and a gap of at least 40 pixels.
+    clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
+    return (
+        SignalPart(Trace.UP, width=40),
+        SignalPart(Trace.CLOCK, width=4 * _PERIOD),
+        SignalPart(Trace.GAP, width=timeout_start - 136 - clocks_width),
+        SignalPart(Trace.CLOCK, width=clocks_width),
+        SignalPart(Trace.EITHER, width=90, label="not CDM", fill="choice"),
+        SignalPart(Trace.UP, width=46),
+    )
+
+
+def _words_for_unknown_timeout(device: Device, interface: Biss) -> str:
+    """Return the words in place of an unknown time-out: where the manual may mention it, or that it does not."""
     place = place_of_mention(device, interface, Topic.TIMEOUT)
     return f"see the {place}" if place else f"not in the {word_for_document(device)}"
 
 
 def _data_boxes(layout_plan: LayoutPlan, position_names: Container[str]) -> Iterator[tuple[str, str]]:
-    """Yield the name and colour class of each field of the single cycle data, with the position as one field.
+    """Yield the name and color class of each field in the single cycle data, with the position as one field.
 
-    Constants are left out.
+    Constants are omitted.
     """
     has_position = False
     for field in layout_plan.layout.fields:
@@ -243,7 +253,7 @@ def _data_boxes(layout_plan: LayoutPlan, position_names: Container[str]) -> Iter
 
 
 def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
-    """Return a request with its reply, and a repetition of the request."""
+    """Return the diagram of a request with its reply. If a procedure repeats requests, two repetitions follow."""
     request_lengths, reply_lengths = _byte_counts(interface, "master"), _byte_counts(interface, "encoder")
     at_least = "at least " if len(request_lengths) > 1 else ""
     request_size = f"{at_least}{count_with_unit(request_lengths[0], 'byte')}"
@@ -272,7 +282,7 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
         master += [SignalPart(Trace.UP, width=270), first, pause_part, second, SignalPart(Trace.GAP, width=40)]
         encoder.append(SignalPart(Trace.UP, width=240))
         spans = (Span(start=first_repetition_end, end=first_repetition_end + repetition_width, label=pause),)
-        description += f" {pause.capitalize()}."
+        description += f" Repeated requests are at least {time_text(pause_us)} apart."
     return TimingDiagram(
         title="RS-485: requests and replies",
         lines=(("Master", tuple(master)), ("Encoder", tuple(encoder))),
@@ -282,16 +292,16 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
 
 
 def _pause_between_requests(device: Device, interface: Interface) -> int:
-    """Return the longest time in µs between repeated requests of a procedure, or 0 if none repeats any."""
+    """Return the longest time in µs between the repeated requests of a procedure, or 0 if no procedure repeats any."""
     procedures = [procedure for procedure in device.procedures if procedure.interface == interface.name]
     steps = [step for procedure in procedures for step in procedure.steps]
     return max((step.microseconds for step in steps if isinstance(step, SendStep)), default=0)
 
 
 def _byte_counts(interface: Interface, sender: str) -> list[int]:
-    """Return the different lengths in bytes of the frames sent by one side, shortest first.
+    """Return the different lengths in bytes of the frames that one side sends, the shortest first.
 
-    Without such frames, it is one byte.
+    If the side sends no frames, the only length is one byte.
     """
     return sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == sender}) or [1]
 
@@ -314,7 +324,7 @@ def diagram_picture(diagram: TimingDiagram) -> str:
 
 
 def _span_elements(span: Span, left: float, middle: float, right_end: float) -> Iterator[str]:
-    """Yield the bar of a time span, and its label after the bar, or before it if there is no space after it."""
+    """Yield the bar of a time span and its label, which is in front of the bar if there is no space after it."""
     start, end = left + span.start, left + span.end
     yield f'<path d="M{number(start)} {number(middle - 6)}v12m0 -6H{number(end)}m0 -6v12" class="line"/>'
     fits_after = end + 8 + text_width(span.label, 11) <= right_end
@@ -323,7 +333,7 @@ def _span_elements(span: Span, left: float, middle: float, right_end: float) -> 
 
 
 def _line_elements(parts: Sequence[SignalPart], left: float, top: float) -> Iterator[str]:
-    """Yield the boxes and labels of a line, then its path. The path is interrupted by boxes and gaps."""
+    """Yield the boxes and labels of a signal line, then its path, which boxes and gaps interrupt."""
     path: list[str] = []
     part_start = left
     for part in parts:
@@ -355,7 +365,10 @@ def _line_elements(parts: Sequence[SignalPart], left: float, top: float) -> Iter
 
 
 def _pulse_path(pulses_start: float, top: float, part: SignalPart, *, starts: bool) -> Iterator[str]:
-    """Yield the path of adjacent pulses. Each pulse is first low and then high."""
+    """Yield the parts of the path for consecutive pulses, each of which is first low and then high.
+
+    ``starts`` is True if the path of the signal line begins with these pulses.
+    """
     number_of_pulses = round(part.width / _PERIOD)
     half_period = part.width / number_of_pulses / 2
     if starts:

@@ -1,4 +1,4 @@
-"""Page on verdicts, and a page for each family with the verdicts and reports of its frames."""
+"""The page that explains verdicts, and a page for each family with the verdicts on its frames and their reports."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ...plan.verdicts import (
 from ...say.evidence import word_for_document
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
 from ...say.names_and_places import own_names
-from ...say.report import alarm_of, alarm_source, conditions_text, deciding_bits, manual_steps, meaning, remedy_text
+from ...say.report import alarm_of, alarm_source, conditions_text, deciding_value, manual_steps, meaning, remedy_text
 from ...say.text import CodeText, list_parts, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
@@ -48,7 +48,7 @@ def file_name(device: Device) -> str:
 
 
 def usable_values(devices: Sequence[Device]) -> UsablePage:
-    """Return the values of the page on verdicts."""
+    """Return the values of the page that explains verdicts."""
     return {"family_links": [markdown_link(escape(device.title), file_name(device)) for device in devices]}
 
 
@@ -67,16 +67,15 @@ def page_values(device: Device) -> VerdictPage:
 def _deciding_rows(device: Device, reporting_frames: Iterable[ReportsAndVerdict]) -> Iterator[Row]:
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata.
 
-    Frames of an interface with the same rows share them. Only the first of these rows names the interface and the
+    Frames of an interface that have equal rows share them. Only the first of these rows names the interface and the
     frames. If no frame has a position, a single row says so.
     """
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
-    for reporting in reporting_frames:
-        if reporting.verdict_rules is not None:
-            layout = reporting.codec.layout
-            verdict_rules = reporting.verdict_rules
-            rows_of_frame = tuple(_rows_of_frame(device, reporting.interface, layout, verdict_rules))
-            layouts_by_rows.setdefault((reporting.interface.title, rows_of_frame), []).append(layout)
+    for frame in reporting_frames:
+        if frame.verdict_rules is not None:
+            layout = frame.codec.layout
+            rows_of_frame = tuple(_rows_of_frame(device, frame.interface, layout, frame.verdict_rules))
+            layouts_by_rows.setdefault((frame.interface.title, rows_of_frame), []).append(layout)
     for (interface_title, rows_of_frame), layouts in layouts_by_rows.items():
         first_row, *further_rows = rows_of_frame
         yield interface_title, _layout_links(device, layouts), *first_row
@@ -88,16 +87,17 @@ def _deciding_rows(device: Device, reporting_frames: Iterable[ReportsAndVerdict]
 
 
 def _rows_of_frame(device: Device, interface: Interface, layout: Layout, verdict_rules: VerdictRules) -> Iterator[Row]:
-    """Yield a row for each field that decides the verdict on a frame, then a row for all other cases.
+    """Yield a row for each field that can decide the verdict on a frame, then a row for all other cases.
 
-    A last row is for order codes without the bits that judge the position, if there are any.
+    If some order codes lack the bits that say whether the position is usable, a last row has their verdict.
     """
+    # A sign is a set of field values that decides the verdict. Its flag represents it.
     signs = {sign.flag.name: sign for sign in layout.signs}
     deciders = _deciding_fields(layout, verdict_rules)
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
-    name_of_other_cases = "none of these" if deciders else "no field decides"
-    yield name_of_other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
+    text_for_other_cases = "none of these" if deciders else "no field decides"
+    yield text_for_other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
     if verdict_rules.may_be_unknown:
         judging_names = [CodeText(field.name) for field in layout.judging_fields]
         missing_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
@@ -106,7 +106,10 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, verdict
 
 @dataclass(frozen=True, slots=True)
 class _Decider:
-    """Field that decides the verdict on a frame, with the order codes and the answer that it needs."""
+    """Field that can decide the verdict on a frame.
+
+    ``conditions`` are the order codes, and the answers to open questions, for which it does.
+    """
 
     verdict: Verdict
     field: Field
@@ -114,20 +117,19 @@ class _Decider:
 
 
 def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decider]:
-    """Return the fields that decide the verdict on a frame, worst verdict first, then in order of the frame.
+    """Return the fields that can decide the verdict on a frame: the worst verdict first, then in frame order.
 
-    With ``otherwise`` UNKNOWN, fields with a warning or UNKNOWN also lead to UNKNOWN. Fields for which the position is
-    usable are last.
+    If the verdict without any cause is UNKNOWN, fields that lead to a warning or to UNKNOWN are listed with UNKNOWN,
+    because a warning does not improve it. Fields that leave the position usable are last.
     """
     fields_and_signs = (*layout.fields, *(sign.flag for sign in layout.signs))
     deciders: list[_Decider] = []
     for verdict, causes in verdict_rules.worst_first:
         deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
     if verdict_rules.otherwise is Verdict.UNKNOWN:
-        # A warning cannot improve an unknown verdict.
-        not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
-        warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
-        deciders += [_Decider(verdict_rules.otherwise, field) for field in warning_fields]
+        no_improvement = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
+        warning_fields = [field for field in layout.fields if verdict_of(field) in no_improvement]
+        deciders += [_Decider(Verdict.UNKNOWN, field) for field in warning_fields]
     # The enumeration lists the verdicts from the worst to the best.
     worst_first = list(Verdict)
     field_names = [field.name for field in fields_and_signs]
@@ -141,10 +143,13 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
 
 
 def _decider_row(device: Device, interface: Interface, layout: Layout, decider: _Decider, sign: Sign | None) -> Row:
-    """Return a row of deciding field, its active value, verdict, source, errata. ``sign`` is the sign of the field."""
+    """Return a row of deciding field, the value with which it decides, verdict, source, errata.
+
+    If the field represents the values of several fields, ``sign`` has these values. Otherwise, it is None.
+    """
     field = decider.field
     if sign is None:
-        active_value = _active_value(device, field, decider.conditions) + _condition_on_lower_flags(field, layout)
+        active_value = _active_value(device, field, decider.conditions) + _condition_on_combined_flags(field, layout)
     else:
         active_value = _values_of_sign(layout, sign)
     errata_links = _errata_links(device, interface, layout, field, sign)
@@ -152,53 +157,56 @@ def _decider_row(device: Device, interface: Interface, layout: Layout, decider: 
 
 
 def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[CodeCondition]) -> str:
-    """Return the value of a field that decides the verdict, such as ``1 with X-24``, or with the answer it needs."""
-    texts_of_conditions = [_condition_text(device, only) for only in conditions_on_codes]
-    return " ".join([deciding_bits(field), *texts_of_conditions])
+    """Return the value with which a field decides the verdict, followed by its conditions: ``1 with X-24``."""
+    texts_of_conditions = [_condition_text(device, condition) for condition in conditions_on_codes]
+    return " ".join([deciding_value(field), *texts_of_conditions])
 
 
-def _condition_text(device: Device, parameter_condition: CodeCondition) -> str:
-    """Return the order codes, such as ``with X-24``, or the answer to a question with a link to it."""
+def _condition_text(device: Device, condition: CodeCondition) -> str:
+    """Return a condition as text: order codes, such as ``with X-24``, or the required answer to an open question."""
     for alternative in device.optional_alternatives:
-        if alternative.parameter == parameter_condition.parameter:
-            return _answer_text(device, alternative, parameter_condition)
-    return f"with {code_span(parameter_condition.codes)}" if parameter_condition.holds else "with all others"
+        if alternative.parameter == condition.parameter:
+            return _answer_text(device, alternative, condition)
+    return f"with {code_span(condition.codes)}" if condition.holds else "with all other order codes"
 
 
-def _answer_text(device: Device, question: Alternative, parameter_condition: CodeCondition) -> str:
-    """Return the answers to a question for which a condition holds, with a link to the question.
+def _answer_text(device: Device, question: Alternative, condition: CodeCondition) -> str:
+    """Return the answers to an open question for which a condition holds, with a link to the question.
 
-    The link leads to the page of the first interface with a frame whose verdict depends on it.
+    The link leads to the page of the first interface with a frame whose verdict depends on the question.
     """
-    answer_codes = [code_span(answer.name) for answer in question.answers if parameter_condition.contains(answer.sets)]
+    answer_codes = [code_span(answer.name) for answer in question.answers if condition.contains(answer.sets)]
     answer_names = " or ".join(answer_codes)
     frames = device.layouts()
     interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
     interface = first_or_raise(interfaces, f"frame whose verdict '{question.name}' decides")
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     # The default answer sets the parameter to 0.
-    default = "" if parameter_condition.holds else ", the default"
-    return f"and {markdown_link('your choice', page)} is {answer_names}{default}"
+    default = "" if condition.holds else " (the default)"
+    return f"if {markdown_link('your choice', page)} is {answer_names}{default}"
 
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
-    """Return the values of fields that decide the verdict together."""
+    """Return the field values that decide the verdict together: ``error is 1 and mode is 5h (test)``."""
     return MARKDOWN.phrase(conditions_text((layout.field(name), value) for name, value in sign.conditions))
 
 
-def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
-    """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
+def _condition_on_combined_flags(field: Field, layout: Layout) -> str:
+    """Return the condition under which a flag that combines other flags decides: ``, with busy and error inactive``.
+
+    Only combined flags in the same frame count. Return an empty string if there are none.
+    """
     names_in_layout = {field.name for field in layout.fields}
-    lower_flags = [CodeText(name) for name in combined_flag_names(field) if name in names_in_layout]
-    if not lower_flags:
+    combined_flags = [CodeText(name) for name in combined_flag_names(field) if name in names_in_layout]
+    if not combined_flags:
         return ""
-    return f", with {MARKDOWN.phrase(statement(*list_parts(lower_flags)))} inactive"
+    return f", with {MARKDOWN.phrase(statement(*list_parts(combined_flags)))} inactive"
 
 
 def _frame_rows(device: Device, reporting_by_frame: Mapping[str, ReportsAndVerdict]) -> Iterator[Row]:
-    """Yield rows of interface, frames, possible reports, which are ``nothing`` if there are none.
+    """Yield rows of interface, frames, and their possible reports, or ``nothing`` for frames without reports.
 
-    Frames of an interface with the same reports share a row.
+    Frames of an interface that have the same reports share a row.
     """
     layouts_by_reports: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
@@ -212,7 +220,7 @@ def _frame_rows(device: Device, reporting_by_frame: Mapping[str, ReportsAndVerdi
 
 
 def _report_rows(device: Device) -> Iterator[Row]:
-    """Yield rows of report, meaning, remedy, source."""
+    """Yield rows of report, meaning, remedy, source for all reports of a family."""
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
         name_cell = join_filled([code_span(report.name), escape(own_names(report.field))])
@@ -227,7 +235,7 @@ def _report_rows(device: Device) -> Iterator[Row]:
 
 
 def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
-    """Return links to the procedures that clear an alarm, or an empty string if the spec names none."""
+    """Return links to the procedures that clear an alarm, or "" without an alarm or if the spec names none."""
     if alarm is None or not alarm.cleared_by:
         return ""
     procedure_links = []
@@ -238,10 +246,12 @@ def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
 
 
 def _name_cell(field: Field) -> str:
+    """Return the name of a field in the spec, with its names in the editions of the manual below it."""
     return join_filled([code_span(field.name), escape(own_names(field))])
 
 
 def _source_cell(device: Device, field: Field) -> str:
+    """Return the source of a flag's alarm or, without an alarm, of the flag."""
     return citation(alarm_source(field, alarm_of(device, field)))
 
 
@@ -250,9 +260,9 @@ def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
 
 
 def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
-    """Return links to the errata about a field and, for a flag, about its group.
+    """Return links to the errata about a deciding field and, for a flag, about its group of fields.
 
-    A sign has the errata of its fields.
+    If a sign is given, its fields decide together, and the errata are about them.
     """
     path_of_frame = f"interfaces.{interface.name}.{layout.name}"
     spec_paths = {f"{path_of_frame}.{field.name}"}
@@ -264,7 +274,7 @@ def _errata_links(device: Device, interface: Interface, layout: Layout, field: F
         spec_paths |= {f"{path_of_frame}.{name}", f"field_groups.{group}.{name}"}
         if group and isinstance(meaning_of(deciding_field), ActiveFlag):
             spec_paths.add(f"field_groups.{group}")
-    errata = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
+    errata_about_facts = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
     # ``affects`` are paths in the spec.
-    affecting_errata = [erratum for erratum in errata if not spec_paths.isdisjoint(erratum.affects)]
+    affecting_errata = [erratum for erratum in errata_about_facts if not spec_paths.isdisjoint(erratum.affects)]
     return link_list(link_to_erratum(device, erratum) for erratum in affecting_errata)

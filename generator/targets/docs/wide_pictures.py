@@ -1,4 +1,4 @@
-"""SVG pictures of frames as one line with a ruler of bits or bytes, for screens that are wide enough."""
+"""SVG pictures of frames on one line, with a ruler of bits or bytes, for screens that are wide enough."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .layout_pictures import (
     text_width,
 )
 
-#: Width of the picture, and of the narrowest screen on which it is shown instead of the stacked picture.
+#: Width of the picture, and of the narrowest screen that shows it instead of the picture with a row for each byte.
 WIDE, SCREEN = 720.0, 700
 _MARGIN, _RULER, _BOX, _LINE, _SIZE = 8.0, 24.0, 44.0, 18.0, 11
 #: Average width of a letter as a fraction of the font size.
@@ -30,7 +30,7 @@ _LETTER_WIDTH = 0.54
 
 @dataclass(frozen=True, slots=True)
 class _Cell:
-    """Box between ``left`` and ``right``, in pixels. ``about`` describes it below the line if its name does not fit."""
+    """Box between ``left`` and ``right``, in pixels. ``about`` is its text below the line if its name does not fit."""
 
     left: float
     right: float
@@ -41,11 +41,11 @@ class _Cell:
 
     @property
     def lines(self) -> list[str]:
-        """Return the lines inside the box: the name, then the place if there is one.
+        """Lines of text inside the box: its name, then its place if it has one.
 
-        There are none if a word is wider than the box, or if the name needs more than two lines.
+        The box stays empty if a word is wider than the box, or if the name needs more than two lines.
         """
-        # The text keeps 2 pixels from each side.
+        # The text keeps a distance of 2 pixels from each side.
         letters_per_line = int((self.right - self.left - 4) / (_SIZE * _LETTER_WIDTH))
         longest_word = max(len(word) for word in (*self.name.split(" "), self.place))
         if longest_word > letters_per_line:
@@ -57,13 +57,16 @@ class _Cell:
 
 
 def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
-    """Return the picture of a frame, with its first bit or byte on the left, once for each shape with its caption."""
+    """Return the picture of a frame, with the first bit or byte on the left.
+
+    If the frame has several shapes, they are drawn one below the other, each with its caption.
+    """
     body: list[str] = []
     stacks: list[Stack] = []
     top = _MARGIN
     for caption, placed_layout in shapes:
-        make_stack = byte_stack if placed_layout.layout.in_bytes else bit_stack
-        stack = make_stack(caption, placed_layout)
+        in_bytes = placed_layout.layout.in_bytes
+        stack = byte_stack(caption, placed_layout) if in_bytes else bit_stack(caption, placed_layout)
         stacks.append(stack)
         if caption:
             body.append(draw_text(_MARGIN, top + 13, caption, size=_SIZE, anchor="start", bold=True))
@@ -74,7 +77,7 @@ def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
 
 
 def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], float]:
-    """Return the elements of one frame below ``top``, and the top of the next one."""
+    """Return the elements of one frame that starts at ``top``, and the top of the next frame."""
     box_top = top + _RULER
     if placed_layout.layout.in_bytes:
         cells = list(_byte_cells(stack))
@@ -97,9 +100,9 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
 
 
 def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
-    """Yield the box of a cell, and the lines inside it, of which the last is the place."""
+    """Yield the box of a cell and the lines inside it. If the cell has a place, the last line shows it."""
     yield draw_box(cell.left, top, box_width=cell.right - cell.left, box_height=_BOX, fill=cell.fill)
-    # The lines are 14 pixels apart, and centred in the box.
+    # The lines are 14 pixels apart and centered in the box.
     first_baseline = top + _BOX / 2 + 4.5 - 7 * (len(cell.lines) - 1)
     for index, box_text in enumerate(cell.lines):
         is_place = bool(cell.place) and index == len(cell.lines) - 1
@@ -108,11 +111,11 @@ def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
 
 
 def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
-    """Yield the box of each field of a frame that is one number."""
+    """Yield the box of each field in a frame that consists of bits."""
     bit_width = _bit_width(placed_layout.bits)
     for run in runs_of(placed_layout):
         left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
-        # The ruler above the box shows its bits, which are only named below the line.
+        # The ruler above the box shows its bit numbers, so only the text below the line names them.
         noun = "bits" if run.high > run.low else "bit"
         place = f"{noun} {bit_range(run.high, run.low)}"
         level = ", 0 = active" if run.active_low else ""
@@ -127,10 +130,7 @@ def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
 
 
 def _byte_cells(stack: Stack) -> Iterator[_Cell]:
-    """Yield the boxes of each byte. The parts of a byte have its highest bit on the left.
-
-    ``box.high`` and ``box.low`` are bit numbers in the byte.
-    """
+    """Yield the boxes of each byte in a frame that consists of bytes. The highest bit of a byte is on its left."""
     byte_width = _byte_width(stack)
     for index, row in enumerate(stack.rows):
         for box in row.boxes:
@@ -148,15 +148,17 @@ def _byte_cells(stack: Stack) -> Iterator[_Cell]:
 
 
 def _bit_width(bits: int) -> float:
+    """Return the width of one bit, in pixels, for a frame of this many bits."""
     return (WIDE - 2 * _MARGIN) / bits
 
 
 def _byte_width(stack: Stack) -> float:
+    """Return the width of one byte, in pixels."""
     return (WIDE - 2 * _MARGIN) / len(stack.rows)
 
 
 def _bit_marks(placed_layout: PlacedLayout) -> Iterator[tuple[float, str, str]]:
-    """Yield the place, text and anchor of the numbers of the first and the last bit of each box."""
+    """Yield the x position, text and alignment of the ruler's numbers: the first and the last bit of each box."""
     bit_width = _bit_width(placed_layout.bits)
     for run in runs_of(placed_layout):
         left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
@@ -169,14 +171,14 @@ def _bit_marks(placed_layout: PlacedLayout) -> Iterator[tuple[float, str, str]]:
 
 
 def _byte_marks(stack: Stack) -> Iterator[tuple[float, str, str]]:
-    """Yield the place, text and anchor of the name of each byte."""
+    """Yield the x position, text and alignment of the name of each byte."""
     byte_width = _byte_width(stack)
     for index, row in enumerate(stack.rows):
         yield _MARGIN + byte_width * (index + 0.5), row.label, "middle"
 
 
 def _ruler_ticks(bits: int, top: float) -> str:
-    """Return the ticks of the ruler, longer at every eighth bit, counted from the lowest one."""
+    """Return the path of the ruler's ticks. Every eighth tick is longer, counted from the lowest bit."""
     ticks = []
     for index in range(bits + 1):
         x = _MARGIN + index * _bit_width(bits)
@@ -186,11 +188,14 @@ def _ruler_ticks(bits: int, top: float) -> str:
 
 
 def _names_below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, str]]:
-    """Yield the names that do not fit into their boxes, side by side, each with the bottom of its line."""
+    """Yield the elements for names that do not fit into their boxes, each with the bottom of its line.
+
+    Names are side by side, in as many lines as needed. Each has a small box in its color in front of it.
+    """
     left = _MARGIN
     for cell in cells:
         if not cell.lines:
-            # A colour box is 16 pixels with its gap, and 16 more follow the text.
+            # The color box with its gap takes 16 pixels, and 16 more follow the text.
             width_with_box = 16 + text_width(cell.about, _SIZE) + 16
             is_line_full = left + width_with_box > WIDE - _MARGIN
             if is_line_full and left > _MARGIN:

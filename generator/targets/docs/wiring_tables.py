@@ -1,4 +1,4 @@
-"""Pins, wires, supply, and the clock by cable length, on the page of an order code."""
+"""Tables on the page of an order code: pins and wires, the supply, and the clock by cable length."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from ...say.evidence import Topic, mentions, word_for_document
 from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, markdown_link
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
 from ...say.plain_text import count_with_unit
-from ...say.text import PLAIN_STYLE, as_sentence, hertz, list_parts, nanoseconds, statement, timeout_words, volts
+from ...say.text import as_sentence, hertz, nanoseconds, timeout_words, volts
 
 Row = tuple[str, ...]
 
@@ -36,8 +36,8 @@ Row = tuple[str, ...]
 class Wiring:
     """Table of contacts and signals.
 
-    ``about`` lists the connectors and cables of each column, and ``notes`` the sentences that apply to all of them.
-    ``errata`` are the paths of the connectors in the spec.
+    ``about`` lists the connectors and cables in each column, and ``notes`` the sentences that apply to all of them.
+    ``errata`` are the paths in the spec whose errata are about these connectors.
     """
 
     head: tuple[str, ...]
@@ -48,14 +48,14 @@ class Wiring:
 
 
 def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
-    """Return one table with a row for each signal, and a column for each connector or group of similar connectors.
+    """Return a table with a row for each signal, and a column for each connector or cable.
 
-    Connectors whose contacts are mostly the same share a column.
+    Connectors with mostly the same contacts share a column.
     """
     columns = _connectors_by_column(device.connectors, order_codes)
     heads = _column_heads(columns)
     contacts = [contact for connector in device.connectors for contact in connector.contacts]
-    # Each signal once, in the order of its first contact.
+    # Each signal only once, in the order of its first contact.
     signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
     about_columns = []
     for head, column in zip(heads, columns, strict=True):
@@ -70,10 +70,7 @@ def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
 
 
 def _column_heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
-    """Return the head of each column: ``Pin`` or ``Wire``, if no other column has the same head.
-
-    Columns with the same head have the short name of their first connector instead.
-    """
+    """Return the head of each column: ``Pin`` or ``Wire`` or, if several columns would have it, a connector's name."""
     words = [_word_for_contact(column[0]) for column in columns]
     heads = _short_names([column[0].title for column in columns])
     for index, word in enumerate(words):
@@ -83,17 +80,18 @@ def _column_heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
 
 
 def _word_for_contact(connector: Connector) -> str:
+    """Return the word for a contact of a connector or cable."""
     return "Wire" if connector.kind == "cable" else "Pin"
 
 
 def _build_row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Sequence[str]) -> Row:
-    """Return a row with the contacts of a signal in each column, followed by the signal: ``("3", "wh", "CLOCK+")``."""
+    """Return a row of the contacts in each column and their signal, such as ``("3", "wh", "CLOCK+")``."""
     contact_cells = [_contacts_cell(column, signal, order_codes) for column in columns]
     return (*contact_cells, signal)
 
 
 def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
-    """Return the sentences of the first note that occur in the notes of all connectors."""
+    """Return the sentences that the notes on all connectors have in common."""
     notes_in_sentences = [connector.note.rstrip(".").split(". ") for connector in connectors]
     if not notes_in_sentences:
         return []
@@ -107,9 +105,9 @@ def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
 
 
 def _connectors_by_column(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
-    """Group connectors for the columns of the table.
+    """Return the connectors of each column.
 
-    A connector joins the first column whose first connector has similar contacts, as in ``_have_similar_contacts``.
+    A connector joins the first column whose first connector has mostly the same contacts.
     """
     columns: list[list[Connector]] = []
     for connector in connectors:
@@ -123,7 +121,10 @@ def _connectors_by_column(connectors: Sequence[Connector], order_codes: Sequence
 
 
 def _have_similar_contacts(connector: Connector, other: Connector, order_codes: Sequence[str]) -> bool:
-    """Return whether connectors of one kind agree on more than half the signals of the connector with fewer."""
+    """Return whether two connectors are of one kind and have mostly the same contacts.
+
+    They do if they agree on more than half of the signals of the connector that has fewer signals.
+    """
     contacts = _contacts_by_signal(connector, order_codes)
     other_contacts = _contacts_by_signal(other, order_codes)
     equal_signals = [signal for signal in other_contacts if contacts.get(signal) == other_contacts[signal]]
@@ -133,7 +134,7 @@ def _have_similar_contacts(connector: Connector, other: Connector, order_codes: 
 
 
 def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
-    """Return the contacts of a connector that have each signal, by the Markdown cell of the signal."""
+    """Return the contacts of a connector for each signal. The keys are the table cells of the signals."""
     contacts_by_signal: dict[str, list[str]] = {}
     for contact in connector.contacts:
         contacts_by_signal.setdefault(_signal_cell(contact, order_codes), []).append(contact.contact)
@@ -143,7 +144,7 @@ def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dic
 def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
     """Return the signal of a contact in Markdown.
 
-    If only some order codes have it, add their patterns that fit one of ``order_codes``.
+    If only some order codes have the contact, their patterns follow, as far as they match one of ``order_codes``.
     """
     if not contact.only:
         return escape(contact.signal)
@@ -158,7 +159,7 @@ def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
 def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
     """Return the contacts of a signal for the connectors of a column.
 
-    If they differ, each list begins with the name of its connector: ``3 (M12), 7 (M23)``.
+    If they differ between the connectors, each list is followed by the name of its connector: ``3 (M12), 7 (M23)``.
     """
     contact_lists = []
     for connector in column:
@@ -175,9 +176,9 @@ def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequen
 
 
 def _short_names(titles: Sequence[str]) -> list[str]:
-    """Return the first words by which titles differ, such as M12 and M23, or 8 pins and 12 pins.
+    """Return for each title the first words that distinguish it from the others, such as M12, or 8 pins.
 
-    A name must be more than a number. If there are no such words, the names are ``connector 1`` and so on.
+    A number alone does not count. If no words distinguish all titles, the names are ``connector 1`` and so on.
     """
     titles_in_phrases = [title.split(", ") for title in titles]
     # First compare the first phrases of all titles, then the second phrases.
@@ -194,7 +195,7 @@ def _short_names(titles: Sequence[str]) -> list[str]:
 
 
 def _contact_list(contacts: Sequence[str]) -> str:
-    """Return contacts as a list, with three or more consecutive numbers as a range."""
+    """Return contacts as a list, or as a range if they are three or more consecutive numbers: ``3 to 6``."""
     numbers = [int(contact) for contact in contacts if contact.isdecimal()]
     are_several_numbers = len(numbers) == len(contacts) > 2
     if are_several_numbers and numbers == list(range(numbers[0], numbers[-1] + 1)):
@@ -203,13 +204,14 @@ def _contact_list(contacts: Sequence[str]) -> str:
 
 
 def _anchored_title(connector: Connector) -> str:
+    """Return the title of a connector with the anchor for links to it."""
     return f"{anchor_of(f'connector-{connector.name}')}{escape(connector.title)}"
 
 
 def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
-    """Return each supply with its source and its order codes, or a single one without codes.
+    """Return each supply with its source and its order codes, which are omitted if there is only one supply.
 
-    Order codes whose supply is unknown are not considered.
+    Order codes whose supply is unknown are ignored.
     """
     codes_by_supply: dict[str, list[str]] = {}
     for variant in variants:
@@ -222,34 +224,34 @@ def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
 
 
 def _supply_text(supply: Supply) -> str:
+    """Return the limits of a supply with their source: ``4.75 V to 5.25 V (§4.1)``."""
     return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({citation(supply.source)})"
 
 
 def unstated_facts(family_device: Device, interface: Interface, subjects: Mapping[str, Topic]) -> Iterator[str]:
-    """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
+    """Yield one line about facts that the spec has no place for, or nothing if there are no ``subjects``.
 
-    ``subjects`` are the facts by label. ``family_device`` contains the texts about all order codes, because a text
-    about other codes may also apply to this code.
+    ``subjects`` are the words to look for, by the label of the fact. If no text of the family mentions a subject, the
+    line says that the manual does not state it. Otherwise, it links to the texts that may.
     """
     sentences = []
     unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
     if unmentioned:
-        sentences.append(f"{_join_capitalized(unmentioned)}: the {word_for_document(family_device)} does not say.")
+        sentences.append(f"The {word_for_document(family_device)} does not state the {' or the '.join(unmentioned)}.")
     mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
         places = [markdown_link("times", "#timings")]
         if family_device.characteristics:
             places.append(markdown_link("characteristics", "hardware.md#characteristics"))
-        sentences.append(f"{_join_capitalized(mentioned)}: see {' and '.join(places)}.")
+        sentences.append(f"For the {' and the '.join(mentioned)}, see {' and '.join(places)}.")
     if sentences:
         yield " ".join(sentences)
 
 
 def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
-    """Return that the manual describes no LEDs, for a page without any.
+    """Return the sentence that the manual describes no LEDs, or "" if it does or may describe some.
 
-    Return an empty string if the page has LEDs, if the manual may have some in its texts, or if the spec does not
-    transcribe a whole manual.
+    It may if a text mentions LEDs, or if the spec does not cover a whole manual.
     """
     if device.leds or word_for_document(family_device) != "manual":
         return ""
@@ -259,27 +261,21 @@ def no_leds(family_device: Device, device: Device, interface: Interface) -> str:
 
 
 def no_supply(family_device: Device, interface: Interface) -> str:
-    """Return the text instead of a supply: a link to the characteristics that may state it, or that none is known."""
+    """Return the text in place of an unknown supply: a link to characteristics that may state it, or that none do."""
     if mentions(family_device, interface, Topic.SUPPLY):
         return f"see {markdown_link('characteristics', 'hardware.md#characteristics')}"
     return f"the {word_for_document(family_device)} does not say"
 
 
-def _join_capitalized(labels: list[str]) -> str:
-    """Return labels as the beginning of a sentence."""
-    phrase = PLAIN_STYLE.phrase(statement(*list_parts(labels)))
-    return phrase[:1].upper() + phrase[1:]
-
-
 #: Bits of a BiSS frame before the position: the start bit and the CDS bit.
 _BISS_START_BITS = 2
-#: Clock in Hz whose duration of a frame is an example, if the encoder supports it.
+#: Clock in Hz for which the page gives the duration of a frame, if the encoder supports it.
 _COMMON_HZ = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class SpeedSection:
-    """Clock or baud rate: specified values, and a table of clock and frame duration by cable length."""
+    """Section about the clock or baud rate: facts, and a table of the clock and the frame duration by cable length."""
 
     title: str
     facts: tuple[str, ...]
@@ -302,10 +298,9 @@ def speed_section(family_device: Device, device: Device, interface: Interface, l
 
 
 def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
-    """Return the limits of the clock, the duration of a frame, and the clock for each cable length.
+    """Return the limits of the clock, the duration of a frame, and a table of the clock by cable length.
 
-    The table has no cables whose clock is below the lowest one of the encoder. Faster clocks than its fastest one are
-    replaced by that.
+    The table omits cables that need a clock below the encoder's lowest clock. No clock in it is above the highest one.
     """
     # The order codes of a page share their clock.
     clock = interface.clocks[0]
@@ -316,7 +311,7 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     if lengths:
         example_hz = _example_clock(clock)
         durations = _duration_range(clocked_lengths, example_hz)
-        with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
+        with_start_bits = ", including the start bit and the CDS bit" if start_bits else ""
         facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
     facts += _pause_sentences(family_device, interface)
     cable_clocks = cable_table(device, interface)
@@ -327,7 +322,8 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
             clock_hz = min(cable.hz, clock.fastest_hz)
             cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)))
     if cable_rows:
-        facts.append(f"Clock for each cable length: from {escape(cable_clocks.origin)}{_limit_of_used_clocks(clock)}.")
+        clock_limit = _limit_of_used_clocks(clock)
+        facts.append(f"The clock for each cable length is from {escape(cable_clocks.origin)}{clock_limit}.")
     if any(cable.is_below for cable in cable_clocks.rows):
         head = ("Cable below", "Clock below", "Frame above")
     else:
@@ -336,18 +332,18 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
 
 
 def _example_clock(clock: Clock) -> int:
-    """Return 1 MHz, or the clock in Hz nearest to it that the encoder supports.
+    """Return 1 MHz in Hz, or the nearest clock that the encoder supports.
 
-    If neither its highest clock nor one in use is known, the lowest clock is the only limit.
+    If neither a highest clock nor a clock in use is known, the lowest clock is the only limit.
     """
     at_least_lowest = max(_COMMON_HZ, clock.min_hz or 0)
     return min(at_least_lowest, clock.fastest_hz or at_least_lowest)
 
 
 def _limit_of_used_clocks(clock: Clock) -> str:
-    """Return that the table ends at the fastest clock in use, if the highest clock is unknown.
+    """Return the phrase that the table ends at the fastest clock in use, for an encoder whose highest clock is unknown.
 
-    Return an empty string if it is known, or if no clock is.
+    Return an empty string if the highest clock is known, or if no clock is known at all.
     """
     if clock.max_hz is not None or clock.fastest_hz is None:
         return ""
@@ -355,7 +351,7 @@ def _limit_of_used_clocks(clock: Clock) -> str:
 
 
 def _pause_sentences(family_device: Device, interface: Ssi | Biss) -> Iterator[str]:
-    """Yield the pause between two frames over SSI, or the time-out and the reply time over BiSS."""
+    """Yield sentences on the pause between two words over SSI, or on the time-out and the reply time over BiSS."""
     match interface:
         case Ssi():
             pauses = [timing for timing in interface.timings if timing.symbol == "Tp"]
@@ -368,7 +364,7 @@ def _pause_sentences(family_device: Device, interface: Ssi | Biss) -> Iterator[s
 
 
 def _baud_section(family_device: Device, device: Device, interface: Rs485) -> SpeedSection:
-    """Return the baud rate, and the durations of one byte and of the replies."""
+    """Return the baud rate, and the durations of one byte and of each reply."""
     port = interface.port
     start_bit = 1
     parity_bits = 0 if port.parity == "none" else 1
@@ -388,21 +384,22 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
 
 
 def _frame_lengths(device: Device, layout: Layout) -> list[int]:
-    """Return the lengths of a frame in bits, one for each answer to questions that the manual leaves open."""
+    """Return the possible lengths of a frame in bits, which answers to open questions can change."""
     return sorted({layout.sent_bits.value(sets) for _, sets in answer_combinations(device.alternatives_of(layout))})
 
 
 def _joined_by_or(alternatives: Iterable[str]) -> str:
+    """Return texts with ``or`` between them."""
     return " or ".join(alternatives)
 
 
 def _duration_range(lengths: Iterable[int], hz: int) -> str:
-    """Return the durations of frames with these numbers of bits, such as ``26 µs or 32 µs``."""
+    """Return the durations of frames with these lengths in bits at a clock in Hz, such as ``26 µs or 32 µs``."""
     return _joined_by_or(_duration_text(bits, hz) for bits in lengths)
 
 
 def _duration_text(bits: int, hz: int) -> str:
-    """Return the duration of some bits, rounded to 0.1 µs unless it is a multiple of 100 ns."""
+    """Return the duration of this many bits at a clock in Hz, rounded to 0.1 µs."""
     exact_ns = bits * 1_000_000_000 / hz
     needs_no_rounding = exact_ns % 100 == 0
     return nanoseconds(round(exact_ns)) if needs_no_rounding else f"{exact_ns / 1000:.1f} µs"

@@ -39,8 +39,8 @@
  *   mu150: iC-MU150 data sheet, revision B1, iC-Haus -
  *          http://www.datasheetandpdf.com/EN/ICHAUS/29/IC-MU150.htm
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-ichaus.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-ichaus.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -284,7 +284,7 @@ typedef enum ichaus_icmu_biss_report {
 
 /**
  * single_cycle_data, sent by the encoder over BiSS C-mode: zero_bits + position_bits + 8 bits, most
- * significant first [p.28, p.30, mu150: p.29].
+ * significant bit first [p.28, p.30, mu150: p.29].
  * In the manual: SCD.
  *   starting at bit zero_bits + 8  position  position_bits bits.
  *   starting at bit 8              zero      zero_bits bits. Zero bits. Always 0.
@@ -297,7 +297,7 @@ typedef struct ichaus_icmu_biss_frame {
     /** ERR. Active when 0: an error is active. While it is active, the position is not usable. */
     bool error;
     /**
-     * WRN. Active when 0: a warning is active. While it is active, the position is usable, with a
+     * WRN. Active when 0: a warning is active. While it is active, the position is usable with a
      * warning.
      */
     bool warning;

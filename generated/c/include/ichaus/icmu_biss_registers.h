@@ -494,7 +494,7 @@ static inline cw_result ichaus_icmu_biss_read_eds_bank(
  * PROFILE_ID, registers 42h to 43h, read only, over BiSS C-mode [p.53, driver: MU_PROFILE_ID].
  * Profile ID.
  * Byte order: high byte first, at 42h.
- * Erratum: The table reverses the byte order of the identification registers (settled). Used: The
+ * Erratum: The table reverses the byte order of the identification registers (resolved). Used: The
  * lowest address has the high byte.
  * Erratum: The tables do not give access rights for the identification registers (open). Used: They
  * are read-only.
@@ -562,7 +562,7 @@ static inline cw_result ichaus_icmu_biss_read_profile_id(
  * SERIAL, registers 44h to 47h, read only, over BiSS C-mode [p.53, driver: MU_SERIAL].
  * Serial number.
  * Byte order: high byte first, at 44h.
- * Erratum: The table reverses the byte order of the identification registers (settled). Used: The
+ * Erratum: The table reverses the byte order of the identification registers (resolved). Used: The
  * lowest address has the high byte.
  * Erratum: The tables do not give access rights for the identification registers (open). Used: They
  * are read-only.
@@ -910,7 +910,7 @@ static inline cw_result ichaus_icmu_biss_read_status1(
  * DEV_ID, registers 78h to 7Dh, read only, over BiSS C-mode [p.53, driver: MU_DEV_ID].
  * Device ID.
  * Byte order: high byte first, at 78h.
- * Erratum: The table reverses the byte order of the identification registers (settled). Used: The
+ * Erratum: The table reverses the byte order of the identification registers (resolved). Used: The
  * lowest address has the high byte.
  * Erratum: The tables do not give access rights for the identification registers (open). Used: They
  * are read-only.
@@ -988,7 +988,7 @@ static inline cw_result ichaus_icmu_biss_read_device_id(
  * MFG_ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [p.53, driver: MU_MFG_ID].
  * BiSS manufacturer ID.
  * Byte order: high byte first, at 7Eh.
- * Erratum: The table reverses the byte order of the identification registers (settled). Used: The
+ * Erratum: The table reverses the byte order of the identification registers (resolved). Used: The
  * lowest address has the high byte.
  * Erratum: The tables do not give access rights for the identification registers (open). Used: They
  * are read-only.

@@ -44,8 +44,8 @@
  *                  section -
  *                  https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -107,7 +107,7 @@ extern "C" {
  * Lika. Technical data are in the catalog.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The manual prints the BiSS models with 17 instead of I7 (settled). Used: I7 is the code
+ * Erratum: The manual prints the BiSS models with 17 instead of I7 (resolved). Used: I7 is the code
  * for BiSS. 17 is also accepted and shown as unlisted.
  * Erratum: Edition 1.1 writes the order codes differently (open). Used: Labels of both editions are
  * accepted.
@@ -128,32 +128,32 @@ extern "C" {
 typedef struct lika_am36_biss {
     /**
      * Width of the singleturn part of the BiSS position, as currently set: the base-2 logarithm of
-     * "Information per revolution" [6.5 p.31]. Unit: bits. Read at run time from register 56h (Bits
-     * in No. of bits used for singleturn resolution), 0 to 20.
+     * "Information per revolution" [6.5 p.31]. Unit: bits. It is read at run time from register 56h
+     * (Bits in No. of bits used for singleturn resolution), 0 to 20.
      * lika_am36_biss_take_singleturn_bits_used() updates it.
      */
     uint8_t used_singleturn_bits;
     /**
-     * Width of the multiturn part of the BiSS position, as currently set [6.5 p.31]. Unit: bits.
-     * Read at run time from register 57h (Bits in No. of bits used for multiturn resolution), 0 to
-     * 16. lika_am36_biss_take_multiturn_bits_used() updates it.
+     * Width of the multiturn part of the BiSS position, as currently set [6.5 p.31]. Unit: bits. It
+     * is read at run time from register 57h (Bits in No. of bits used for multiturn resolution), 0
+     * to 16. lika_am36_biss_take_multiturn_bits_used() updates it.
      */
     uint8_t used_multiturn_bits;
     /**
      * Number of revolutions after which the BiSS position wraps around, as currently set [6.5
-     * p.28]. Unit: revolutions. Read at run time from registers 4Eh to 4Fh (Revolutions in Number
-     * of revolutions), 1 to 65,536. lika_am36_biss_take_number_of_revolutions() updates it.
+     * p.28]. Unit: revolutions. It is read at run time from registers 4Eh to 4Fh (Revolutions in
+     * Number of revolutions), 1 to 65,536. lika_am36_biss_take_number_of_revolutions() updates it.
      */
     uint32_t used_revolutions;
     /**
-     * Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. Read at run time
-     * from registers 4Bh to 4Dh (Steps in Information per revolution), 1 to 1,048,576.
+     * Counts per revolution over BiSS, as currently set [6.5 p.27]. Unit: counts. It is read at run
+     * time from registers 4Bh to 4Dh (Steps in Information per revolution), 1 to 1,048,576.
      * lika_am36_biss_take_information_per_revolution() updates it.
      */
     uint32_t used_information;
     /**
-     * Position encoding over BiSS, as currently set: 0 Gray code, 1 binary code [6.5 p.26]. Read at
-     * run time from register 49h (Output code in Configuration), 0 to 1.
+     * Position encoding over BiSS, as currently set: 0 Gray code, 1 binary code [6.5 p.26]. It is
+     * read at run time from register 49h (Output code in Configuration), 0 to 1.
      * lika_am36_biss_take_configuration() updates it.
      */
     uint8_t output_code;
@@ -293,7 +293,7 @@ typedef enum lika_am36_biss_report {
 
 /**
  * single_cycle_data, sent by the encoder over BiSS C-mode: used_singleturn_bits +
- * used_multiturn_bits + 8 bits, most significant first [6.3 p.21, 6.3.1 p.21].
+ * used_multiturn_bits + 8 bits, most significant bit first [6.3 p.21, 6.3.1 p.21].
  * In the manual: Single Cycle Data SCD.
  * position is in Gray code while biss_gray is 1, and in binary while it is 0.
  * With the defaults, the frame has 44 bits, which is also the maximum. The manual calls multiturn
@@ -327,7 +327,7 @@ typedef enum lika_am36_biss_report {
 typedef struct lika_am36_biss_frame {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
     uint32_t singleturn; /**< Position within one revolution. Unit: counts. */
-    /** position consists of multiturn and singleturn, most significant first. */
+    /** position consists of multiturn and singleturn, most significant part first. */
     uint64_t position;
     /** Unused bits, each 1 if it differs from the manual: 0 warning and 1 error. */
     uint8_t unused;

@@ -61,7 +61,7 @@ static inline cw_result lika_am36_biss_set_configuration_steps(
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
- * @param configuration Value of the whole register, with its unused bits set to 0. Written to
+ * @param configuration Value of the whole register, with its unused bits set to 0. It is written to
  *                      Configuration.
  * @param failure Details of a failed step, or NULL.
  */
@@ -129,14 +129,14 @@ static inline cw_result lika_am36_biss_set_preset_steps(
  * Precondition: The manual suggests setting the preset with the shaft at a standstill.
  * Result: The position at the moment of the command becomes the preset value. All other positions
  * shift accordingly.
- * Erratum: The preset example writes one bit instead of the whole byte (settled). Used: Register
+ * Erratum: The preset example writes one bit instead of the whole byte (resolved). Used: Register
  * 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
  * Set, save and activate a preset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
- * @param position New value for the current position. Written to Preset.
+ * @param position New value for the current position. It is written to Preset.
  * @param failure Details of a failed step, or NULL.
  */
 CW_NODISCARD
@@ -202,14 +202,14 @@ static inline cw_result lika_am36_biss_store_preset_steps(
  * Set and save a preset without activating it [6.5 p.29, 4.4 p.15].
  * Result: The preset is saved. The position is the same as before. The "Zero setting/Preset" input
  * or activate_preset activates the preset.
- * Erratum: The preset example writes one bit instead of the whole byte (settled). Used: Register
+ * Erratum: The preset example writes one bit instead of the whole byte (resolved). Used: Register
  * 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
  * Set and save a preset without activating it, over BiSS C-mode. The transport needs
  * read_registers, write_registers and wait_us.
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
- * @param position Value to save for later activation. Written to Preset.
+ * @param position Value to save for later activation. It is written to Preset.
  * @param failure Details of a failed step, or NULL.
  */
 CW_NODISCARD
@@ -472,11 +472,12 @@ typedef struct lika_am36_biss_set_resolution_read {
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
- * @param information_per_revolution Positions per revolution, a power of two. Written to
+ * @param information_per_revolution Positions per revolution, a power of two. It is written to
  *                                   Information per revolution.
- * @param number_of_revolutions Revolutions to count, 1 to 65,536. Written to Number of revolutions.
+ * @param number_of_revolutions Revolutions to count, 1 to 65,536. It is written to Number of
+ *                              revolutions.
  * @param position New value for the current position, less than the product of the other two
- *                 arguments. Written to Preset.
+ *                 arguments. It is written to Preset.
  * @param out The bytes read, unchanged on error.
  * @param failure Details of a failed step, or NULL.
  */

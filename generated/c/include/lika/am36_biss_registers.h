@@ -46,8 +46,8 @@ extern "C" {
  */
 typedef struct lika_am36_biss_reg_profile_id {
     /**
-     * Printed as 00 00 for AMx36. Holds 0000h, which helps to identify the encoder. The decoder
-     * also accepts other values.
+     * Printed as 00 00 for AMx36. The value 0000h helps to identify the encoder. The decoder also
+     * accepts other values.
      */
     uint16_t profile;
 } lika_am36_biss_reg_profile_id;
@@ -196,7 +196,7 @@ static inline cw_result lika_am36_biss_read_serial_number(
  * Command, register 48h, write only, over BiSS C-mode [6.5 p.24, 7 p.33].
  * Saves the parameters, activates the preset, or restores the defaults.
  * Wait at least 30 ms between a write and the next command.
- * Automatically returns to its default after a write.
+ * After a write, the register returns to its default automatically.
  * After a command, the register automatically returns to 00. If a new resolution and a new preset
  * are set together, the command "Save parameters and activate Preset" stores the resolution but
  * sets the preset to zero. The preset must then be written again.
@@ -297,11 +297,11 @@ typedef enum lika_am36_biss_enable_preset {
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * A new value takes effect immediately. The command "Save parameters on EEPROM" saves it. Bits 0,
  * 1, 3, 4 and 7 are not used. According to the list of defaults, they are 0.
- * Erratum: One warning gives the Enable preset bit the opposite polarity (settled). Used: 0 enables
- * the preset function.
- * Erratum: One example numbers Counting direction as bit 8 instead of bit 6 (settled). Used:
+ * Erratum: One warning gives the Enable preset bit the opposite polarity (resolved). Used: 0
+ * enables the preset function.
+ * Erratum: One example numbers Counting direction as bit 8 instead of bit 6 (resolved). Used:
  * Counting direction is bit 6.
- * Erratum: The preset example writes one bit instead of the whole byte (settled). Used: Register
+ * Erratum: The preset example writes one bit instead of the whole byte (resolved). Used: Register
  * 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
  *   bit 7     -                   Always zero.
  *   bit 6     counting_direction
@@ -653,7 +653,7 @@ static inline uint64_t lika_am36_biss_reg_preset_max(lika_am36_biss variant)
  * Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29, 7 p.33].
  * Value that the encoder reports at the current shaft position once the preset is activated.
  * Byte order: high byte first, at 50h.
- * Can be written only while Enable preset in Configuration is 0 (enable).
+ * The register can be written only while Enable preset in Configuration is 0 (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * The printed maximum, 0F FF FF FF FF, applies to the default resolution. Set the "Enable preset"
  * bit to 0 (enable) before writing. The command "Save parameters on EEPROM" saves the value without
@@ -664,10 +664,10 @@ static inline uint64_t lika_am36_biss_reg_preset_max(lika_am36_biss variant)
  * points of the encoder and the application.
  * Erratum: Two sections disagree on when a new resolution clears the preset (open). Used:
  * set_resolution saves the resolution first, and only then writes and activates the preset.
- * Erratum: One warning gives the Enable preset bit the opposite polarity (settled). Used: 0 enables
- * the preset function.
- * Erratum: The printed Preset default has six bytes instead of five (settled). Used: The default is
- * five bytes of 00.
+ * Erratum: One warning gives the Enable preset bit the opposite polarity (resolved). Used: 0
+ * enables the preset function.
+ * Erratum: The printed Preset default has six bytes instead of five (resolved). Used: The default
+ * is five bytes of 00.
  *   bits 39:36  -         Always zero.
  *   bits 35:0   position
  */
@@ -754,8 +754,8 @@ static inline cw_result lika_am36_biss_write_preset(
 /**
  * Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
  * Device type.
- * 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which helps to identify the
- * encoder. The decoder also accepts other values.
+ * 02: multiturn rotary encoder with BiSS C interface. The value 02h helps to identify the encoder.
+ * The decoder also accepts other values.
  */
 #define LIKA_AM36_BISS_REG_DEVICE_TYPE_ADDRESS 0x55U
 #define LIKA_AM36_BISS_REG_DEVICE_TYPE_LENGTH 1U /**< byte */
@@ -858,7 +858,7 @@ static inline cw_result lika_am36_biss_read_multiturn_bits_used(
  * Encoder model, interface, enclosure and software version. The manual refers to the order code for
  * this register.
  * Byte order: high byte first, at 78h.
- * Erratum: The manual prints the BiSS models with 17 instead of I7 (settled). Used: I7 is the code
+ * Erratum: The manual prints the BiSS models with 17 instead of I7 (resolved). Used: I7 is the code
  * for BiSS. 17 is also accepted and shown as unlisted.
  * Erratum: All models have the same device ID, despite different data lengths (open). Used: The
  * device ID is used as printed.
@@ -869,17 +869,17 @@ static inline cw_result lika_am36_biss_read_multiturn_bits_used(
  */
 typedef struct lika_am36_biss_reg_device_id {
     /**
-     * Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. Holds AM, which helps to identify
-     * the encoder. The decoder also accepts other values. No terminator.
+     * Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. The value AM helps to identify the
+     * encoder. The decoder also accepts other values. No terminator.
      */
     char model[2];
     /**
-     * Interface, BiSS C (49 37 in hexadecimal). ASCII text. Holds I7, which helps to identify the
+     * Interface, BiSS C (49 37 in hexadecimal). ASCII text. The value I7 helps to identify the
      * encoder. The decoder also accepts other values. No terminator.
      */
     char interface_code[2];
     /**
-     * Enclosure of 36 mm diameter (32 in hexadecimal). ASCII text. Holds 2, which helps to identify
+     * Enclosure of 36 mm diameter (32 in hexadecimal). ASCII text. The value 2 helps to identify
      * the encoder. The decoder also accepts other values. No terminator.
      */
     char enclosure[1];
@@ -973,7 +973,7 @@ static inline cw_result lika_am36_biss_read_device_id(
  */
 typedef struct lika_am36_biss_reg_manufacturer_id {
     /**
-     * Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds Li, which helps to identify the
+     * Lika Electronic (4C 69 in hexadecimal). ASCII text. The value Li helps to identify the
      * encoder. The decoder also accepts other values. No terminator.
      */
     char name[2];

@@ -42,8 +42,8 @@
  *                  section -
  *                  https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -102,7 +102,7 @@ extern "C" {
  * Lika. Technical data are in the catalog.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The manual prints the BiSS models with 17 instead of I7 (settled). Used: I7 is the code
+ * Erratum: The manual prints the BiSS models with 17 instead of I7 (resolved). Used: I7 is the code
  * for BiSS. 17 is also accepted and shown as unlisted.
  * Erratum: Edition 1.1 writes the order codes differently (open). Used: Labels of both editions are
  * accepted.
@@ -113,7 +113,7 @@ extern "C" {
  * code.
  * Erratum: The order code gives 4,096 revolutions, but the registers give 65,536 (open). Used: The
  * registers and the frame use 65,536.
- * Erratum: The printed number of positions for 28 bits has a wrong digit (settled). Used:
+ * Erratum: The printed number of positions for 28 bits has a wrong digit (resolved). Used:
  * 268,435,456.
  */
 
@@ -230,7 +230,7 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
 
 /**
  * ssi_word, sent by the encoder over SSI: singleturn_bits + multiturn_bits bits, most significant
- * first [5.2].
+ * bit first [5.2].
  * In the manual: Structure of the position information.
  * position is in Gray code while ssi_gray is 1, and in binary while it is 0.
  * The word has as many bits as the position, 28 or 31, and starts with the most significant bit.
@@ -241,7 +241,7 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
  *   starting at bit 0  singleturn  singleturn_bits bits.
  * Erratum: The manual does not say which of BG and GG is Gray code (open). Used: BG is binary, GG
  * is Gray.
- * Erratum: The bits of the SSI words are numbered from 1 instead of 0 (settled). Used: The bits of
+ * Erratum: The bits of the SSI words are numbered from 1 instead of 0 (resolved). Used: The bits of
  * the words are numbered 27:0 and 30:0.
  * Erratum: Two sections disagree on the number of SSI clocks (open). Used: The generated files do
  * not enforce either rule. n + 1 clocks satisfy both.
@@ -251,7 +251,7 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
 typedef struct lika_am36_ssi_frame {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
     uint32_t singleturn; /**< Position within one revolution. Unit: counts. */
-    /** position consists of multiturn and singleturn, most significant first. */
+    /** position consists of multiturn and singleturn, most significant part first. */
     uint32_t position;
 } lika_am36_ssi_frame;
 

@@ -38,8 +38,8 @@
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
  *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -90,9 +90,9 @@ extern "C" {
  * catalog.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The heading of the cable table says G1 instead of BG1 (settled). Used: The cable belongs
- * to the ...BG1-... and ...SC1-... order codes.
- * Erratum: The word length table prints 65KKG1 instead of 65KBG1 (settled). Used: The order codes
+ * Erratum: The heading of the cable table says G1 instead of BG1 (resolved). Used: The cable
+ * belongs to the ...BG1-... and ...SC1-... order codes.
+ * Erratum: The word length table prints 65KKG1 instead of 65KBG1 (resolved). Used: The order codes
  * contain 65KBG1.
  */
 
@@ -106,7 +106,7 @@ typedef struct lika_amm5_biss {
      */
     uint8_t multiturn_bits;
     /**
-     * 1 if an active warning bit means a low battery [6.2.1 p.33]. Set by your choice of
+     * 1 if an active warning bit means a low battery [6.2.1 p.33]. It is set by your choice of
      * warning_cause: 0 for either_cause (default), 1 for low_battery.
      */
     uint8_t low_battery_only;
@@ -276,7 +276,7 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
 
 /**
  * single_cycle_data, sent by the encoder over BiSS C-mode: singleturn_bits + multiturn_bits + 8
- * bits, most significant first [6.2.1 p.32].
+ * bits, most significant bit first [6.2.1 p.32].
  * In the manual: Single Cycle Data SCD.
  * The manual calls multiturn and singleturn together Position (Italian: Posizione). The position
  * has 17 to 39 bits, most significant bit first.
@@ -289,7 +289,7 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  *                                  everything before it.
  * Erratum: The manual does not give the order of singleturn and multiturn (open). Used: The
  * multiturn part comes first and is the more significant part.
- * Erratum: The frame is one bit longer than printed (settled). Used: The length is position_bits +
+ * Erratum: The frame is one bit longer than printed (resolved). Used: The length is position_bits +
  * 8.
  * Erratum: The manual's error bits, LEDs and alarms do not match one to one (open). Used: Each bit,
  * LED and alarm is used as printed.
@@ -317,13 +317,13 @@ typedef struct lika_amm5_biss_frame {
      * revolutions wrong, or a low battery. The bit does not distinguish the two causes (erratum
      * position_under_error). Active when 0: a warning is active in the system. Inactive when 1: no
      * active warning. While it is active, the position is not usable. If you set low_battery_only
-     * to 1, the position is usable, with a warning. This applies only to .../65K.... For other
-     * order codes, the manual does not explain the flag. While it is active there, the position is
-     * usable, with a warning. Remedy: Replace a low battery as soon as possible. For an error in
-     * the multiturn system, the manual gives no remedy. Steps: Battery replacement without error.
+     * to 1, the position is usable with a warning. This applies only to .../65K.... For other order
+     * codes, the manual does not explain the flag. If it is active there, the position is usable
+     * with a warning. Remedy: Replace a low battery as soon as possible. For an error in the
+     * multiturn system, the manual gives no remedy. Steps: Battery replacement without error.
      */
     bool warning;
-    /** position consists of multiturn and singleturn, most significant first. */
+    /** position consists of multiturn and singleturn, most significant part first. */
     uint64_t position;
 } lika_amm5_biss_frame;
 

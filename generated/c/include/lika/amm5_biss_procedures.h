@@ -78,7 +78,7 @@ static inline cw_result lika_amm5_biss_set_preset_steps(
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
- * @param position New value for the current position. Written to Preset.
+ * @param position New value for the current position. It is written to Preset.
  * @param failure Details of a failed step, or NULL.
  */
 CW_NODISCARD
@@ -150,7 +150,7 @@ static inline cw_result lika_amm5_biss_store_preset_steps(
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
- * @param position Value to save for later activation. Written to Preset.
+ * @param position Value to save for later activation. It is written to Preset.
  * @param failure Details of a failed step, or NULL.
  */
 CW_NODISCARD

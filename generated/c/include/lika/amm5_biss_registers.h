@@ -70,21 +70,21 @@ static inline uint64_t lika_amm5_biss_reg_preset_max(lika_amm5_biss variant)
  * Preset, registers 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
  * Value that the encoder reports at the current shaft position once the preset is activated.
  * Byte order: low byte first, at 11h.
- * Can be written only while Preset setting enable is 01h (enable).
+ * The register can be written only while Preset setting enable is 01h (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * Bits 55:49, bits 9:8 and all of byte 11h are always 0. After writing the value, disable writing
  * again with "Preset setting enable" and save the value. Then activate the preset if it should take
  * effect immediately. The manual suggests activating it with the shaft at a standstill. The preset
  * can be used, for instance, to align the zero points of the encoder and the application.
- * Erratum: Only the Italian edition allows the total resolution as a preset (settled). Used: The
+ * Erratum: Only the Italian edition allows the total resolution as a preset (resolved). Used: The
  * maximum is 2^position_bits - 1.
- * Erratum: The English edition gives singleturn models 65,536 revolutions (settled). Used:
+ * Erratum: The English edition gives singleturn models 65,536 revolutions (resolved). Used:
  * Singleturn models have no multiturn bits.
  * Erratum: The manual does not describe the bits below the singleturn position (open). Used: All
  * bits below the lowest singleturn bit are 0.
  * Erratum: The preset uses registers that BiSS reserves for bank access (open). Used: The registers
  * are used as printed.
- * Erratum: The printed Preset default has five bytes instead of seven (settled). Used: The default
+ * Erratum: The printed Preset default has five bytes instead of seven (resolved). Used: The default
  * is seven bytes of 00.
  *   bits 55:49          -           Always zero.
  *   starting at bit 49 - multiturn_bits  multiturn
@@ -97,7 +97,7 @@ static inline uint64_t lika_amm5_biss_reg_preset_max(lika_amm5_biss variant)
 typedef struct lika_amm5_biss_reg_preset {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
     uint32_t singleturn; /**< Position within one revolution. Unit: counts. */
-    /** position consists of multiturn and singleturn, most significant first. */
+    /** position consists of multiturn and singleturn, most significant part first. */
     uint64_t position;
 } lika_amm5_biss_reg_preset;
 
@@ -268,8 +268,8 @@ static inline cw_result lika_amm5_biss_write_preset_setting_enable(
  */
 typedef struct lika_amm5_biss_reg_serial_number {
     /**
-     * Decimal digits, most significant first: year 2 (Production year), week 2 (Production week),
-     * number 5 (Serial number, assigned in ascending order).
+     * Decimal digits, most significant digit first: year 2 (Production year), week 2 (Production
+     * week), number 5 (Serial number, assigned in ascending order).
      */
     uint32_t serial;
     uint8_t year; /**< digits of serial */
@@ -370,7 +370,7 @@ static inline cw_result lika_amm5_biss_read_serial_number(
  * Command (it: Comando), register 77h, write only, over BiSS C-mode [6.4 p.39].
  * Saves the parameters or activates the preset.
  * Wait at least 30 ms between a write and the next command.
- * Automatically returns to its default after a write.
+ * After a write, the register returns to its default automatically.
  * After a command, the register automatically returns to 00.
  * Function.
  */
@@ -424,7 +424,7 @@ static inline cw_result lika_amm5_biss_write_command(
  */
 typedef struct lika_amm5_biss_reg_device_id {
     /**
-     * Device name (41 4D 4D 35 in hexadecimal). ASCII text. Holds AMM5, which helps to identify the
+     * Device name (41 4D 4D 35 in hexadecimal). ASCII text. The value AMM5 helps to identify the
      * encoder. The decoder also accepts other values. No terminator.
      */
     char name[4];
@@ -515,7 +515,7 @@ static inline cw_result lika_amm5_biss_read_device_id(
  */
 typedef struct lika_amm5_biss_reg_manufacturer_id {
     /**
-     * Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds Li, which helps to identify the
+     * Lika Electronic (4C 69 in hexadecimal). ASCII text. The value Li helps to identify the
      * encoder. The decoder also accepts other values. No terminator.
      */
     char name[2];

@@ -37,8 +37,8 @@
  *           https://github.com/TexasInstruments/motor-control-sdk
  *   hpm_sdk: hpmicro/hpm_sdk, sample of a T-format encoder - https://github.com/hpmicro/hpm_sdk
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -86,9 +86,9 @@ extern "C" {
  * catalog.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The heading of the cable table says G1 instead of BG1 (settled). Used: The cable belongs
- * to the ...BG1-... and ...SC1-... order codes.
- * Erratum: The word length table prints 65KKG1 instead of 65KBG1 (settled). Used: The order codes
+ * Erratum: The heading of the cable table says G1 instead of BG1 (resolved). Used: The cable
+ * belongs to the ...BG1-... and ...SC1-... order codes.
+ * Erratum: The word length table prints 65KKG1 instead of 65KBG1 (resolved). Used: The order codes
  * contain 65KBG1.
  */
 
@@ -145,8 +145,8 @@ static inline uint32_t lika_amm5_rs485_revolutions(lika_amm5_rs485 variant)
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
  * first. It equals the XOR of the bytes, so it does not detect swapped bytes. The printed code sets
  * the start value to 0.
- * Erratum: The printed CRC code expects the bits of each byte MSB first (settled). Used: The CRC is
- * the XOR of all bytes before it, which is x^8 + 1 with input and output reflected.
+ * Erratum: The printed CRC code expects the bits of each byte MSB first (resolved). Used: The CRC
+ * is the XOR of all bytes before it, which is x^8 + 1 with input and output reflected.
  * With this polynomial, the CRC of whole bytes is their XOR.
  */
 CW_CONSTEXPR
@@ -262,7 +262,7 @@ typedef enum lika_amm5_rs485_report {
  * values is decoded, and the bits are reported.
  * Erratum: The manual only partly says which errors affect the position (open). Used: The position
  * is not usable if any of these is active: error, BUSY, PS error or ST error.
- * Erratum: The manual does not describe the structure of the control field (settled). Used: Bits
+ * Erratum: The manual does not describe the structure of the control field (resolved). Used: Bits
  * 2:0 are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.
  * Erratum: Turning on the power twice can mean one or two power cycles (open). Used: The remedy is
  * given as printed.
@@ -535,30 +535,30 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
  *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
  * Erratum: One bit combines BUSY with errors that leave the position intact (open). Used: EE_1 is
  * one flag, status_other_error.
- * Erratum: The frame in the CRC example does not match any reply (settled). Used: The bytes are
+ * Erratum: The frame in the CRC example does not match any reply (resolved). Used: The bytes are
  * used only as a check of the CRC. The decoder rejects them as a reply because of their length.
  */
 typedef struct lika_amm5_rs485_singleturn_reply {
     lika_amm5_rs485_data_id data_id; /**< Data ID. */
     /**
-     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
-     * active, the position is not usable. If a flag that it combines is active in the same frame,
-     * that flag decides instead. Remedy: Turn on the main power twice, or reset the error with data
-     * ID 7 or C.
+     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. This flag combines st_error.
+     * While it is active, the position is not usable. If a flag that it combines is active in the
+     * same frame, that flag decides instead. Remedy: Turn on the main power twice, or reset the
+     * error with data ID 7 or C.
      */
     bool status_st_error;
     /**
      * EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they are
      * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
      * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
-     * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
-     * usable. If a flag that it combines is active in the same frame, that flag decides instead.
-     * Remedy: Request data ID 3. Its ALMC shows the active error.
+     * This flag combines busy, ps_error, battery_alarm and mt_error. While it is active, the
+     * position is not usable. If a flag that it combines is active in the same frame, that flag
+     * decides instead. Remedy: Request data ID 3. Its ALMC shows the active error.
      */
     bool status_other_error;
     /**
      * ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits,
-     * with zeros above it.
+     * with leading zeros.
      */
     uint32_t singleturn;
     /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
@@ -672,24 +672,24 @@ static inline uint32_t lika_amm5_rs485_singleturn_reply_reports(
  */
 typedef struct lika_amm5_rs485_multiturn_reply {
     /**
-     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
-     * active, the position is not usable. If a flag that it combines is active in the same frame,
-     * that flag decides instead. Remedy: Turn on the main power twice, or reset the error with data
-     * ID 7 or C.
+     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. This flag combines st_error.
+     * While it is active, the position is not usable. If a flag that it combines is active in the
+     * same frame, that flag decides instead. Remedy: Turn on the main power twice, or reset the
+     * error with data ID 7 or C.
      */
     bool status_st_error;
     /**
      * EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they are
      * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
      * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
-     * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
-     * usable. If a flag that it combines is active in the same frame, that flag decides instead.
-     * Remedy: Request data ID 3. Its ALMC shows the active error.
+     * This flag combines busy, ps_error, battery_alarm and mt_error. While it is active, the
+     * position is not usable. If a flag that it combines is active in the same frame, that flag
+     * decides instead. Remedy: Request data ID 3. Its ALMC shows the active error.
      */
     bool status_other_error;
     /**
      * ABM0, ABM1, ABM2: Number of revolutions. Unit: revolutions. Right-aligned in 24 bits, with
-     * zeros above it.
+     * leading zeros.
      */
     uint16_t multiturn;
     /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
@@ -798,24 +798,24 @@ static inline uint32_t lika_amm5_rs485_multiturn_reply_reports(
  */
 typedef struct lika_amm5_rs485_encoder_id_reply {
     /**
-     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
-     * active, the position is not usable. If a flag that it combines is active in the same frame,
-     * that flag decides instead. Remedy: Turn on the main power twice, or reset the error with data
-     * ID 7 or C.
+     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. This flag combines st_error.
+     * While it is active, the position is not usable. If a flag that it combines is active in the
+     * same frame, that flag decides instead. Remedy: Turn on the main power twice, or reset the
+     * error with data ID 7 or C.
      */
     bool status_st_error;
     /**
      * EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they are
      * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
      * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
-     * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
-     * usable. If a flag that it combines is active in the same frame, that flag decides instead.
-     * Remedy: Request data ID 3. Its ALMC shows the active error.
+     * This flag combines busy, ps_error, battery_alarm and mt_error. While it is active, the
+     * position is not usable. If a flag that it combines is active in the same frame, that flag
+     * decides instead. Remedy: Request data ID 3. Its ALMC shows the active error.
      */
     bool status_other_error;
     /**
-     * ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. Holds 23h,
-     * which helps to identify the encoder. The decoder also accepts other values.
+     * ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. The value 23h
+     * helps to identify the encoder. The decoder also accepts other values.
      */
     uint8_t encoder_id;
     /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
@@ -915,34 +915,34 @@ static inline uint32_t lika_amm5_rs485_encoder_id_reply_reports(
  */
 typedef struct lika_amm5_rs485_complete_reply {
     /**
-     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. Combines st_error. While it is
-     * active, the position is not usable. If a flag that it combines is active in the same frame,
-     * that flag decides instead. Remedy: Turn on the main power twice, or reset the error with data
-     * ID 7 or C.
+     * EE_0. Active when 1: ST error. Inactive when 0: no ST error. This flag combines st_error.
+     * While it is active, the position is not usable. If a flag that it combines is active in the
+     * same frame, that flag decides instead. Remedy: Turn on the main power twice, or reset the
+     * error with data ID 7 or C.
      */
     bool status_st_error;
     /**
      * EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they are
      * reset. Active when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active,
      * all position data are 0. Inactive when 0: no BUSY flag, PS error, battery alarm or MT error.
-     * Combines busy, ps_error, battery_alarm and mt_error. While it is active, the position is not
-     * usable. If a flag that it combines is active in the same frame, that flag decides instead.
-     * Remedy: Request data ID 3. Its ALMC shows the active error.
+     * This flag combines busy, ps_error, battery_alarm and mt_error. While it is active, the
+     * position is not usable. If a flag that it combines is active in the same frame, that flag
+     * decides instead. Remedy: Request data ID 3. Its ALMC shows the active error.
      */
     bool status_other_error;
     /**
      * ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits,
-     * with zeros above it.
+     * with leading zeros.
      */
     uint32_t singleturn;
     /**
-     * ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. Holds 23h,
-     * which helps to identify the encoder. The decoder also accepts other values.
+     * ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. The value 23h
+     * helps to identify the encoder. The decoder also accepts other values.
      */
     uint8_t encoder_id;
     /**
      * ABM0, ABM1, ABM2: Number of revolutions. Unit: revolutions. Right-aligned in 24 bits, with
-     * zeros above it.
+     * leading zeros.
      */
     uint16_t multiturn;
     /**
@@ -963,18 +963,18 @@ typedef struct lika_amm5_rs485_complete_reply {
     /**
      * MTERR. Active when 1: the external battery is below 3.05 V. Inactive when 0: no MT error.
      * While it is active, the position is not usable. This applies only to .../65K.... For other
-     * order codes, the manual does not explain the flag. While it is active there, the position is
-     * usable, with a warning.
+     * order codes, the manual does not explain the flag. If it is active there, the position is
+     * usable with a warning.
      */
     bool mt_error;
     /**
      * BATT. Active when 1: the external battery is below 3.15 V. Inactive when 0: no battery alarm.
-     * While it is active, the position is usable, with a warning. This applies only to .../65K....
-     * For other order codes, the manual does not explain the flag. While it is active there, the
-     * position is usable, with a warning.
+     * While it is active, the position is usable with a warning. This applies only to .../65K....
+     * For other order codes, the manual does not explain the flag. If it is active there, the
+     * position is usable with a warning.
      */
     bool battery_alarm;
-    /** position consists of multiturn and singleturn, most significant first. */
+    /** position consists of multiturn and singleturn, most significant part first. */
     uint64_t position;
     /**
      * Unused bits, each 1 if it differs from the manual: 3:0 status_info, 7:6 status_zero, 8

@@ -145,7 +145,7 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * position data are 0 during this time [7.4.1 p.44].
  * Flag: busy in ALMC.
  * Detected: In normal operation, when the main power is turned on.
- * Clears itself when its cause is gone.
+ * The alarm clears itself when its cause is gone.
  * Remedy: The flag clears itself (once the rotational speed is 300 rpm or less).
  * Erratum: The manual gives two different conditions for clearing BUSY (open). Used: Both
  * conditions are listed as printed.
@@ -157,7 +157,7 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * [7.4.1 p.44].
  * Flag: ps_error in ALMC.
  * Detected: In normal operation.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum: Turning on the power twice can mean one or two power cycles (open). Used: The remedy is
@@ -170,7 +170,7 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * disagree [7.4.1 p.44].
  * Flag: st_error in ALMC.
  * Detected: In normal operation.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum: Turning on the power twice can mean one or two power cycles (open). Used: The remedy is
@@ -182,11 +182,11 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * Battery alarm: The external battery is low [7.4.1 p.44, 9 p.51, it: 7.4.1 p.45].
  * Flag: battery_alarm in ALMC.
  * Detected: In normal operation.
- * Raised below 3.15 V.
- * Stays active until it is reset.
+ * The alarm is raised below 3.15 V.
+ * The alarm stays active until it is reset.
  * Remedy: Replace the battery as soon as possible, then reset the error with data ID 7 or C. Steps:
  * Battery replacement without error.
- * Only with .../65K...
+ * This applies only to .../65K...
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum: The allowed battery voltage includes voltages that raise an alarm (open). Used: Both
  * values are listed as printed.
@@ -200,11 +200,11 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * MT error: The external battery is depleted [7.4.1 p.44, 9 p.51, it: 7.4.1 p.45].
  * Flag: mt_error in ALMC.
  * Detected: In normal operation.
- * Raised below 3.05 V.
- * Stays active until it is reset.
+ * The alarm is raised below 3.05 V.
+ * The alarm stays active until it is reset.
  * Remedy: Replace the battery, then reset the error with data ID 7 or C. Steps: Battery replacement
  * with error.
- * Only with .../65K...
+ * This applies only to .../65K...
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum: The allowed battery voltage includes voltages that raise an alarm (open). Used: Both
  * values are listed as printed.

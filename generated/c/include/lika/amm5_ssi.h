@@ -36,8 +36,8 @@
  * Differences from other editions of the manual are noted in ERRATA-lika.md. For the files of
  * another edition, use codewheel generate --edition amm5=1.0.
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -86,9 +86,9 @@ extern "C" {
  * catalog.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The heading of the cable table says G1 instead of BG1 (settled). Used: The cable belongs
- * to the ...BG1-... and ...SC1-... order codes.
- * Erratum: The word length table prints 65KKG1 instead of 65KBG1 (settled). Used: The order codes
+ * Erratum: The heading of the cable table says G1 instead of BG1 (resolved). Used: The cable
+ * belongs to the ...BG1-... and ...SC1-... order codes.
+ * Erratum: The word length table prints 65KKG1 instead of 65KBG1 (resolved). Used: The order codes
  * contain 65KBG1.
  */
 
@@ -220,18 +220,18 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
 
 /**
  * ssi_word, sent by the encoder over SSI: singleturn_bits + multiturn_bits bits, most significant
- * first [5.2 p.28].
+ * bit first [5.2 p.28].
  * In the manual: Structure of the position information.
  * The word has as many bits as the position, 17 to 39, and starts with the most significant bit.
  * Extra clock pulses after the word read zeros. There is no error bit, no warning bit and no CRC.
  *   starting at bit singleturn_bits  multiturn
  *         multiturn_bits bits.
  *   starting at bit 0  singleturn  singleturn_bits bits.
- * Erratum: One section says Binary or Gray, but the other says only Binary (settled). Used: The
+ * Erratum: One section says Binary or Gray, but the other says only Binary (resolved). Used: The
  * output code is binary.
  * Erratum: Two sections disagree on the number of SSI clocks (open). Used: The generated files do
  * not enforce either rule. n + 1 clocks satisfy both.
- * Erratum: The word length table prints 65KKG1 instead of 65KBG1 (settled). Used: The order codes
+ * Erratum: The word length table prints 65KKG1 instead of 65KBG1 (resolved). Used: The order codes
  * contain 65KBG1.
  * Erratum: The manual does not give the order of singleturn and multiturn (open). Used: The
  * multiturn part comes first and is the more significant part.
@@ -239,7 +239,7 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
 typedef struct lika_amm5_ssi_frame {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
     uint32_t singleturn; /**< Position within one revolution. Unit: counts. */
-    /** position consists of multiturn and singleturn, most significant first. */
+    /** position consists of multiturn and singleturn, most significant part first. */
     uint64_t position;
 } lika_amm5_ssi_frame;
 

@@ -39,8 +39,8 @@
  *   onstepx: hjd1964/OnStepX, telescope controller with a BiSS C driver for the ASC85, marked
  *            experimental - https://github.com/hjd1964/OnStepX
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -291,7 +291,7 @@ typedef enum lika_asc85_biss_report {
 
 /**
  * single_cycle_data, sent by the encoder over BiSS C-mode: zero_bits + position_bits + 8 bits, most
- * significant first [6.2.1 p.20].
+ * significant bit first [6.2.1 p.20].
  * In the manual: Single Cycle Data SCD.
  * The positions of its fields depend on your choice of zero_bit: as_printed or left_out.
  *   starting at bit zero_bits + 8  position  position_bits bits.
@@ -326,7 +326,7 @@ typedef struct lika_asc85_biss_frame {
     /**
      * Warning, nW: Normal or fault status of the encoder. The error register shows the active
      * warning. Active when 0: a warning is active in the system. Inactive when 1: no active
-     * warning. While it is active, the position is usable, with a warning. Remedy: Read the error
+     * warning. While it is active, the position is usable with a warning. Remedy: Read the error
      * register (69h). It shows the active warnings.
      */
     bool warning;

@@ -109,8 +109,8 @@ typedef struct lika_asc85_biss_save_configuration_read {
  * Precondition: An EEPROM was connected at power-on. Without it, the command has no effect.
  * Result: The configuration registers and a new checksum are in the EEPROM.
  * The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
- * Erratum: The manual prints Internal data bus busy as bit 3 and as bit 2 (settled). Used: Internal
- * data bus busy is bit 2.
+ * Erratum: The manual prints Internal data bus busy as bit 3 and as bit 2 (resolved). Used:
+ * Internal data bus busy is bit 2.
  * Save the configuration, over BiSS C-mode. The transport needs read_registers, write_registers and
  * wait_us.
  */
@@ -167,7 +167,7 @@ typedef struct lika_asc85_biss_read_absolute_data_read {
  * error register.
  * Erratum: The manual does not explain the cycle counter of a singleturn encoder (open). Used: The
  * command and the error are described as printed.
- * Erratum: The manual prints Absolute data valid as bit 2 and as bit 1 (settled). Used: Absolute
+ * Erratum: The manual prints Absolute data valid as bit 2 and as bit 1 (resolved). Used: Absolute
  * data valid is bit 1.
  * Read absolute data again, over BiSS C-mode. The transport needs read_registers, write_registers
  * and wait_us.
@@ -281,8 +281,8 @@ typedef struct lika_asc85_biss_verify_configuration_read {
 /**
  * Verify the CRC of the configuration [6.4 p.27].
  * Result: Configuration error shows whether the configuration registers match their checksum.
- * Erratum: The manual prints Internal data bus busy as bit 3 and as bit 2 (settled). Used: Internal
- * data bus busy is bit 2.
+ * Erratum: The manual prints Internal data bus busy as bit 3 and as bit 2 (resolved). Used:
+ * Internal data bus busy is bit 2.
  * Verify the CRC of the configuration, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
  */

@@ -55,7 +55,7 @@ extern "C" {
  */
 typedef struct lika_asc85_biss_reg_profile_id {
     /**
-     * Singleturn resolution, Variant 0-24++. Holds 28h, which helps to identify the encoder. The
+     * Singleturn resolution, Variant 0-24++. The value 28h helps to identify the encoder. The
      * decoder also accepts other values.
      */
     uint8_t variant;
@@ -437,10 +437,10 @@ static inline cw_result lika_asc85_biss_write_command(
  * therefore gives no verdict on a position in a frame, which has its own Error and Warning bits, or
  * on a position read from the position register at another time. Before reading the position
  * register, wait until "Position data valid" is 1, as in the procedure request_position.
- * Erratum: The manual prints Absolute data valid as bit 2 and as bit 1 (settled). Used: Absolute
+ * Erratum: The manual prints Absolute data valid as bit 2 and as bit 1 (resolved). Used: Absolute
  * data valid is bit 1.
- * Erratum: The manual prints Internal data bus busy as bit 3 and as bit 2 (settled). Used: Internal
- * data bus busy is bit 2.
+ * Erratum: The manual prints Internal data bus busy as bit 3 and as bit 2 (resolved). Used:
+ * Internal data bus busy is bit 2.
  * Erratum: The manual does not say which errors cause a warning (open). Used: No bit of the error
  * register is interpreted as a warning.
  * Erratum: The manual does not list the EDS registers (open). Used: The generated files have no
@@ -777,7 +777,7 @@ static inline cw_result lika_asc85_biss_read_error_register(
  */
 typedef struct lika_asc85_biss_reg_device_id {
     /**
-     * Device name, ASC85 without the C (41 53 38 35 in hexadecimal). ASCII text. Holds AS85, which
+     * Device name, ASC85 without the C (41 53 38 35 in hexadecimal). ASCII text. The value AS85
      * helps to identify the encoder. The decoder also accepts other values. No terminator.
      */
     char name[4];
@@ -869,7 +869,7 @@ static inline cw_result lika_asc85_biss_read_device_id(
  */
 typedef struct lika_asc85_biss_reg_manufacturer_id {
     /**
-     * Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds Li, which helps to identify the
+     * Lika Electronic (4C 69 in hexadecimal). ASCII text. The value Li helps to identify the
      * encoder. The decoder also accepts other values. No terminator.
      */
     char name[2];

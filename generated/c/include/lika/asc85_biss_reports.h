@@ -51,7 +51,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * Control error: The signal level or the output current of the amplitude control has reached a
  * threshold. Bits 2, 3, 6 and 7 of the diagnostic data show which. [6.4 p.30]
  * Flag: Control error in Error register.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Reading the position clears the message. It reappears as long as its cause persists.
  * Cleared by: reset_errors.
  */
@@ -61,7 +61,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * Signal error: The AC amplitude of a differential signal or the DC voltage of an analog signal
  * line has reached a threshold. Bits 0, 1, 4 and 5 of the diagnostic data show which. [6.4 p.30]
  * Flag: Signal error in Error register.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Reading the position clears the message. It reappears as long as its cause persists.
  * Cleared by: reset_errors.
  */
@@ -71,7 +71,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * Synchronization error: The internal synchronization between the cycle counter and the
  * interpolator failed. [6.4 p.30]
  * Flag: Synchronization error in Error register.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Reading the position clears the message. It reappears as long as its cause persists.
  * Cleared by: reset_errors.
  * Erratum: The manual does not explain the cycle counter of a singleturn encoder (open). Used: The
@@ -99,7 +99,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * Interpolation error: The conversion had not been carried out at the time of the read access. [6.4
  * p.31]
  * Flag: Interpolation error in Error register.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Reading the position clears the message. It reappears as long as its cause persists.
  * Cleared by: reset_errors.
  */
@@ -111,7 +111,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * [6.4 p.31]
  * Flag: Absolute data error in Error register.
  * Detected: When the absolute data interface reads, for example after command 02.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Reading the position clears the message. It reappears as long as its cause persists.
  * Cleared by: reset_errors.
  */

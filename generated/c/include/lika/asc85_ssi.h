@@ -32,8 +32,8 @@
  * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -232,7 +232,8 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /**
- * ssi_word, sent by the encoder over SSI: position_bits bits, most significant first [5.2 p.16].
+ * ssi_word, sent by the encoder over SSI: position_bits bits, most significant bit first [5.2
+ * p.16].
  * In the manual: Structure of the position information.
  * position is in Gray code while ssi_gray is 1, and in binary while it is 0.
  * The word has as many bits as the position, 20 to 25, and starts with the most significant bit.
@@ -243,8 +244,8 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
  * is Gray.
  * Erratum: Two sections disagree on the number of SSI clocks (open). Used: The generated files do
  * not enforce either rule. n + 1 clocks satisfy both.
- * Erratum: The bits of the SSI words are numbered from 1 instead of 0 (settled). Used: The bits are
- * 19:0 to 24:0, with bit 0 as the LSB.
+ * Erratum: The bits of the SSI words are numbered from 1 instead of 0 (resolved). Used: The bits
+ * are 19:0 to 24:0, with bit 0 as the LSB.
  */
 typedef struct lika_asc85_ssi_frame {
     uint32_t position; /**< Position within one revolution. Unit: counts. */

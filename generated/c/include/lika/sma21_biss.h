@@ -38,8 +38,8 @@
  *   renishaw: L-9709-9005-03-F, BiSS data sheet, Renishaw
  *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -115,15 +115,15 @@ typedef struct lika_sma21_biss {
     uint8_t scd_padding_bits;
     /**
      * Bit 1 of the BiSS Configuration register: 1 while the Preset / Offset register contains an
-     * offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. Read at run time from register 49h
-     * (Select preset offset in Configuration), 0 to 1. lika_sma21_biss_take_configuration() updates
-     * it.
+     * offset, 0 while it contains a preset [6.4 p.30, 6.4 p.32]. It is read at run time from
+     * register 49h (Select preset offset in Configuration), 0 to 1.
+     * lika_sma21_biss_take_configuration() updates it.
      */
     uint8_t offset_selected;
     uint16_t profile_id; /**< Profile ID in the BiSS registers 42h and 43h [6.4 p.28]. */
     /**
-     * Bit 5 of the BiSS Configuration register: 0 for Gray code, 1 for binary [6.4 p.31]. Read at
-     * run time from register 49h (Output code in Configuration), 0 to 1.
+     * Bit 5 of the BiSS Configuration register: 0 for Gray code, 1 for binary [6.4 p.31]. It is
+     * read at run time from register 49h (Output code in Configuration), 0 to 1.
      * lika_sma21_biss_take_configuration() updates it.
      */
     uint8_t output_code;
@@ -297,7 +297,7 @@ typedef enum lika_sma21_biss_report {
 
 /**
  * single_cycle_data, sent by the encoder over BiSS C-mode: position_bits + scd_padding_bits + 8
- * bits, most significant first [6.2 p.25].
+ * bits, most significant bit first [6.2 p.25].
  * In the manual: Single Cycle Data SCD.
  * position is in Gray code while biss_gray is 1, and in binary while it is 0.
  * The frame has 32 bits at resolutions of 50 um to 2 um and 33 bits at 1 um. The position is
@@ -316,8 +316,8 @@ typedef enum lika_sma21_biss_report {
  *                                everything before it.
  * Erratum: The manual does not say which bits are in Gray code (open). Used: Only the position is
  * encoded.
- * Erratum: At 1 um, the frame is one bit longer than printed (settled). Used: The frame has 32 bits
- * at resolutions of 50 um to 2 um and 33 bits at 1 um.
+ * Erratum: At 1 um, the frame is one bit longer than printed (resolved). Used: The frame has 32
+ * bits at resolutions of 50 um to 2 um and 33 bits at 1 um.
  * Erratum: With an offset, bits that should be 0 carry data (open). Used: While an offset is
  * selected in the Configuration register, 6.4 applies: the position takes up the whole field of 24
  * or 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame with a
@@ -345,8 +345,8 @@ typedef struct lika_sma21_biss_frame {
     /**
      * Warning, nW: Used with the Position check register for an automatic check of the position. It
      * is intended only for Lika's technicians. Active when 0: a warning is active. Inactive when 1:
-     * no warning is active. While it is active, the position is usable, with a warning. Reserved
-     * for the manufacturer.
+     * no warning is active. While it is active, the position is usable with a warning. Reserved for
+     * the manufacturer.
      */
     bool warning;
 } lika_sma21_biss_frame;

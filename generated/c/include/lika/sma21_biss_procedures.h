@@ -60,7 +60,7 @@ static inline cw_result lika_sma21_biss_set_configuration_steps(
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
- * @param configuration Value of the whole register. Written to Configuration.
+ * @param configuration Value of the whole register. It is written to Configuration.
  * @param failure Details of a failed step, or NULL.
  */
 CW_NODISCARD
@@ -133,7 +133,8 @@ static inline cw_result lika_sma21_biss_set_preset_steps(
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
- * @param position New value for the current position. Written to Preset / Offset as its preset.
+ * @param position New value for the current position. It is written to Preset / Offset as its
+ *                 preset.
  * @param failure Details of a failed step, or NULL.
  */
 CW_NODISCARD
@@ -272,7 +273,8 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
- * @param offset Value by which the positions are shifted. Written to Preset / Offset as its offset.
+ * @param offset Value by which the positions are shifted. It is written to Preset / Offset as its
+ *               offset.
  * @param failure Details of a failed step, or NULL.
  */
 CW_NODISCARD

@@ -45,7 +45,7 @@ extern "C" {
  */
 typedef struct lika_sma21_biss_reg_profile_id {
     /**
-     * 28h, followed by the number of position bits in decimal. Holds profile_id, which helps to
+     * 28h, followed by the number of position bits in decimal. The value profile_id helps to
      * identify the encoder. The decoder also accepts other values.
      */
     uint16_t profile_id;
@@ -193,7 +193,7 @@ static inline cw_result lika_sma21_biss_read_serial_number(
  * Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29, 12 p.51].
  * Saves the parameters, activates the preset or offset, or restores the defaults.
  * Wait at least 30 ms between a write and the next command.
- * Automatically returns to its default after a write.
+ * After a write, the register returns to its default automatically.
  * After a command, the register automatically returns to 00.
  * Function.
  */
@@ -308,7 +308,7 @@ typedef enum lika_sma21_biss_select_preset_offset {
  * Preset or offset, output code and counting direction.
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * A new setting takes effect as soon as it has been transmitted. Save it with the Command register.
- * Erratum: One example numbers Counting direction as bit 8 instead of bit 6 (settled). Used:
+ * Erratum: One example numbers Counting direction as bit 8 instead of bit 6 (resolved). Used:
  * Counting direction is bit 6.
  *   bit 7     unused_7              Non utilizzato: Not used. Always 0.
  *   bit 6     counting_direction
@@ -424,8 +424,8 @@ static inline cw_result lika_sma21_biss_write_configuration(
  * 32h is 50 um, 0Ah is 10 um, 05h is 5 um, 02h is 2 um and 01h is 1 um. The highest positions are
  * 00 0F FF FFh (20 bits), 00 3F FF FFh (22 bits), 00 7F FF FFh (23 bits), 00 FF FF FFh (24 bits)
  * and 01 FF FF FFh (25 bits).
- * Length of one count. Unit: um. Holds resolution_um, which helps to identify the encoder. The
- * decoder also accepts other values.
+ * Length of one count. Unit: um. The value resolution_um helps to identify the encoder. The decoder
+ * also accepts other values.
  */
 #define LIKA_SMA21_BISS_REG_ABSOLUTE_RESOLUTION_ADDRESS 0x4DU
 #define LIKA_SMA21_BISS_REG_ABSOLUTE_RESOLUTION_LENGTH 1U /**< byte */
@@ -479,7 +479,7 @@ static inline uint32_t lika_sma21_biss_reg_preset_offset_offset_max(lika_sma21_b
  * Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32, 12 p.51].
  * Preset or offset, as selected by the Select preset / offset bit of the Configuration register.
  * Byte order: high byte first, at 50h.
- * Can be written only while Enable preset offset in Configuration is 0 (enable).
+ * The register can be written only while Enable preset offset in Configuration is 0 (enable).
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * While Select preset offset in Configuration is 0 (preset), the register holds preset, 0 to
  * 2^position_bits - 1. Value that the encoder reports at the current sensor position once the
@@ -501,7 +501,7 @@ static inline uint32_t lika_sma21_biss_reg_preset_offset_offset_max(lika_sma21_b
  * nonzero bit there is rejected.
  * Erratum: The manual describes the offset both as a preset and as a shift (open). Used: All
  * transmitted values are shifted by the offset.
- * Erratum: The printed highest value with an offset is one too high (settled). Used: The highest
+ * Erratum: The printed highest value with an offset is one too high (resolved). Used: The highest
  * value is that sum minus 1.
  *   bits 31:0  preset_offset
  */
@@ -581,7 +581,7 @@ static inline cw_result lika_sma21_biss_write_preset_offset(
 /**
  * Device type (it: Tipo di dispositivo), register 55h, read only, over BiSS C-mode [6.4 p.33].
  * Device type.
- * 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. Holds 08h, which helps to
+ * 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. The value 08h helps to
  * identify the encoder. The decoder also accepts other values.
  */
 #define LIKA_SMA21_BISS_REG_DEVICE_TYPE_ADDRESS 0x55U
@@ -611,7 +611,7 @@ static inline cw_result lika_sma21_biss_read_device_type(
  * Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode
  * [6.4 p.33].
  * Period of the sine and cosine signals.
- * 00h: no sine and cosine signals. Holds 00h, which helps to identify the encoder. The decoder also
+ * 00h: no sine and cosine signals. The value 00h helps to identify the encoder. The decoder also
  * accepts other values.
  */
 #define LIKA_SMA21_BISS_REG_SINE_COSINE_RESOLUTION_ADDRESS 0x58U
@@ -688,7 +688,7 @@ static inline cw_result lika_sma21_biss_read_position_check(
  */
 typedef struct lika_sma21_biss_reg_device_id {
     /**
-     * Device name (53 4D 32 31 in hexadecimal). ASCII text. Holds SM21, which helps to identify the
+     * Device name (53 4D 32 31 in hexadecimal). ASCII text. The value SM21 helps to identify the
      * encoder. The decoder also accepts other values. No terminator.
      */
     char name[4];
@@ -782,7 +782,7 @@ static inline cw_result lika_sma21_biss_read_device_id(
  */
 typedef struct lika_sma21_biss_reg_manufacturer_id {
     /**
-     * Lika Electronic (4C 69 in hexadecimal). ASCII text. Holds Li, which helps to identify the
+     * Lika Electronic (4C 69 in hexadecimal). ASCII text. The value Li helps to identify the
      * encoder. The decoder also accepts other values. No terminator.
      */
     char name[2];

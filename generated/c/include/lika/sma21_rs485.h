@@ -36,8 +36,8 @@
  *   a4: Panasonic A4 series manual, answers of serial communication -
  *       http://office.manualsonline.com/manuals/mfg/panasonic/a4_series.html?p=298
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -185,13 +185,13 @@ typedef enum lika_sma21_rs485_report {
  * Set all members of a request, because those that an initial value leaves out are 0.
  * Erratum: The manual both rules out and describes zero setting over RS-485 (open). Used: Data ID F
  * is used as described in 7.3.1 and 7.3.3.2.
- * Erratum: The manual prints the control field's parity bit as part of the ID (settled). Used: cc0
+ * Erratum: The manual prints the control field's parity bit as part of the ID (resolved). Used: cc0
  * to cc3 are the data ID, and cc4 is its even parity bit.
  * Erratum: The manual does not say how individual alarms affect the position (open). Used: The
  * position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1.
  * Erratum: The interval between the ten reset requests is ambiguous (open). Used: No other request
  * is sent in between.
- * Erratum: The manual gives an error bit level without naming the interface (settled). Used: This
+ * Erratum: The manual gives an error bit level without naming the interface (resolved). Used: This
  * level applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error and
  * stays high until it is reset.
  * Erratum: The manual does not give the reply time over RS-485 (open). Used: The generated files
@@ -318,35 +318,35 @@ static inline cw_result lika_sma21_rs485_data_request_encode(
  *   byte 6            crc                         CRC. CRC rs485_8 over everything before it.
  * Erratum: The manual does not give the values sent for positions below zero (open). Used: Over SSI
  * and BiSS, the position wraps around after 2^position_bits counts.
- * Erratum: The printed highest 24-bit position has one digit too many (settled). Used: The highest
+ * Erratum: The printed highest 24-bit position has one digit too many (resolved). Used: The highest
  * value is FFFFFFh.
  * Erratum: The manual does not give the RS-485 position width of each model (open). Used: The
  * position has 20 bits at 50 um, 22 at 10 um, 23 at 5 um, and 24 at 2 um and 1 um.
- * Erratum: Arrows in the manual show the position bytes in the wrong order (settled). Used: ABS0 is
- * sent first.
+ * Erratum: Arrows in the manual show the position bytes in the wrong order (resolved). Used: ABS0
+ * is sent first.
  */
 typedef struct lika_sma21_rs485_position_reply {
     lika_sma21_rs485_data_id data_id; /**< cc0 ... cc3. */
     /**
      * ea0: The bit is not stored. It clears as soon as the cause is gone. Active when 1: encoder
      * alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
-     * correct. Inactive when 0: no encoder alarm. Combines temperature_alarm and
-     * signal_strength_alarm. While it is active, the position is usable, with a warning. If a flag
+     * correct. Inactive when 0: no encoder alarm. This flag combines temperature_alarm and
+     * signal_strength_alarm. While it is active, the position is usable with a warning. If a flag
      * that it combines is active in the same frame, that flag decides instead.
      */
     bool status_alarm;
     /**
      * ea1: Stored in the encoder until the errors are reset. Active when 1: encoder error, the
      * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
-     * Inactive when 0: no encoder error. Combines low_amplitude_error, higher_track_error,
-     * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
-     * active, the position is not usable. If a flag that it combines is active in the same frame,
-     * that flag decides instead. Remedy: Reset the errors with data ID B.
+     * Inactive when 0: no encoder error. This flag combines low_amplitude_error,
+     * higher_track_error, encoder_inharmonious_error, hardware_error, initialization_error and
+     * overspeed. While it is active, the position is not usable. If a flag that it combines is
+     * active in the same frame, that flag decides instead. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**
      * ABS0, ABS1, ABS2: Position in counts. Multiply it by the resolution to get a length. Unit:
-     * counts. Right-aligned in 24 bits, with zeros above it.
+     * counts. Right-aligned in 24 bits, with leading zeros.
      */
     uint32_t position;
     /**
@@ -553,31 +553,31 @@ static inline uint32_t lika_sma21_rs485_position_reply_reports(
  *   byte 8            crc           CRC. CRC rs485_8 over everything before it.
  * Erratum: The manual does not give the values sent for positions below zero (open). Used: Over SSI
  * and BiSS, the position wraps around after 2^position_bits counts.
- * Erratum: The printed highest 48-bit position lacks two digits (settled). Used: The highest value
+ * Erratum: The printed highest 48-bit position lacks two digits (resolved). Used: The highest value
  * is 7FFFFFFFFFFFh.
  * Erratum: The manual says that high bits of the signed 48-bit position are 0 (open). Used: The
  * position is signed and uses all 48 bits.
  * Erratum: The example reply sets an unused status bit (open). Used: dd0 to dd3 are unused and 0,
  * as in 7.3.2. A reply with other values is decoded, and the bits are reported.
- * Erratum: Arrows in the manual show the position bytes in the wrong order (settled). Used: ABS0 is
- * sent first.
+ * Erratum: Arrows in the manual show the position bytes in the wrong order (resolved). Used: ABS0
+ * is sent first.
  */
 typedef struct lika_sma21_rs485_wide_position_reply {
     /**
      * ea0: The bit is not stored. It clears as soon as the cause is gone. Active when 1: encoder
      * alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
-     * correct. Inactive when 0: no encoder alarm. Combines temperature_alarm and
-     * signal_strength_alarm. While it is active, the position is usable, with a warning. If a flag
+     * correct. Inactive when 0: no encoder alarm. This flag combines temperature_alarm and
+     * signal_strength_alarm. While it is active, the position is usable with a warning. If a flag
      * that it combines is active in the same frame, that flag decides instead.
      */
     bool status_alarm;
     /**
      * ea1: Stored in the encoder until the errors are reset. Active when 1: encoder error, the
      * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
-     * Inactive when 0: no encoder error. Combines low_amplitude_error, higher_track_error,
-     * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
-     * active, the position is not usable. If a flag that it combines is active in the same frame,
-     * that flag decides instead. Remedy: Reset the errors with data ID B.
+     * Inactive when 0: no encoder error. This flag combines low_amplitude_error,
+     * higher_track_error, encoder_inharmonious_error, hardware_error, initialization_error and
+     * overspeed. While it is active, the position is not usable. If a flag that it combines is
+     * active in the same frame, that flag decides instead. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**
@@ -719,34 +719,34 @@ static inline uint32_t lika_sma21_rs485_wide_position_reply_reports(
  *   byte 7, bit 6     signal_strength_alarm
  *   byte 7, bit 7     temperature_alarm
  *   byte 8            crc                         CRC. CRC rs485_8 over everything before it.
- * Erratum: The printed highest 24-bit position has one digit too many (settled). Used: The highest
+ * Erratum: The printed highest 24-bit position has one digit too many (resolved). Used: The highest
  * value is FFFFFFh.
  * Erratum: The manual does not give the RS-485 position width of each model (open). Used: The
  * position has 20 bits at 50 um, 22 at 10 um, 23 at 5 um, and 24 at 2 um and 1 um.
- * Erratum: Arrows in the manual show the position bytes in the wrong order (settled). Used: ABS0 is
- * sent first.
+ * Erratum: Arrows in the manual show the position bytes in the wrong order (resolved). Used: ABS0
+ * is sent first.
  */
 typedef struct lika_sma21_rs485_identification_reply {
     /**
      * ea0: The bit is not stored. It clears as soon as the cause is gone. Active when 1: encoder
      * alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is
-     * correct. Inactive when 0: no encoder alarm. Combines temperature_alarm and
-     * signal_strength_alarm. While it is active, the position is usable, with a warning. If a flag
+     * correct. Inactive when 0: no encoder alarm. This flag combines temperature_alarm and
+     * signal_strength_alarm. While it is active, the position is usable with a warning. If a flag
      * that it combines is active in the same frame, that flag decides instead.
      */
     bool status_alarm;
     /**
      * ea1: Stored in the encoder until the errors are reset. Active when 1: encoder error, the
      * logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop.
-     * Inactive when 0: no encoder error. Combines low_amplitude_error, higher_track_error,
-     * encoder_inharmonious_error, hardware_error, initialization_error and overspeed. While it is
-     * active, the position is not usable. If a flag that it combines is active in the same frame,
-     * that flag decides instead. Remedy: Reset the errors with data ID B.
+     * Inactive when 0: no encoder error. This flag combines low_amplitude_error,
+     * higher_track_error, encoder_inharmonious_error, hardware_error, initialization_error and
+     * overspeed. While it is active, the position is not usable. If a flag that it combines is
+     * active in the same frame, that flag decides instead. Remedy: Reset the errors with data ID B.
      */
     bool status_error;
     /**
      * ABS0, ABS1, ABS2: Position in counts. Multiply it by the resolution to get a length. Unit:
-     * counts. Right-aligned in 24 bits, with zeros above it.
+     * counts. Right-aligned in 24 bits, with leading zeros.
      */
     uint32_t position;
     /**

@@ -141,7 +141,7 @@ static inline const cw_report_text *lika_sma21_rs485_report_text(uint32_t report
  * Low amplitude error: The amplitude of the signal is too low [7.3.3.1 p.40, 7.3.2 p.38].
  * Flag: low_amplitude_error in ALMC.
  * Detected: In operation.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Reset the errors with data ID B.
  * Cleared by: reset_errors.
  */
@@ -163,7 +163,7 @@ static inline const cw_report_text *lika_sma21_rs485_report_text(uint32_t report
  * Hardware error: There is an error in the EEPROM [7.3.3.1 p.41, 7.3.2 p.38].
  * Flag: hardware_error in ALMC.
  * Detected: At power-on.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Reset the errors with data ID B.
  * Cleared by: reset_errors.
  */
@@ -174,7 +174,7 @@ static inline const cw_report_text *lika_sma21_rs485_report_text(uint32_t report
  * initialization, or the absolute position cannot be found [7.3.3.1 p.41, 7.3.3.2 p.41].
  * Flag: initialization_error in ALMC.
  * Detected: During the initialization right after power-on or after a reset ID.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Reset the errors with data ID B after the initialization is complete and normal operation
  * has started again.
  * Cleared by: reset_errors.
@@ -185,7 +185,7 @@ static inline const cw_report_text *lika_sma21_rs485_report_text(uint32_t report
  * Overspeed: The speed is too high [7.3.3.1 p.41, 7.3.2 p.38].
  * Flag: overspeed in ALMC.
  * Detected: In operation.
- * Stays active until it is reset.
+ * The alarm stays active until it is reset.
  * Remedy: Reset the errors with data ID B.
  * Cleared by: reset_errors.
  */

@@ -35,8 +35,8 @@
  * Differences from other editions of the manual are noted in ERRATA-lika.md. For the files of
  * another edition, use codewheel generate --edition sma21=1.0.
  *
- * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * An erratum is a place where the manual cannot be taken literally. It is resolved if the manual
+ * itself decides it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
  * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, unless a function says otherwise:
@@ -262,7 +262,7 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
 }
 
 /**
- * ssi_word, sent by the encoder over SSI: position_bits + 1 bits, most significant first [5.2
+ * ssi_word, sent by the encoder over SSI: position_bits + 1 bits, most significant bit first [5.2
  * p.20].
  * position is in Gray code while ssi_gray is 1, and in binary while it is 0.
  * The word has 21, 23, 24, 25 or 26 bits, including the error bit, and starts with the most

@@ -314,7 +314,7 @@ def crc_configuration_16(data: bytes) -> int:
     it.
 
     Errata, with their full text in ERRATA:
-        Two data sheets give different byte orders for the CRC (settled): The high byte is at 21h.
+        Two data sheets give different byte orders for the CRC (resolved): The high byte is at 21h.
 
     Args:
         data: Bytes that the CRC covers.
@@ -374,13 +374,13 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
-    first [p.28, p.30, mu150: p.29].
+    bit first [p.28, p.30, mu150: p.29].
 
     Attributes:
         variant: Encoder to which the frame belongs.
         position: Position as configured. Unit: counts.
         error: ERR. True when 0: an error is active. While it is True, the position is not usable.
-        warning: WRN. True when 0: a warning is active. While it is True, the position is usable, with a warning.
+        warning: WRN. True when 0: a warning is active. While it is True, the position is usable with a warning.
 
     In the manual: SCD.
 
@@ -751,7 +751,7 @@ class ProfileId(FixedRegister, _ProfileId):
     Byte order: high byte first, at 42h.
 
     Errata, with their full text in ERRATA:
-        The table reverses the byte order of the identification registers (settled): The lowest address has the high
+        The table reverses the byte order of the identification registers (resolved): The lowest address has the high
             byte.
         The tables do not give access rights for the identification registers (open): They are read-only.
     """
@@ -798,7 +798,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata, with their full text in ERRATA:
-        The table reverses the byte order of the identification registers (settled): The lowest address has the high
+        The table reverses the byte order of the identification registers (resolved): The lowest address has the high
             byte.
         The tables do not give access rights for the identification registers (open): They are read-only.
     """
@@ -1101,7 +1101,7 @@ class DeviceId(FixedRegister, _DeviceId):
     Byte order: high byte first, at 78h.
 
     Errata, with their full text in ERRATA:
-        The table reverses the byte order of the identification registers (settled): The lowest address has the high
+        The table reverses the byte order of the identification registers (resolved): The lowest address has the high
             byte.
         The tables do not give access rights for the identification registers (open): They are read-only.
     """
@@ -1148,7 +1148,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     Byte order: high byte first, at 7Eh.
 
     Errata, with their full text in ERRATA:
-        The table reverses the byte order of the identification registers (settled): The lowest address has the high
+        The table reverses the byte order of the identification registers (resolved): The lowest address has the high
             byte.
         The tables do not give access rights for the identification registers (open): They are read-only.
     """

@@ -197,7 +197,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum: One section says Binary or Gray, but the other says only Binary (settled) [5.1, 5.2]:
+# Erratum: One section says Binary or Gray, but the other says only Binary (resolved) [5.1, 5.2]:
 # Printed: 5.1: "The output code can be Binary or Gray", see the order code. 5.2: "The output code is BINARY", see the
 # order code.
 # Used: The output code is binary.
