@@ -227,7 +227,7 @@ def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
         "@biss@", hex(sent_words["biss"])
     )
     main = main.replace("@reply@", ", ".join(map(str, reply)))
-    assert f"word `0x{sent_words['biss']:X}` of that program, `decode_frame` stores {42 << 21 | 1821973}." in readme
+    assert f"word `0x{sent_words['biss']:X}` from that program, `decode_frame` stores {42 << 21 | 1821973}." in readme
     program = compile_c(["gcc", "-std=c99"], "".join(code) + main, tmp_path, include)
     written = ("11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00")
     read = [f"r {line[:2]} 1" for line in written]
