@@ -1,9 +1,9 @@
 """Cache of results in the user's own folder, so that nothing is computed twice.
 
-The cache is never a source of truth. A key is a hash of everything that the result depends on: the content of the
-specs, the code of this tool, its packages and the interpreter. An entry that is missing, damaged, too large or not
-safe from other users is ignored, and the result is computed again. Entries are JSON, so reading one runs no code.
-Several processes can share the folder, and it can be deleted at any time.
+A key is a hash of everything that the result depends on: the content of the specs, the code of this tool, its packages
+and the interpreter. An entry that is missing, damaged, too large, or that another user could have written is ignored,
+and the result is computed again. Entries are JSON, so reading one runs no code. Several processes can share the folder,
+and it can be deleted at any time.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ MAX_ENTRY = 32 * 2**20
 MAX_SIZE = 256 * 2**20
 #: Highest number of entries.
 MAX_ENTRIES = 4096
-#: Age in seconds from which an unfinished file is the remains of a killed process.
+#: Age in seconds from which an unfinished file is considered to be left by a killed process.
 _ABANDONED_S = 3600
 _UNFINISHED_PREFIX = ".new-"
 #: Size of the hash in hexadecimal digits.
@@ -86,8 +86,8 @@ class Cache:
                     self._keep_limits(self._folder, len(entry_json))
 
     def _keep_limits(self, folder: Path, size: int) -> None:
-        """Apply the limits at the first entry of this process, and whenever it has written a sixteenth of them."""
-        # The number and the size of the entries written since the last check. The first one counts as too many.
+        """Apply the limits after the first entry of this process, and each time it has written 1/16 of a limit."""
+        # Number and size of the entries since the last check. The first number is so high that there is a check.
         count, total = self._written or (MAX_ENTRIES, 0)
         self._written = (count + 1, total + size)
         if count >= MAX_ENTRIES // 16 or total + size >= MAX_SIZE // 16:
@@ -112,7 +112,7 @@ def key_of(kind: str, content: Iterable[bytes | str]) -> str:
 def content_of(paths: Iterable[Path]) -> list[bytes | str]:
     """Return the names and the content of files, for a key: ``["x.yaml", b"…", "y.yaml", "missing"]``.
 
-    ``missing`` replaces the content of a file that cannot be read.
+    A file that cannot be read is ``missing``.
     """
     names_and_contents: list[bytes | str] = []
     for path in paths:
@@ -191,9 +191,9 @@ def _is_ours(status: os.stat_result) -> bool:
 
 
 def _read(folder: Path, key: str) -> Any:
-    """Return the data of an entry, or None if it is foreign or damaged, or has another key.
+    """Return the data of an entry, or None if it is damaged, has another key, or another user could have written it.
 
-    A file has a SHA-256 in hexadecimal digits and then the JSON that it is the hash of: ``{"key": …, "data": …}``.
+    A file consists of JSON, ``{"key": …, "data": …}``, after the SHA-256 hash of this JSON in hexadecimal digits.
     """
     if not _is_ours(os.stat(folder)):
         return None
@@ -211,7 +211,7 @@ def _read(folder: Path, key: str) -> Any:
 
 
 def _write(folder: Path, key: str, content: bytes) -> None:
-    """Write an entry to a file of another name, and rename that, so that no process reads part of the entry."""
+    """Write an entry to a file with a temporary name, and rename it, so that no process reads part of the entry."""
     unfinished = folder / f"{_UNFINISHED_PREFIX}{os.getpid()}-{key[:16]}-{time.monotonic_ns()}"
     handle = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o600)
     try:
@@ -225,11 +225,11 @@ def _write(folder: Path, key: str, content: bytes) -> None:
 
 
 def _remove_oldest(folder: Path) -> None:
-    """Remove what killed processes left unfinished.
+    """Remove the oldest entries if a limit is exceeded, until at most half of each limit is used.
 
-    If a limit is exceeded, also remove the oldest entries until at most half of both limits is used.
+    Unfinished files of killed processes are removed as well.
     """
-    # The oldest comes first, since a tuple begins with the time. The listing removes unfinished files.
+    # A tuple begins with the time, so the oldest entry comes first.
     entries = sorted(_entries_in(folder))
     count = len(entries)
     total_size = sum(size for _, size, _ in entries)

@@ -1,8 +1,11 @@
-"""Compiled templates, stored where Python stores its own compiled modules: in ``__pycache__`` next to the source.
+"""Jinja environments for the templates of targets, with stored compiled templates.
 
-Compiled code is never read from the user's cache or from a folder for temporary files. Whoever can write to
-``__pycache__`` can change the modules of this tool as well. As with modules, ``PYTHONPYCACHEPREFIX`` selects another
-folder, and ``PYTHONDONTWRITEBYTECODE`` disables writing. If the folder is not writable, nothing is stored.
+Compiled templates are stored like Python's compiled modules, in ``__pycache__`` next to the source. As with modules,
+``PYTHONPYCACHEPREFIX`` selects another folder, and ``PYTHONDONTWRITEBYTECODE`` disables writing. If the folder is not
+writable, nothing is stored.
+
+The user's cache and folders for temporary files are not used, because compiled code must not come from another user.
+Anyone who can write to ``__pycache__`` could change the modules of this tool as well.
 
 Errors in a user's template are reported with file and line.
 """
@@ -39,7 +42,7 @@ from .say.plain_text import text_on_one_line, wrap_text
 
 
 class CompiledTemplates(BytecodeCache):
-    """Templates compiled for environments with the same options."""
+    """Compiled templates of an environment."""
 
     def get_cache_key(self, name: str, filename: str | None = None) -> str:
         """Return the path of the compiled template, or an empty string if it has none."""
@@ -155,13 +158,13 @@ def text_of(templates: Settings, template: str, values: Mapping[str, object], ow
     """
     try:
         text = environment(templates, own_folder).get_template(template).render(values)
-        # Called for its error if the text has a character that UTF-8 cannot express.
+        # This is an error if the text has a character that UTF-8 cannot express.
         text.encode()
         return text
     except TemplateFault:
         raise
     except Exception as error:
-        # Without any template of the user, the error is ours.
+        # If no template of the user was read, the error is in our templates.
         if own_folder is None or not own_loader(own_folder).used:
             raise
         raise TemplateFault(
@@ -198,9 +201,9 @@ def _is(kind: type, value: object) -> bool:
 
 
 def _place(error: Exception, own_folder: Path) -> str:
-    """Return file and line of an error, such as ``mine/device.h.jinja:12``, or an empty string if no template has it.
+    """Return file and line of an error, such as ``mine/device.h.jinja:12``, or "" if it is not in a template.
 
-    It is the innermost line in a template of the user, or else the innermost in one of ours.
+    This is the innermost line in a template of the user or, if there is none, in one of ours.
     """
     if isinstance(error, TemplateSyntaxError):
         return f"{error.filename or error.name}:{error.lineno}"
@@ -210,7 +213,7 @@ def _place(error: Exception, own_folder: Path) -> str:
 
 
 def _reason(error: Exception) -> str:
-    """Return the message of an error in a template, with the name of its class unless it is one of Jinja's own."""
+    """Return the message of an error in a template, with the name of its class unless it is an error of Jinja."""
     if isinstance(error, TemplateNotFound):
         return f"there is no template '{text_on_one_line(error.name)}'"
     if isinstance(error, UnicodeEncodeError):

@@ -1,4 +1,4 @@
-"""Parts of outputs that depend on the model of one family only. Each part is rendered once, and stored in the cache.
+"""Render parts of outputs that depend on only one family once, and store them in the cache.
 
 Only built-in targets with default options and without the user's templates have such parts.
 """
@@ -23,7 +23,7 @@ class FamilyParts:
     """Parts by target and model, from this run or from the cache."""
 
     def __init__(self, cache: Cache, only_paths: frozenset[str] = frozenset()) -> None:
-        """Prepare for families of which those named in ``only_paths`` need no texts of files."""
+        """Set the cache, and the names of families for which only the paths of files are needed, not their texts."""
         self._cache = cache
         self._only_paths = only_paths
         self._masters = content_of(sorted(packaged_masters().iterdir()))
@@ -31,7 +31,7 @@ class FamilyParts:
         self._digests: dict[int, tuple[Device, str]] = {}
 
     def files_of(self, target: Target, library: Library, options: Options) -> Mapping[str, str]:
-        """Return the files of a target like ``registry.files_of``, and render only parts that are not known.
+        """Return the files of a target like ``registry.files_of``, but render only parts that were not rendered before.
 
         Raises:
             TargetError: The target cannot express something, or fails.
@@ -70,11 +70,9 @@ class FamilyParts:
         return part
 
     def _digest_of(self, device: Device) -> str:
-        """Return the digest of a device, which is computed once for all targets.
+        """Return the digest of a device, or "" if it has none. It is computed once for all targets.
 
-        It is empty if the device has no digest.
-
-        The device is kept next to it, so that no other device can get its ``id``.
+        The device is stored with its digest, because Python would otherwise reuse its ``id`` for another device.
         """
         if id(device) not in self._digests:
             self._digests[id(device)] = (device, digest_of(device))

@@ -1,10 +1,10 @@
-"""An output folder: the list of its files, its lock, and the stages in which new content of a target is assembled.
+"""An output folder: the list of its files, its lock, and its stages.
 
-The system releases the lock when the process ends for any reason. The lock is on the folder itself, so no file is left
-behind. If the file system cannot lock folders, as on some network drives, there is no lock.
+A stage is a temporary folder in which the new content of a target's folder is assembled. It contains a file as a mark,
+by which a later run recognises the stage of a killed run and removes it. Files of the user are never lost with a stage.
 
-A stage has a mark, so that a later run recognises the stage of a killed run and removes it. No file of the user is lost
-with a stage.
+The lock is on the folder itself, so it leaves no file behind. The system releases it when the process ends for any
+reason. If the file system cannot lock folders, as on some network drives, there is no lock.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from pathlib import Path
 LIST = ".codewheel"
 LIST_HEAD = "# Written by codewheel generate, which removes files of this list that it no longer writes.\n"
 LIST_SIGN = b"# Written by codewheel generate"
-#: Begins the line of a list with the families that the target's folder was written from.
+#: Beginning of the line with the families that the target's folder was written from.
 _FAMILIES_LINE = "# Families: "
 #: Paths that stay inside the folder, and that are the same on every system.
 _SAFE_PATH = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*(/[A-Za-z0-9_.][A-Za-z0-9._-]*)*")
@@ -180,9 +180,9 @@ _RENAME_EXCHANGE = 2
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """A stage: ``folder``, which has the mark, contains the new content of ``target_folder`` as ``new``.
+    """A stage: ``folder``, which contains the mark and the new content of ``target_folder`` in the folder ``new``.
 
-    The old content ends up in ``new``, or in ``old`` if two folders cannot be exchanged in one step.
+    After the exchange, the old content is in ``new``, or in ``old`` if the system cannot exchange folders in one step.
     """
 
     folder: Path
@@ -212,7 +212,7 @@ class Stage:
         (self.folder / _STAGE_MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
         names_inside = {name.partition("/")[2]: name for name in files}
-        # The list comes first: without it, a later run would take the files of a killed run as the user's.
+        # The list is written first. Without it, a later run would treat the files of a killed run as the user's.
         (self.new / LIST).write_text(list_text(names_inside, families), encoding="utf-8", newline="\n")
         for parent in {os.path.dirname(path) for path in names_inside}:
             self._make(Path(parent))
@@ -224,7 +224,7 @@ class Stage:
                 with open(new_prefix + path, "x", encoding="utf-8", newline="\n") as file:
                     file.write(files[name])
         self._carry_over({*listed_in(self.target_folder), LIST})
-        # Folders in which the owner may not write were writable until now. The innermost ones come first.
+        # Read-only folders were writable until now. The innermost ones come first.
         for new_folder, mode in reversed(self._modes.items()):
             if mode & 0o700 != 0o700:
                 new_folder.chmod(mode)
@@ -236,8 +236,8 @@ class Stage:
     def take_back(self) -> bool:
         """Restore the old content of the target's folder, and return True if that succeeded."""
         try:
-            # After two renames the old content is in ``old``, and after an exchange in ``new``. If there is neither,
-            # the target's folder did not exist before.
+            # The old content is in ``old`` after two renames, and in ``new`` after an exchange. If neither exists, the
+            # target's folder did not exist before.
             if os.path.lexists(self.old):
                 os.rename(self.target_folder, self.new)
                 os.rename(self.old, self.target_folder)
@@ -262,9 +262,9 @@ class Stage:
                 self.folder.rmdir()
 
     def _carry_over(self, ours: set[str]) -> None:
-        """Add foreign files and empty folders of the old content to the new one. ``ours`` are the paths of our files.
+        """Add the user's files and empty folders in the old content to the new. ``ours`` are the paths of our files.
 
-        A folder that held only our files is not kept. A link to a folder is treated like a file.
+        A folder with only our files is not kept. A link to a folder is treated like a file.
         """
         if not self.target_folder.is_dir():
             return
@@ -323,7 +323,7 @@ def stages_in(folder: Path) -> list[Stage]:
 def _has_mark(folder: Path) -> bool:
     """Return whether a folder has the mark of a stage.
 
-    A run killed early may have left only part of the mark, or none. The folder then contains only that.
+    If a run was killed early, the mark may be incomplete or missing. Then the folder contains no other file.
     """
     mark = read_file(folder / _STAGE_MARK)
     if mark == _MARK_TEXT.encode():
@@ -334,7 +334,7 @@ def _has_mark(folder: Path) -> bool:
 def _save_from(stage: Stage) -> None:
     """Move all content of a stage that must not be lost to the target's folder, and make the rest removable.
 
-    That content is the old folder, if the target's folder is missing, and foreign files saved while the run worked.
+    This content is the old folder, if the target's folder is missing, and files that the user saved during the run.
     """
     if os.path.lexists(stage.old) and not os.path.lexists(stage.target_folder):
         with suppress(OSError):  # the run was killed between two renames
@@ -350,9 +350,9 @@ def _save_from(stage: Stage) -> None:
 
 
 def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
-    """Move foreign files to the target's folder that were saved in its old content after it had been copied.
+    """Move files to the target's folder that the user saved in its old content after it had been copied.
 
-    If ``saved_folder`` does not contain our list, it is not that old content, and nothing is moved.
+    If ``saved_folder`` does not contain our list, it is not the old content, and nothing is moved.
     """
     if not (saved_folder / LIST).is_file() or not target_folder.is_dir():
         return
@@ -364,7 +364,7 @@ def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
 
 
 def _files_in(folder: Path) -> Iterator[str]:
-    """Yield the path of each file in a folder, as text, because making a ``Path`` takes longer than walking."""
+    """Yield the path of each file in a folder and below it, as text, because creating ``Path`` objects is slow."""
     for root, _, names in os.walk(folder):
         relative_folder = Path(root).relative_to(folder)
         prefix = "" if relative_folder == Path() else f"{relative_folder.as_posix()}/"
@@ -376,7 +376,7 @@ def _is_later(saved_file: Path, target_file: Path) -> bool:
     if not os.path.lexists(target_file):
         return True
     new, old = os.lstat(saved_file), os.lstat(target_file)
-    # A hard link to the same file has the same number, and is not later.
+    # Hard links to the same file have the same inode number, so neither is later.
     are_files = stat.S_ISREG(new.st_mode) and stat.S_ISREG(old.st_mode)
     return are_files and new.st_ino != old.st_ino and new.st_mtime_ns > old.st_mtime_ns
 

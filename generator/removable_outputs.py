@@ -1,10 +1,8 @@
-"""Decide which outputs ``generate`` may remove: outputs of families that it has read.
+"""Check that ``generate`` removes no outputs of families that it has not read, unless there is ``--prune``.
 
-Other files are refused or need --prune.
-
-The list of each target's folder records them. An output contains pages and tables of all families, so it is written
-from all of its families or not at all. The lists of earlier versions contain no record. In that case, a file belongs to
-a family only if its name contains the name of the family.
+Outputs contain pages and tables about all families, so they must be written from all families or not at all. The list
+in each target's folder records the families that it was written from. Lists of earlier versions do not record them.
+Then a file belongs to a family if its name contains the name of the family.
 """
 
 from __future__ import annotations
@@ -52,14 +50,14 @@ def _is_special(device: Device) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """Check that a run removes and replaces nothing that belongs to families that it did not read.
+    """Check that a run does not remove or replace outputs of families that it has not read.
 
     Attributes:
         folder: The output folder.
         devices: The families that were read.
         files: The specs that were read.
         command_with: Returns the command that also reads the families with these names, for messages.
-        is_comparison: True if the run writes nothing anyway.
+        is_comparison: True if the run writes nothing, so that messages need not say that nothing has changed.
     """
 
     folder: Path
@@ -82,8 +80,9 @@ class Guard:
         for target, target_changes in changes.items():
             recorded = families_in(self.folder / target)
             if recorded:
-                # Names like ``manufacturer/family``. A file belongs to them if its path contains a word of such a name
-                # that is not also a name of something read.
+                # For messages, find the files of missing families, which are recorded as ``manufacturer/family``. The
+                # path of such a file contains one of these two words. Words that are also names of families or
+                # manufacturers that were read do not count.
                 missing = set(recorded) - families_read
                 missing_words = {word for name in missing for word in name.split("/")} - self._names()
                 removed_paths = [change.path for change in target_changes if change.what == "removed"]
@@ -159,7 +158,7 @@ class Guard:
 
 
 def _has_name(path: str, names: Collection[str]) -> bool:
-    """Return True if a word in a path is one of the names, or begins with one and ``_``: ``demo_biss`` for ``demo``."""
+    """Return whether a word in a path is one of the names, or one with a suffix: ``demo_biss`` for ``demo``."""
     beginnings = tuple(f"{name}_" for name in names)
     return any(f"{word}_".startswith(beginnings) for word in _WORD_IN_PATH.findall(path.lower()))
 

@@ -34,9 +34,9 @@ class Templates:
         folder: Folder of the files. In your own package, this is ``Path(__file__).parent / "templates"``.
         values: For each template that is rendered by name, the ``TypedDict`` of its values, each value ``Annotated``
             with a one-line description. This is used only for the page about templates.
-        filters: Filters by name, in addition to ``plain``, ``wrapped`` and Jinja's own. Text from a spec can be
-            anything, and filters make it harmless in the output's language. The page shows their docstrings' first
-            lines.
+        filters: Filters by name, in addition to ``plain``, ``wrapped`` and Jinja's own. Text from a spec can contain
+            any characters, and a filter escapes them for the language of the output. The page shows the first lines of
+            their docstrings.
         functions: Functions by name, which every template can call. The page shows them in the same way.
         autoescape: True if values are escaped for XML.
         tests: Classes that templates can test for, by the name of the test: ``op is zeros_above``. ``tests_for`` builds
@@ -80,10 +80,10 @@ def tests_for(*classes: object) -> dict[str, type]:
 def unused_templates(
     own_folder: Path, rendered: Mapping[str, Templates | None], other_targets: Iterable[str]
 ) -> Iterator[str]:
-    """Yield a line for each of the user's templates that had no effect, or if there are none. Call it after rendering.
+    """Yield a line for each of the user's templates that had no effect, or one line if there are no templates.
 
-    A template has an effect if it overrides a shipped template, or if another template includes it. Hidden files do not
-    count.
+    Call it after rendering. A template has an effect if it overrides a shipped template, or if another template
+    includes it. Hidden files do not count.
 
     Args:
         own_folder: The user's folder, which has a folder for each target.
@@ -108,7 +108,7 @@ def unused_templates(
             continue
         if folder not in rendered or Path(*path.parts[1:]).as_posix() not in own_loader(own_folder / folder).used:
             similar_paths = [shipped for shipped in shipped_paths if shipped.endswith(f"/{path.name}")]
-            # A template of the same name is suggested if there is only one, or else the most similar path.
-            is_clear = len(similar_paths) == 1
-            hint = f"; did you mean '{similar_paths[0]}'?" if is_clear else suggest_word(name, shipped_paths)
+            # If exactly one shipped template has this name, it is suggested, and otherwise the most similar path.
+            has_one_suggestion = len(similar_paths) == 1
+            hint = f"; did you mean '{similar_paths[0]}'?" if has_one_suggestion else suggest_word(name, shipped_paths)
             yield f"no output uses {(own_folder / path).as_posix()}{hint}"

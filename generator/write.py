@@ -1,9 +1,10 @@
 """Write the output folder. No other module changes it.
 
-Each target has its own folder in the output. Its complete new content is first assembled in a stage next to the old
-folder. The folders are exchanged only when every target is complete. One process at a time does this. Each target's
-folder has a list of the files written by codewheel. All other files and folders are never overwritten or removed unless
-the user requests it.
+Each target has its own folder in the output folder. Its complete new content is first assembled in a stage, a temporary
+folder next to it. The folders are exchanged when all targets are complete. Only one process at a time does this.
+
+Each target's folder has a list of the files that codewheel wrote. All other files and folders belong to the user. They
+are never overwritten or removed unless the user requests it.
 """
 
 from __future__ import annotations
@@ -131,20 +132,20 @@ def write(
     guard: Callable[[Mapping[str, Sequence[FileChange]]], None] = lambda _: None,
     families: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> list[FileChange]:
-    """Write the files of ``targets`` to their folders, remove obsolete files, and keep foreign files.
+    """Write the files of ``targets`` to their folders, remove obsolete files, and keep files of the user.
 
     Args:
         folder: The output folder.
         targets: The files of each target, keyed by the name of the target.
-        force: True to overwrite foreign files that are in the way.
+        force: True to overwrite files of the user at the same paths.
         waiting: Called before the function waits for another run that is writing to the folder.
         gate: Called before a file changes. An error that it raises ends the function, and nothing has changed.
         guard: Called with the changes of each target, before ``gate``. An error has the same effect.
         families: The families that the files of each target are written from, as ``manufacturer/family``, for its list.
 
     Raises:
-        WriteError: A foreign file is in the way, another run does not end, or a file cannot be written. In that case
-            nothing has changed, or the message lists the targets that could not be restored.
+        WriteError: A file of the user has the path of an output, another run does not end, or a file cannot be written.
+            Nothing has changed, or the message lists the targets that could not be restored.
     """
     _refuse_bad_paths(folder, targets)
     is_new = not os.path.lexists(folder)
@@ -254,7 +255,7 @@ def _path_in_output(error: OSError, stages: Iterable[Stage], folder: Path) -> st
 
 
 def _state_of_output(unrestored_targets: Sequence[str]) -> str:
-    """Return the end of an error message: that nothing has changed, or the targets that keep their new content."""
+    """Return the end of an error message: nothing has changed, or these targets could not be restored."""
     if not unrestored_targets:
         return "nothing has changed"
     return f"written before that: {', '.join(unrestored_targets)}; the rest is as it was"
@@ -293,7 +294,7 @@ def _refuse_what_is_in_the_way(
     changes_by_target: Mapping[str, list[FileChange]],
     force: bool,
 ) -> None:
-    """Refuse to overwrite anything that is not in our lists. ``force`` permits it, but not to replace a folder."""
+    """Refuse to overwrite anything that is not in our lists. ``force`` permits this for files, but not for folders."""
     blocked: list[str] = []
     for target, files in targets.items():
         differing = {change.path for change in changes_by_target[target] if change.what == "written"}
@@ -330,7 +331,7 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
             yield path, _A_FOLDER
         elif kind_of_path and path not in listed_paths:
             yield path, ""
-    # The list of files is not in itself. It begins with a sign by which a foreign file of that name differs.
+    # The list does not contain itself. Our lists are recognised by their first line.
     list_path = f"{target}/{LIST}"
     kind_of_list = _kind_of(folder / list_path)
     if kind_of_list == "folder":

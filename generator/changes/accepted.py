@@ -1,4 +1,4 @@
-"""Changes that a maintainer accepted, in a file next to the new specs."""
+"""Changes that a maintainer accepted, read from a file next to the new specs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class NotAccepted(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Accepted:
-    """An accepted change. It counts again after the day ``until``."""
+    """A change that a maintainer accepted. After the day ``until``, it must be accepted again."""
 
     family: str
     rule: str
@@ -32,6 +32,7 @@ class Accepted:
     until: date
 
     def covers(self, change: Change) -> bool:
+        """Return whether this is the accepted change: the same rule at the same path of the same family."""
         return (self.family, self.rule, self.path) == (change.family, change.rule.name, change.path)
 
 
@@ -39,13 +40,14 @@ def read_accepted(file: Path) -> list[Accepted]:
     """Return the accepted changes in a file.
 
     Raises:
-        NotAccepted: The file cannot be read, has another shape, or an entry lacks a key, names no rule or has no date.
+        NotAccepted: The file cannot be read, or it has a different structure. Or an entry lacks a key, or its rule or
+            date is not valid.
     """
     report = ProblemReport()
     document = read_document(file, report)
-    # A report with problems is true.
-    if document is None or report:
-        raise NotAccepted(report.problems[0].format().splitlines()[0])
+    if document is None or report.problems:
+        first_problem = report.problems[0].format()
+        raise NotAccepted(first_problem.splitlines()[0])
     acceptances = document.data.get("accepted")
     if set(document.data) != {"accepted"} or not isinstance(acceptances, list):
         raise NotAccepted(f"{file}:1: the file must have only the key 'accepted', with a list of accepted changes")
@@ -73,7 +75,7 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
 
 
 def _has_texts(acceptance: dict[object, object]) -> bool:
-    """Return whether all values are texts."""
+    """Return whether all values of an entry are texts."""
     return all(isinstance(value, str) for value in acceptance.values())
 
 
@@ -104,7 +106,7 @@ def _describe_acceptance(acceptance: Accepted, changes: Sequence[Change], today:
 
 
 def _suggest_correction(acceptance: Accepted, changes: Sequence[Change]) -> str:
-    """Return a suggestion of a similar family or path for an acceptance without a change, or "".
+    """Return a suggestion for an acceptance that matches no change, such as a similar family or path, or "".
 
     If its family has changes, the path may be misspelled, so the paths of changes by its rule are suggested.
     """

@@ -20,10 +20,10 @@ from .rules import Change, ChangeSubject
 from .values import NumberDifferences, as_plain_data, differing_items, old_to_new, short_value, without_texts
 
 _Item = TypeVar("_Item")
-#: Rules whose changes are described only by their location.
-_WITHOUT_VALUES = ("words", "source")
+#: Rules whose changes are described only by their location, without the old and new values.
+_RULES_WITHOUT_VALUES = ("words", "source")
 _SOURCE_MEMBER = ModelMember("source", rule="source")
-#: Kinds of things with a section in the spec: the path of the section, and the words that precede the name of a thing.
+#: Kinds of parts with a section in the spec: the path of the section, and the words that precede the name of a part.
 _SECTION_BY_KIND: Mapping[str, tuple[str, str | Callable[[OldAndNew[Any]], str]]] = MappingProxyType(
     {
         "part": ("order_code.parts", "part"),
@@ -37,10 +37,9 @@ _SECTION_BY_KIND: Mapping[str, tuple[str, str | Callable[[OldAndNew[Any]], str]]
         "input": ("inputs", "input"),
     }
 )
-#: Kinds of things that concern the interface of the old thing even if the new one has another.
+#: Kinds of parts whose changes concern the interface of the old part, even if the new part has a different interface.
 _KINDS_OF_OLD_INTERFACE = ("crc", "procedure")
-#: Names of things in C and in Python, so that users can search their code for them: by section, with the manufacturer,
-#: the family and the thing itself.
+#: Patterns of the names in C and in Python for the parts of each section. Users can search their code for these names.
 _NAME_PATTERNS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
         "registers": ("{MANUFACTURER}_{FAMILY}_{INTERFACE}_REG_{NAME}_…", '{family}.REGISTERS["{name}"]'),
@@ -50,21 +49,23 @@ _NAME_PATTERNS: Mapping[str, tuple[str, str]] = MappingProxyType(
         "data_ids": ("{MANUFACTURER}_{FAMILY}_{INTERFACE}_DATA_ID_{NAME}", "{family}.DataId"),
     }
 )
-#: Compare the content of two things.
+#: Compare the content of two parts.
 CompareContent = Callable[[FamilyPair, ChangeSubject, Any, Any], Iterator[Change]]
 
 
 def compare_members(family_pair: FamilyPair, subject: ChangeSubject, old: Any, new: Any) -> Iterator[Change]:
-    """Yield a change for each member of a part that differs, by the rule of the member.
+    """Yield a change for each member (attribute) that differs between the old and the new version of a part.
 
-    Members without a rule are compared elsewhere. References are compared by the new names of the things.
+    The table of members assigns a rule to each member, and the rule decides the impact of the change. Other functions
+    compare the members without a rule. In the old version, references to renamed parts are replaced by the new names
+    first, so that a renaming does not count as a change of the reference.
     """
     old = family_pair.with_new_names(old, subject.scope)
     members_by_name = {"source": _SOURCE_MEMBER, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for attribute in fields(new):
         # An attribute that the table lacks still leads to a change, so that nothing is overlooked.
         member = members_by_name.get(attribute.name) or ModelMember(attribute.name, rule="unforeseen")
-        # A member without a rule is compared elsewhere, or by its order code.
+        # Other functions compare a member without a rule, for example for each order code.
         if member.rule:
             old_value, new_value = getattr(old, attribute.name), getattr(new, attribute.name)
             member_subject = subject.inside(attribute.name, subject.label)
@@ -74,9 +75,11 @@ def compare_members(family_pair: FamilyPair, subject: ChangeSubject, old: Any, n
 def compare_member(
     family_pair: FamilyPair, subject: ChangeSubject, member: ModelMember, old: Any, new: Any
 ) -> Iterator[Change]:
-    """Yield a change if the member differs: in its value, else in its texts, else in its citations.
+    """Yield a change if two values of a member (an attribute of a part) differ.
 
-    Limits and expressions are compared by their numbers. For changes of texts and citations, only the member is named.
+    The rule of the change depends on what differs: the rule of the member if the value differs, "words" if only
+    texts differ, or "source" if only citations differ. Limits and expressions are compared by their numbers. The
+    description of a change of texts or citations names the member without its values.
     """
     types = {type(old), type(new)}
     # With an expression on one side, the other may be a number or None. A text has no value for each order code.
@@ -92,7 +95,7 @@ def compare_member(
         rule = "source"
     else:
         rule = "words"
-    if rule in _WITHOUT_VALUES:
+    if rule in _RULES_WITHOUT_VALUES:
         attribute_words = member.attribute.replace("_", " ")
         description = f": {attribute_words}"
     else:
@@ -106,7 +109,8 @@ def _compare_number(
 ) -> Iterator[Change]:
     """Yield a change if two numbers or expressions have different values for an order code.
 
-    For a limit that allows less nowhere, the rule is the "wider" counterpart of the member's rule.
+    If the member is a limit, and the new limit allows at least as much for every order code, the change gets the
+    "wider" counterpart of the member's rule.
     """
     old_expression, new_expression = _as_expression(old), _as_expression(new)
     difference = family_pair.compare_expressions(subject.interface, old_expression, new_expression)
@@ -115,7 +119,7 @@ def _compare_number(
     if difference.value_pairs:
         allows_less = any(_allows_less(member, old_value, new_value) for old_value, new_value in difference.value_pairs)
     else:
-        # Without a common order code, only a limit that is gone is certain to allow more.
+        # Without a common order code, the values cannot be compared. Only the removal of a limit surely allows more.
         allows_less = new is not None
     is_wider = member.is_limit and not allows_less
     rule = WIDER[member.rule] if is_wider else member.rule
@@ -146,10 +150,10 @@ def _allows_less(member: ModelMember, old_limit: int | None, new_limit: int | No
 def _difference_text(
     difference: NumberDifferences, old: Expression | None, new: Expression | None, notation: str
 ) -> str:
-    """Return the differing values of two expressions, by the first of these forms that applies.
+    """Return a text that shows how the values of two expressions differ, in the first form that applies.
 
-    ``17 → 19`` if all settings give the same pair of numbers, the two expressions if their texts differ, or the first
-    two pairs of numbers.
+    The forms are: ``17 → 19`` if all order codes and settings give the same pair of numbers, both expressions if their
+    texts differ, and otherwise the first two pairs of numbers.
     """
     pair_texts = [old_to_new(old_value, new_value, notation) for old_value, new_value in difference.value_pairs]
     if len(pair_texts) == 1 and difference.is_everywhere:
@@ -157,8 +161,7 @@ def _difference_text(
     old_text, new_text = short_value(old, notation), short_value(new, notation)
     if old_text != new_text:
         return f"{old_text} → {new_text}"
-    # The same expression has other values if the value of a parameter in it changes. The first two pairs of values are
-    # shown.
+    # The expressions have the same text, so the value of a parameter in them has changed.
     return first_of(pair_texts, 2)
 
 
@@ -170,15 +173,15 @@ def compare_parts(
     section_subject: ChangeSubject,
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
-    """Yield the changes of several things: the new, removed and renamed ones, and changed members of the rest.
+    """Yield the changes between two lists of parts: new, removed and renamed parts, and changed members of the others.
 
     Args:
         family_pair: The two versions of the family.
-        part_kind: Kind of the things, with which the names of their rules begin.
-        old_parts: The old things.
-        new_parts: The new things.
-        section_subject: The section that contains them. Its label has the words that precede the name of a thing.
-        compare_content: Compare the content of a thing that the table of members does not compare.
+        part_kind: Kind of the parts. The names of their rules begin with it.
+        old_parts: The parts of the old version.
+        new_parts: The parts of the new version.
+        section_subject: The section that contains them. Its label has the words that precede the name of a part.
+        compare_content: Compares the content of a part that the table of members does not compare.
     """
     for pair in pair_parts(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):
         subject = _named_in_code(family_pair, pair, section_subject)
@@ -192,10 +195,11 @@ def compare_pair(
     pair: OldAndNew[Any],
     compare_content: CompareContent | None = None,
 ) -> Iterator[Change]:
-    """Yield the changes of one thing: new, gone or renamed, or changes of its members and content.
+    """Yield the changes of one part: that it is new, gone or renamed, and the changes of its members and content.
 
-    ``subject`` is the thing, and ``compare_content`` is as in ``compare_parts``. A decision with a default, which
-    users need not make, has its own rules for its presence, such as "choice-new".
+    ``subject`` names the part in the texts of the changes. ``compare_content`` compares content that the table of
+    members does not compare. A decision with a default, which users need not make, has its own rules for its presence,
+    such as "choice-new".
     """
     part = pair.new_or_old
     is_decision_with_default = isinstance(part, Alternative) and bool(part.default)
@@ -210,10 +214,10 @@ def compare_pair(
 def compare_section(
     family_pair: FamilyPair, part_kind: str, compare_content: CompareContent | None = None
 ) -> Iterator[Change]:
-    """Yield the changes of all things in a section of the spec, such as ``"register"``, a key of ``_SECTION_BY_KIND``.
+    """Yield the changes of all parts of one kind that have a section in the spec, such as ``"register"``.
 
-    A thing concerns its interface in the new version. Removed things, CRCs and procedures concern the interface in the
-    old version.
+    The changes of a part concern its interface in the new version. The changes of removed parts, CRCs and procedures
+    concern the interface in the old version.
     """
     section_path, label = _SECTION_BY_KIND[part_kind]
     for pair in pair_section(family_pair, section_path):
@@ -229,16 +233,17 @@ def compare_section(
 
 
 def _only_interface_of(device: Device, part: Any) -> str:
-    """Return the only interface that a thing of a section concerns, or "" if it concerns several or all."""
+    """Return the name of the interface that a part concerns, or "" if it concerns several or all interfaces."""
     interfaces = _interfaces_of(device, part)
     return interfaces.pop() if len(interfaces) == 1 else ""
 
 
 def _interfaces_of(device: Device, part: Any) -> set[str]:
-    """Return the names of the interfaces that a thing concerns, in which "" stands for all.
+    """Return the names of the interfaces that a part concerns, in which "" means all interfaces.
 
-    These are the interfaces of a decision's parameters, of an alarm's register and frames, of a connector, or all that
-    send a CRC. Any other thing has its own interface.
+    A decision concerns the interfaces of its parameters, and an alarm the interfaces of its register and frames. A
+    connector lists its interfaces, and a CRC concerns all interfaces that send it. Any other part has its own
+    interface.
     """
     match part:
         case Alternative(name):
@@ -263,18 +268,19 @@ def _has_group(layout: Layout, group: str) -> bool:
 
 
 def _named_in_code(family_pair: FamilyPair, pair: OldAndNew[Any], section_subject: ChangeSubject) -> ChangeSubject:
-    """Return a thing of a section as a subject, with its old names in code if it has any.
+    """Return the part of a section as the subject of changes, with the names by which users find it in their code.
 
-    A new thing has no names known to users, except a new data ID, which extends an enumeration that they already use.
+    These are the names in the old version. A new part has no names that users know, except a new data ID, which
+    extends an enumeration that they already use.
     """
     # The last step of the path, such as ``layouts`` of ``interfaces.ssi.layouts``.
     section = section_subject.path.rpartition(".")[2]
-    thing_name = pair.new_or_old.name
+    part_name = pair.new_or_old.name
     subject = ChangeSubject(
-        path=f"{section_subject.path}.{thing_name}",
-        label=f"{section_subject.label} {thing_name}",
+        path=f"{section_subject.path}.{part_name}",
+        label=f"{section_subject.label} {part_name}",
         interface=section_subject.interface,
-        scope=section_subject.scope or thing_name,
+        scope=section_subject.scope or part_name,
     )
     is_known_to_users = pair.old is not None or section == "data_ids"
     if section not in _NAME_PATTERNS or not is_known_to_users:
@@ -285,10 +291,10 @@ def _named_in_code(family_pair: FamilyPair, pair: OldAndNew[Any], section_subjec
 
 
 def _names_in_code(device: Device, section: str, part: Any, section_interface: str) -> dict[str, str]:
-    """Return the names of a thing of a section in code: ``{"c": "acme_x24_ssi_frame_…", "python": "x24.Frame"}``.
+    """Return the names of a part in generated code: ``{"c": "acme_x24_ssi_frame_…", "python": "x24.Frame"}``.
 
-    ``section_interface`` is "" for things without an interface of their own. The name in C is then the name for the
-    first interface, or for a CRC the part that all names share.
+    ``section_interface`` is "" for parts without an interface of their own. The name in C is then the name for the
+    first interface. For a CRC without an interface, it is the beginning that all names share.
     """
     interface = section_interface or getattr(part, "interface", "")
     if not interface and device.interfaces:

@@ -38,23 +38,22 @@ class ComparedField:
 
 @dataclass(frozen=True)
 class _ResizedField:
-    """A field with a different size: its new lowest bit, or the old one if it is gone, and the bits that it gains.
-
-    Both contain one value for each point at which expressions are compared.
-    """
+    """A field with a different size, with one number for each point: an order code with values of its parameters."""
 
     name: str
+    #: Lowest bit of the field in the new version, or in the old version if the field is gone.
     low_bits: tuple[int, ...]
+    #: Number of bits by which the new field is wider. It is negative if the field is narrower.
     gained_bits: tuple[int, ...]
 
 
 def fold_moves(
     family_pair: FamilyPair, interface: str, frame: str, compared_fields: Sequence[ComparedField]
 ) -> Iterator[Change]:
-    """Yield the changes of the fields of a layout, without those moves that a resized field explains.
+    """Yield the changes of the fields of a frame, without the moves that a resized field explains.
 
-    A moved field is instead listed as ``frame.field`` in ``moved_fields`` of the change that resized the other field.
-    ``_cause_of_move`` implements the rule.
+    If a field only moved because a field below it was resized, its "field-moved" change is left out. The field is
+    instead listed as ``frame.field`` in ``moved_fields`` of the change that resized the other field.
     """
     resized_fields = list(_resized_fields(family_pair, interface, compared_fields))
     # Paths of the moved fields by the name of the resized field that moves them.
@@ -83,11 +82,11 @@ def fold_length(
     new_length: Expression,
     compared_fields: Sequence[ComparedField],
 ) -> Sequence[ComparedField]:
-    """Return the fields, of which one has the different length of the frame as a consequence of its resizing.
+    """Return the fields of a frame, with the different length of the frame as a consequence of a resized field.
 
-    This is the resized field that begins at the highest bit. Its change gets ``{frame: gained bits}``, with 0 if the
-    gain depends on the order code. If the length is the same, or differs by other bits than the resized fields gain,
-    the fields are returned as they are.
+    The resized field that begins at the highest bit gets the consequence. Its change then lists
+    ``{frame: gained bits}``, or 0 bits if the gain depends on the order code. If the length of the frame is unchanged,
+    or the resized fields do not explain the difference, the fields are returned as they are.
     """
     old_lengths = family_pair.values_at_points(old_length, interface, is_old=True)
     new_lengths = family_pair.values_at_points(new_length, interface, is_old=False)
@@ -96,16 +95,17 @@ def fold_length(
     is_explained = _total_gained_bits(resized_fields, point_count=len(gained_bits)) == gained_bits
     if not any(gained_bits) or not is_explained:
         return compared_fields
-    last_name = max(resized_fields, key=lambda resized_field: resized_field.low_bits).name
+    highest_field = max(resized_fields, key=lambda resized_field: resized_field.low_bits)
     has_same_gain_everywhere = len(set(gained_bits)) == 1
     resized_frames = {frame: gained_bits[0] if has_same_gain_everywhere else 0}
     field_names = [compared_field.name for compared_field in compared_fields]
-    last_index = field_names.index(last_name)
-    last_resized_field = _with_resized_frames(compared_fields[last_index], resized_frames)
-    return [*compared_fields[:last_index], last_resized_field, *compared_fields[last_index + 1 :]]
+    index = field_names.index(highest_field.name)
+    field_with_consequence = _with_resized_frames(compared_fields[index], resized_frames)
+    return [*compared_fields[:index], field_with_consequence, *compared_fields[index + 1 :]]
 
 
 def _subtract_each(old_numbers: Sequence[int], new_numbers: Sequence[int]) -> tuple[int, ...]:
+    """Return by how much each new number exceeds the old number: ``(2, 0)`` for ``(10, 8)`` and ``(12, 8)``."""
     return tuple(new - old for old, new in zip(old_numbers, new_numbers, strict=True))
 
 
@@ -119,7 +119,10 @@ def _with_resized_frames(compared_field: ComparedField, resized_frames: dict[str
 
 
 def without_explained_lengths(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes of frames, except "frame-length" for frames in ``resized_frames`` of another change."""
+    """Yield the changes of frames, except different lengths that another change has as its consequence.
+
+    Such a change lists the frame in ``resized_frames``.
+    """
     explained_paths = {f"{frame}.bits" for change in changes for frame in change.resized_frames}
     for change in changes:
         is_explained = change.rule.name == "frame-length" and change.path in explained_paths
@@ -149,9 +152,10 @@ def _resized_fields(
 def _low_bits_and_sizes(
     family_pair: FamilyPair, interface: str, field: Field | None, *, is_old: bool
 ) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return two tuples with a number for each point: the lowest bits of a field, and its sizes with padding.
+    """Return the lowest bits and the sizes of a field, as two tuples with a number for each point.
 
-    Both are empty if there is no field.
+    A point is an order code with values of its parameters. The size of a field in a container, such as 24 bits for 19,
+    is the size of the container. Both tuples are empty if there is no field.
     """
     if field is None:
         return (), ()
@@ -164,10 +168,10 @@ def _low_bits_and_sizes(
 def _cause_of_move(
     family_pair: FamilyPair, interface: str, pair: OldAndNew[Field], resized_fields: Sequence[_ResizedField]
 ) -> _ResizedField | None:
-    """Return the resized field that explains why a field moved, or None.
+    """Return the resized field that explains why a field of a frame moved, or None if none explains it.
 
-    The bits that all resized fields below it gain, in either version, must add up to the distance of the move at every
-    point. The cause is then the highest of them.
+    The bits that all resized fields below the moved field gain must add up to the distance of its move, for every order
+    code. The highest of these resized fields is then the cause.
     """
     if pair.old is None or pair.new is None:
         return None
@@ -182,12 +186,16 @@ def _cause_of_move(
             fields_below.append(resized_field)
     if not fields_below or not any(distances):
         return None
-    is_explained = _total_gained_bits(fields_below, point_count=len(distances)) == distances
-    return max(fields_below, key=lambda resized_field: resized_field.low_bits) if is_explained else None
+    if _total_gained_bits(fields_below, point_count=len(distances)) != distances:
+        return None
+    return max(fields_below, key=lambda resized_field: resized_field.low_bits)
 
 
 def _total_gained_bits(resized_fields: Sequence[_ResizedField], point_count: int) -> tuple[int, ...]:
-    """Return the sum of the gained bits at every point: ``(3, 3)`` for ``(1, 1)`` and ``(2, 2)``."""
+    """Return the bits that all fields together gain at each point: ``(3, 3)`` for ``(1, 1)`` and ``(2, 2)``.
+
+    A point is an order code with values of its parameters.
+    """
     if not resized_fields:
         return (0,) * point_count
     gained_bits_by_point = zip(*(resized_field.gained_bits for resized_field in resized_fields), strict=True)
@@ -195,9 +203,10 @@ def _total_gained_bits(resized_fields: Sequence[_ResizedField], point_count: int
 
 
 def with_consequences(change: Change) -> Change:
-    """Return a change with its consequences in its text, and with at least their impacts.
+    """Return a change with its consequences in its text, and with their impacts if these are higher.
 
-    Its text continues with ``, moves 3 fields`` or ``, frame 2 bits longer``.
+    Consequences are moved fields and frames of a different length. The text then ends with ``, moves 3 fields`` or
+    ``, frame 2 bits longer``.
     """
     if not change.moved_fields and not change.resized_frames:
         return change
@@ -246,8 +255,7 @@ def _register_path(field_change: Change) -> str:
 
 
 def _combine_impacts(first: _Impacts, second: _Impacts) -> _Impacts:
-    """Return the higher impact on each output."""
-    # One impact for each output, in the order of ``OUTPUTS``.
+    """Return the higher of two impacts for each output, in the order C, Python, XML and pages."""
     c, python, xml, pages = map(max, first, second)
     return c, python, xml, pages
 
@@ -272,7 +280,8 @@ def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
 def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with similar changes merged into one.
 
-    Alike are the same pause in several procedures, and the same signal at several contacts, for the same order codes.
+    Changes are similar if they change a pause of several procedures to the same duration, or a signal of several
+    contacts to the same signal, for the same order codes.
     """
     alike_changes_by_key: dict[object, list[Change]] = {}
     for change in changes:
@@ -287,7 +296,7 @@ def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
 
 
 def _merge_alike(alike_changes: Sequence[Change]) -> Change:
-    """Return the first of the changes, with the subjects of all in its text.
+    """Return the first of several similar changes, with the subjects of all changes in its text.
 
     Contacts give ``M12 A: contact 1, M12 A: contact 2: signal SL → SLO``, and procedures
     ``procedures preset, reset: pause 5 ms → 10 ms``.
@@ -301,7 +310,10 @@ def _merge_alike(alike_changes: Sequence[Change]) -> Change:
 
 
 def _alike_key(change: Change) -> object:
-    """Return rule, new value and order codes of a pause or a signal, or None for any other change."""
+    """Return the key that similar changes of a pause or a signal share, or None for any other change.
+
+    The key consists of the rule, the old and new value, and the order codes.
+    """
     value_text = _value_text(change)
     is_pause = change.rule.name == "procedure-steps" and value_text.startswith("pause ")
     is_signal = change.rule.name == "contact" and value_text.startswith("signal ")
@@ -311,10 +323,10 @@ def _alike_key(change: Change) -> object:
 
 
 def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
-    """Yield the changes, with a different type in C merged into the change of the field's width.
+    """Yield the changes, with the change of a field's type in C merged into the change of the field's width.
 
-    The text of the width's change continues with ``, in C uint16_t → uint32_t``. A different type without a different
-    width remains a separate change.
+    The text of the width's change then ends with ``, in C uint16_t → uint32_t``. If only the type of a field changes,
+    the change remains separate.
     """
     type_change_by_subject = {_subject_text(change): change for change in changes if change.rule.name == "field-type"}
     resized_subjects = {_subject_text(change) for change in changes if change.rule.name == "field-width"}

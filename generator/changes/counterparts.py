@@ -1,4 +1,4 @@
-"""Pair the things of two versions of a family, also those that are the same under another name."""
+"""Pair the parts of the two versions of a family, including parts that were renamed."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _Item = TypeVar("_Item")
 
 
 def remember_all_renamings(family_pair: FamilyPair) -> None:
-    """Remember every renaming, so that references to the renamed thing do not count as changed.
+    """Remember every renaming, so that references to renamed parts do not count as changed.
 
-    Parameters come first and procedures last, since the identity of a thing contains the new names of those that it
-    refers to.
+    Parameters come first and procedures last, because a renamed part is recognized by the new names of the parts that
+    it refers to.
     """
     family_pair.remember_renamings("parameter", pair_section(family_pair, "parameters"))
     family_pair.remember_renamings("part", pair_section(family_pair, "order_code.parts"))
@@ -43,9 +43,10 @@ def remember_all_renamings(family_pair: FamilyPair) -> None:
 
 
 def _pair_replaced_registers(family_pair: FamilyPair) -> list[OldAndNew[Register]]:
-    """Return the pairs of a register that is gone and a new one with another length or other bits at its address.
+    """Return pairs of a register that is gone and a new register at the same address.
 
-    Both are reported. Parts that use the register then do not count as changed too.
+    The two differ in their length or bits, so they are reported as gone and as new. Because they are paired here, parts
+    that use the register do not also count as changed.
     """
     pairs = pair_section(family_pair, "registers")
     gone_registers = [pair.old for pair in pairs if pair.old is not None and pair.new is None]
@@ -55,7 +56,7 @@ def _pair_replaced_registers(family_pair: FamilyPair) -> list[OldAndNew[Register
 
 
 def _remember_renamings_in_frames(family_pair: FamilyPair, old: Interface, new: Interface) -> None:
-    """Remember the renamed fields, joined numbers and values of the frames of an interface, and its data IDs."""
+    """Remember the renamed data IDs of an interface, and renamed fields, joined numbers and values of its frames."""
     for old_frame, new_frame in complete_pairs(pair_parts(family_pair, old.layouts, new.layouts, new.name)):
         _remember_renamings_in_layout(family_pair, old_frame, new_frame, interface=new.name, scope=new_frame.name)
     if isinstance(old, Rs485) and isinstance(new, Rs485):
@@ -81,9 +82,9 @@ def _remember_renamings_in_layout(
 
 
 def pair_section(family_pair: FamilyPair, path: str) -> list[OldAndNew[Any]]:
-    """Return the pairs of things in a section of the spec, such as ``order_code.parts``.
+    """Return the old and new parts of a section of the spec, such as ``order_code.parts``, as pairs.
 
-    A thing that is new or gone is paired with None, as by ``pair_parts``.
+    A part that is new or gone is paired with None.
     """
     section_of = attrgetter(path)
     return pair_parts(family_pair, section_of(family_pair.old), section_of(family_pair.new))
@@ -92,7 +93,7 @@ def pair_section(family_pair: FamilyPair, path: str) -> list[OldAndNew[Any]]:
 def pair_fields(family_pair: FamilyPair, old: Layout, new: Layout, interface: str) -> list[OldAndNew[Field]]:
     """Return the pairs of fields of a frame or register, except those that only fill gaps.
 
-    Fields are paired by name, then by the same bits, then by the same width between the same neighbours.
+    Fields are paired by name, then by the same bits, then by the same width between the same neighbors.
     """
     old_fields, new_fields = _fields_without_filling(old), _fields_without_filling(new)
     pairs = pair_parts(family_pair, old_fields, new_fields, interface)
@@ -100,64 +101,66 @@ def pair_fields(family_pair: FamilyPair, old: Layout, new: Layout, interface: st
     new_names = {pair.new.name for pair in pairs if pair.new is not None and pair.old is None}
     if not gone_names or not new_names:
         return pairs
-    return _with_renamed_between_neighbours(family_pair, pairs, old_fields, new_fields, interface)
+    return _pair_fields_between_neighbors(family_pair, pairs, old_fields, new_fields, interface)
 
 
-def _with_renamed_between_neighbours(
+def _pair_fields_between_neighbors(
     family_pair: FamilyPair,
     pairs: Sequence[OldAndNew[Field]],
     old_fields: Sequence[Field],
     new_fields: Sequence[Field],
     interface: str,
 ) -> list[OldAndNew[Field]]:
-    """Return the pairs, and pairs of a removed field and a new field of the same width between the same fields.
+    """Return the pairs, and also pair removed fields with new fields of the same width between the same neighbors.
 
-    Both are also in the same group, and either both carry data or neither does. Such a field was renamed while a
-    change elsewhere in the frame moved it. Pairs with a new field are in the new order, and gone fields follow.
+    Such a field was renamed while a change elsewhere in the frame moved it. Both fields are also in the same group, and
+    either both carry data or neither does. Pairs with a new field are in the order of the new frame, and removed fields
+    follow.
     """
     new_name_by_old = {old.name: new.name for old, new in complete_pairs(pairs)}
-    # Neighbours are compared by their new names, which the new fields already have.
+    # Neighbors are compared by their new names, which the new fields already have.
     paired_new_names = {new_name: new_name for new_name in new_name_by_old.values()}
-    old_neighbours = _find_neighbours(old_fields, new_name_by_old)
-    new_neighbours = _find_neighbours(new_fields, paired_new_names)
+    old_neighbors = _find_neighbors(old_fields, new_name_by_old)
+    new_neighbors = _find_neighbors(new_fields, paired_new_names)
 
-    # ``low_bits_and_widths`` has the two in turn for each order code: (low, width, low, width).
+    # ``low_bits_and_widths`` alternates between the two for each order code: (low, width, low, width).
     every_width = slice(1, None, 2)
 
     def identity_of_old(field: Field) -> Hashable:
         widths = family_pair.low_bits_and_widths(field, interface, is_old=True)[every_width]
-        return (*old_neighbours[field.name], field.group, field.carries_data, widths)
+        return (*old_neighbors[field.name], field.group, field.carries_data, widths)
 
     def identity_of_new(field: Field) -> Hashable:
         widths = family_pair.low_bits_and_widths(field, interface, is_old=False)[every_width]
-        return (*new_neighbours[field.name], field.group, field.carries_data, widths)
+        return (*new_neighbors[field.name], field.group, field.carries_data, widths)
 
     gone_fields = [pair.old for pair in pairs if pair.old is not None and pair.new is None]
     added_fields = [pair.new for pair in pairs if pair.new is not None and pair.old is None]
-    pairs_of_unpaired = pair_by_name(gone_fields, added_fields, identity_of_old, identity_of_new)
-    pair_of_unpaired_by_name = {pair.new_or_old.name: pair for pair in pairs_of_unpaired}
-    in_new_order = [pair_of_unpaired_by_name.get(pair.new_or_old.name, pair) for pair in pairs if pair.new is not None]
-    still_gone = [pair for pair in pairs_of_unpaired if pair.new is None]
+    additional_pairs = pair_by_name(gone_fields, added_fields, identity_of_old, identity_of_new)
+    additional_pair_by_name = {pair.new_or_old.name: pair for pair in additional_pairs}
+    in_new_order = [additional_pair_by_name.get(pair.new.name, pair) for pair in pairs if pair.new is not None]
+    still_gone = [pair for pair in additional_pairs if pair.new is None]
     return in_new_order + still_gone
 
 
-def _find_neighbours(fields_in_order: Sequence[Field], paired_names: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+def _find_neighbors(fields_in_order: Sequence[Field], paired_names: Mapping[str, str]) -> dict[str, tuple[str, str]]:
     """Return the new names of the nearest paired fields before and after each field, by the name of the field.
 
-    For example ``{"counts": ("status", "crc")}``, with "" for a missing neighbour. ``paired_names`` contains the new
+    For example ``{"counts": ("status", "crc")}``, with "" for a missing neighbor. ``paired_names`` contains the new
     name of each paired field by the name that it has in ``fields_in_order``.
     """
-    # The name is empty for a field without a counterpart, which does not count as a neighbour.
+    # The name is empty for a field without a counterpart, which does not count as a neighbor.
     new_names = [paired_names.get(field.name, "") for field in fields_in_order]
-    neighbours: dict[str, tuple[str, str]] = {}
+    neighbors: dict[str, tuple[str, str]] = {}
     for index, field in enumerate(fields_in_order):
         name_before = next(filter(None, reversed(new_names[:index])), "")
         name_after = next(filter(None, new_names[index + 1 :]), "")
-        neighbours[field.name] = name_before, name_after
-    return neighbours
+        neighbors[field.name] = name_before, name_after
+    return neighbors
 
 
 def _fields_without_filling(layout: Layout) -> list[Field]:
+    """Return the fields of a frame or register that the spec lists, without fields that only fill gaps or bytes."""
     return [field for field in layout.fields if not field.fills_gap and not field.fills_byte]
 
 
@@ -168,17 +171,17 @@ def pair_parts(
     interface: str = "",
     scope: str = "",
 ) -> list[OldAndNew[_Item]]:
-    """Return every part with its counterpart, or with None if it is new or gone.
+    """Return every part with its counterpart in the other version, or with None if it is new or gone.
 
     Parts with the same name are a pair. A part whose name is gone and a part whose name is new are also a pair if their
     identities are equal and no other such part has this identity. The identity of a part stays the same when the part
-    is renamed, such as the address of a register or the bits of a field (see ``_identity_of``).
+    is renamed, such as the address of a register or the bits of a field.
 
     Args:
         family_pair: The two versions of the family.
         old_parts: The old parts.
         new_parts: The new parts.
-        interface: The interface of frames and fields, at whose order codes their bits are compared.
+        interface: The interface of frames and fields. Their bits are compared for its order codes.
         scope: The frame or register in which to look up the new names of fields.
     """
     identity_of_old = partial(_identity_of, family_pair=family_pair, is_old=True, interface=interface, scope=scope)
@@ -187,12 +190,12 @@ def pair_parts(
 
 
 def _identity_of(part: Any, family_pair: FamilyPair, *, is_old: bool, interface: str, scope: str) -> Hashable | None:
-    """Return what a renamed part has in common with its old version, or None if only its name identifies it.
+    """Return a key that stays equal when a part is renamed, or None if only its name identifies the part.
 
-    Fields are identified by their bits and whether they carry data, procedures by interface, number of arguments and
-    steps, and parameters by their numbers for each common order code. Any other part is identified by the members that
-    the table of members names as identity, with new names in references, and frames and registers also by the bits of
-    their fields.
+    A field is identified by its bits and by whether it carries data. A procedure is identified by its interface, number
+    of arguments and steps, and a parameter by its numbers for each common order code. Any other part is identified by
+    the members that the table of members marks as identity, and a frame or register also by the bits of its fields.
+    References contain the new names.
     """
     match part:
         case Field():
@@ -221,9 +224,10 @@ def _identity_of(part: Any, family_pair: FamilyPair, *, is_old: bool, interface:
 
 
 def _parameter_identity(family_pair: FamilyPair, parameter: Parameter, *, is_old: bool) -> Hashable | None:
-    """Return unit, origin and numbers of a parameter, or None without common order codes.
+    """Return a key that stays equal when a parameter is renamed, or None if the versions share no order code.
 
-    The origin is a register, an alternative or neither. There is one number for each common order code.
+    The key consists of the unit, the origin of the number (a register, an alternative or neither), and the number for
+    each order code that both versions have.
     """
     device = family_pair.old if is_old else family_pair.new
     common_codes = family_pair.new_code_by_old.keys() if is_old else family_pair.common_new_codes
@@ -234,9 +238,10 @@ def _parameter_identity(family_pair: FamilyPair, parameter: Parameter, *, is_old
 
 
 def _identifying_value(member_value: Any, identity_of_inner: Callable[[Any], Hashable | None]) -> Any:
-    """Return the value of a member without names: the sorted values of a map, or the identities of inner parts.
+    """Return the value of a member without the names of parts, so that it stays equal when a part is renamed.
 
-    Any other value is returned as it is.
+    For a map, these are its sorted values, and for a tuple of parts, their identities. Any other value is returned as
+    it is.
     """
     if isinstance(member_value, Mapping):
         return tuple(sorted(member_value.values()))
@@ -251,9 +256,9 @@ def step_without_words(step: Step) -> Step:
 
 
 def step_with_new_names(family_pair: FamilyPair, step: Step) -> Step:
-    """Return an old step without its words and with the new names of the things that it uses.
+    """Return an old step without its descriptive text, and with the new names of the registers and fields that it uses.
 
-    Fields are looked up in the new register of the step. The name of an argument is kept.
+    Fields are looked up in the new register of the step. The name of an argument of the procedure is kept.
     """
     new_register = family_pair.to_new_names("register", getattr(step, "register", ""))
     renamed_step = family_pair.with_new_names(step_without_words(step), new_register)

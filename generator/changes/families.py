@@ -29,7 +29,8 @@ from .values import codes_as_pattern, old_to_new
 def compare_family_itself(family_pair: FamilyPair) -> Iterator[Change]:
     """Yield the changes of the family itself: name, title, movement, manufacturer, evidence and manual.
 
-    A different edition of the manual is shown as old and new edition, any other difference of it as "details".
+    If the edition of the manual changes, the text shows the old and the new edition. For any other difference of the
+    manual, it only says "details".
     """
     old, new = family_pair.old, family_pair.new
     yield from family_pair.compare_presence(
@@ -50,14 +51,19 @@ def compare_family_itself(family_pair: FamilyPair) -> Iterator[Change]:
     yield from _compare_evidence(family_pair)
     if old.manual != new.manual:
         old_edition, new_edition = _edition_text(old.manual), _edition_text(new.manual)
-        is_other_edition = old_edition != new_edition
-        description = f" {old_to_new(old_edition, new_edition)}" if is_other_edition else ": details"
+        if old_edition != new_edition:
+            description = f" {old_to_new(old_edition, new_edition)}"
+        else:
+            description = ": details"
         manual_subject = ChangeSubject(path="manual", label="manual")
         yield family_pair.change("manual", manual_subject, description=description, old=old.manual, new=new.manual)
 
 
 def _compare_evidence(family_pair: FamilyPair) -> Iterator[Change]:
-    """Yield the changes of the evidence, or that there is evidence in only one version."""
+    """Yield the changes of the evidence: the documents that the spec comes from and how they were read.
+
+    If only one version has evidence, this is the change.
+    """
     old, new = family_pair.old, family_pair.new
     subject = ChangeSubject(path="evidence", label="evidence")
     if old.evidence and new.evidence:
@@ -77,7 +83,7 @@ def _edition_text(manual: Manual) -> str:
 def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
     """Yield order codes that are gone, new or renamed, and the changes of common codes, their parts and notations.
 
-    A renamed order code has a different text, but the same texts of its parts.
+    An order code was renamed if its text changed, and the texts of its parts are the same.
     """
     old, new = family_pair.old, family_pair.new
     gone_codes = [variant.code for variant in old.variants if variant.code not in family_pair.new_code_by_old]
@@ -93,7 +99,7 @@ def compare_order_codes(family_pair: FamilyPair) -> Iterator[Change]:
     old_order_code = old.order_code
     if renamed_codes:
         yield _renamed_codes_change(family_pair, renamed_codes)
-        # The pattern that composes order codes explains the renaming, which is already reported.
+        # The renaming is already reported, so the pattern that composes the order codes does not count as changed too.
         old_order_code = replace(old_order_code, pattern=new.order_code.pattern)
     yield from _compare_codes(family_pair)
     yield from compare_members(
@@ -173,9 +179,10 @@ def _compare_parameter(
 
 
 def _lengths_text(family_pair: FamilyPair, variant_pairs: Sequence[tuple[Variant, Variant]]) -> str:
-    """Return the frames that order codes with another parameter resize: ``: frame single_cycle_data 33 → 34 bits``.
+    """Return a text on the frames whose length changes: ``: frame single_cycle_data 33 → 34 bits``, or "".
 
-    The text is empty if there are none. A frame with several lengths is shown for the first order code.
+    ``variant_pairs`` are order codes with a changed parameter. If a frame has a different length for each order code,
+    its length for the first order code is shown.
     """
     text_by_frame: dict[str, str] = {}
     for old_variant, new_variant in variant_pairs:
@@ -191,7 +198,7 @@ def _lengths_text(family_pair: FamilyPair, variant_pairs: Sequence[tuple[Variant
 
 
 def _lengths_of_frames(device: Device, variant: Variant) -> Mapping[str, int]:
-    """Return the number of bits of each frame of an order code, by the name of the frame."""
+    """Return the number of bits in each frame of an order code, by the name of the frame."""
     lengths: dict[str, int] = {}
     for interface in device.interfaces:
         if interface.name == variant.interface:
@@ -200,17 +207,17 @@ def _lengths_of_frames(device: Device, variant: Variant) -> Mapping[str, int]:
 
 
 def _is_set_by_order_code(parameter: Parameter) -> bool:
-    """Return whether order codes set the parameter, rather than a formula, a register or a decision."""
+    """Return whether the order code sets the parameter, not a formula, a register or a decision of the user."""
     return parameter.equals is None and not parameter.read_from and not parameter.alternative
 
 
 def _compare_part_values(
     family_pair: FamilyPair, subject: ChangeSubject, old: CodePart, new: CodePart
 ) -> Iterator[Change]:
-    """Yield changes of the values of an order code part that both versions have, identified by their texts.
+    """Yield changes of the values of an order code part, for values whose text is in both versions.
 
-    New and gone values are visible in the order codes. A supply of a value affects the order codes with this value, or
-    all if none has it.
+    New and removed values need no change of their own, because they appear as new and removed order codes. A changed
+    supply affects the order codes that contain the value, or all order codes if none contains it.
     """
     for old_value, new_value in complete_pairs(pair_by_name(old.values, new.values, name_of=attrgetter("text"))):
         value_subject = subject.inside(new_value.text, f"{subject.label}: value {new_value.text}")
@@ -225,14 +232,14 @@ def _compare_part_values(
 
 
 def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
-    """Yield changes of the additional notations for labels.
+    """Yield changes of the additional notations in which order codes are written, for example on labels.
 
-    An old and a new notation are compared if they have the same place of use (``where``). Of the remaining notations,
-    an old and a new one with the same texts are one notation whose place of use was renamed.
+    An old and a new notation are compared if they are used at the same place (``where``). Of the remaining notations,
+    an old and a new one with the same texts are one notation whose place was renamed.
     """
 
     def texts_of(spelling: Spelling) -> Hashable:
-        """Return a notation with the new names of parts, without its ``where`` and its source."""
+        """Return a notation with the new names of order code parts, without its place of use and its citation."""
         return replace(family_pair.with_new_names(spelling), where="", source=())
 
     old_spellings, new_spellings = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
@@ -256,15 +263,15 @@ def compare_supply(
     new: Supply | None,
     codes: tuple[str, ...] | None = None,
 ) -> Iterator[Change]:
-    """Yield changes of the supply of a family, or of an order code value that ``codes`` have.
+    """Yield changes of the supply voltage or current of a family, or of the order codes ``codes``.
 
-    A supply that only the new version states narrows the accepted voltage. A supply that only the old version states
-    widens it.
+    If only the new version states a supply, the accepted range becomes narrower. If only the old version states it, the
+    range becomes wider.
     """
     supply_label = f"{subject.label} supply".strip()  # The family itself has no label.
     supply_subject = subject.inside("supply", supply_label)
     if old is not None and new is not None:
-        # Each change is created again for ``codes``, since changes of members affect all order codes.
+        # The changes of members affect all order codes, so each change is created again for ``codes``.
         for change in compare_members(family_pair, supply_subject, old, new):
             yield family_pair.change(
                 change.rule.name,
@@ -321,8 +328,8 @@ def _compare_answers(
 def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
     """Return all changes of all families, by family name and then by descending impact.
 
-    A missing family was renamed if a new one has the same order codes, or if there is only one of each. A device that
-    is the same object on both sides is unchanged.
+    A missing family was renamed if a new family has the same order codes, or if each version has only one family. A
+    device that is the same object in both versions is unchanged.
     """
     changes: list[Change] = []
     pairs = pair_by_name(old, new, _set_of_order_codes)
@@ -330,7 +337,7 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
         pairs = [OldAndNew(old=old[0], new=new[0])]
     for pair in sorted(pairs, key=lambda pair: pair.new_or_old.name):
         if pair.old is None or pair.new is None:
-            # Only the name of the family is compared, so one device represents both versions.
+            # Only the presence of the family is compared, so one device represents both versions.
             only_device = pair.new_or_old
             subject = ChangeSubject(path="", label=f"family {only_device.name}")
             old_name = pair.old.name if pair.old is not None else None
@@ -369,8 +376,8 @@ def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
 def compare_family(old: Device, new: Device) -> list[Change]:
     """Return all changes of a family, by descending impact.
 
-    Renamings are found first, since references to a renamed thing do not count as changes. If the devices differ but no
-    change is found, the order of items is the only change.
+    Renamings are found first, because references to renamed parts do not count as changes. If the devices differ but no
+    other change is found, only the order of the parts has changed.
     """
     family_pair = FamilyPair(old, new)
     remember_all_renamings(family_pair)
@@ -388,7 +395,7 @@ def compare_family(old: Device, new: Device) -> list[Change]:
 
 
 def _without_spec_data(device: Device) -> Device:
-    """Return a family without data about the spec itself: number of readings, history, hash and version."""
+    """Return a device without data about its spec: number of readings of the manual, history, hash and version."""
     manufacturer = replace(device.manufacturer, version="")
     return replace(device, times_read=None, releases=(), content_hash="", manufacturer=manufacturer)
 
@@ -396,8 +403,8 @@ def _without_spec_data(device: Device) -> Device:
 def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
     """Yield each change once, with the order codes and consequences of its repetitions.
 
-    Changes with the same rule and text are repetitions, such as those of a field group in several frames.
-    Documentation changes are compared by rule and path instead.
+    Changes with the same rule and text are repetitions, for example if several frames contain the same changed group
+    of fields. Changes that only affect documentation are repetitions if they have the same rule and path.
     """
     change_by_key: dict[tuple[str, str], Change] = {}
     for change in changes:
@@ -415,7 +422,7 @@ def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
 def _merge_pair(first_change: Change, repeated_change: Change) -> Change:
     """Return the first change with the order codes and the consequences of both.
 
-    If the repeated change affects further order codes, the descriptions of both are joined: ``X-24-…; all 6 SSI order
+    If the repeated change affects more order codes, the descriptions of both are joined: ``X-24-…; all 6 SSI order
     codes``.
     """
     moved_fields = dict.fromkeys((*first_change.moved_fields, *repeated_change.moved_fields))

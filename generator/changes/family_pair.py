@@ -1,4 +1,4 @@
-"""Two versions of a family: their common order codes, and the new names of renamed things."""
+"""Two versions of a family: their common order codes, and the new names of renamed parts."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from .values import (
 )
 
 _Part = TypeVar("_Part", bound=Any)
-#: Rules whose values are interfaces, both of which are affected.
+#: Rules for a move from one interface to another, which affects both interfaces.
 _RULES_OF_INTERFACES = ("register-interface", "procedure-interface")
 
 
 def _names_of_frame_fields(device: Device) -> frozenset[str]:
-    """Return the names of the fields and joined numbers of all frames."""
+    """Return the names of all fields and joined numbers in the frames of a device."""
     names: set[str] = set()
     for _, layout in device.layouts():
         names.update(field.name for field in layout.fields)
@@ -39,9 +39,10 @@ def _names_of_frame_fields(device: Device) -> frozenset[str]:
 
 
 def _match_order_codes(old: Device, new: Device) -> dict[str, str]:
-    """Return the new order code by the old one, for codes that are the same or whose parts all have the same texts.
+    """Return the new order code for each old order code that both versions have.
 
-    ``{"X-24": "X-24", "X-17": "X-17-B"}``: the second one was renamed. Order codes that are gone are not in it.
+    An order code was renamed if its text changed, and the texts of all its parts are the same: ``{"X-24": "X-24",
+    "X-17": "X-17-B"}``. Removed order codes are left out.
     """
     old_codes, new_codes = _order_codes_of(old), _order_codes_of(new)
     new_code_by_parts = {_parts_key(variant): variant.code for variant in new.variants}
@@ -51,14 +52,14 @@ def _match_order_codes(old: Device, new: Device) -> dict[str, str]:
             new_code_by_old[variant.code] = variant.code
             continue
         renamed_code = new_code_by_parts.get(_parts_key(variant))
-        # A new code that the old family has too is the counterpart of that old code.
+        # A new code that is also in the old family is the counterpart of that old code.
         if renamed_code is not None and renamed_code not in old_codes:
             new_code_by_old[variant.code] = renamed_code
     return new_code_by_old
 
 
 def _affected_side(rule: str) -> str:
-    """Return whose order codes a change affects: the "old" or "new" version's, or the "common" ones."""
+    """Return which order codes a change by a rule affects: the "old" ones, the "new" ones, or the "common" ones."""
     if rule.endswith("-gone"):
         return "old"
     if rule.endswith("-new"):
@@ -76,25 +77,25 @@ def _parts_key(variant: Variant) -> tuple[tuple[str, str], ...]:
 
 
 class FamilyPair:
-    """Two versions of a family with their common order codes and renamed things."""
+    """Two versions of a family with their common order codes and renamed parts."""
 
     def __init__(self, old: Device, new: Device) -> None:
         self.old = old
         self.new = new
-        #: The new name by the old name, for each kind of renamed thing, and for fields also by their frame or register.
+        #: The new name by the old name, for each kind of renamed part, and for fields also by their frame or register.
         self.new_names_by_kind: dict[str, dict[str, str]] = {}
         #: The fields and joined numbers of the new frames.
         self.names_in_new_frames = _names_of_frame_fields(new)
-        #: The common order codes: the new codes by the old codes.
+        #: The new order code by the old one, for order codes that both versions have.
         self.new_code_by_old = _match_order_codes(old, new)
         self._old_code_by_new = {new_code: old_code for old_code, new_code in self.new_code_by_old.items()}
-        #: The new ones among them.
+        #: The order codes that both versions have, as the new version spells them.
         self.common_new_codes = frozenset(self.new_code_by_old.values())
 
     def remember_renamings(self, part_kind: str, pairs: Iterable[OldAndNew[Any]]) -> None:
-        """Remember the new names of renamed things, so that references to them do not count as changed.
+        """Remember the new names of renamed parts, so that references to them do not count as changed.
 
-        ``part_kind`` is as in the table of members: ``register``, or ``field mode`` for the fields of a register or
+        ``part_kind`` is the kind of the parts, such as ``register``, or ``field mode`` for the fields of a register or
         frame ``mode``.
         """
         for old, new in complete_pairs(pairs):
@@ -103,16 +104,16 @@ class FamilyPair:
                 new_names[old.name] = new.name
 
     def with_new_names(self, part: _Part, scope: str = "") -> _Part:
-        """Return an old part of the model with the new names of the things that it refers to.
+        """Return an old part of the model in which references to renamed parts have the new names.
 
-        The table of members says which members refer to what. ``scope`` is the frame or register in which to look up
-        the names of fields.
+        The table of members lists the kind of part that each member refers to. ``scope`` is the frame or register in
+        which to look up the names of fields.
         """
         members = PARTS_BY_CLASS[type(part).__name__].by_attribute
         renamed_references: dict[str, Any] = {}
         for attribute in dataclasses.fields(part):
             member = members.get(attribute.name)
-            # ``refers_to`` is the kind of the things that the member names, or "" if it names none.
+            # ``refers_to`` is the kind of part that the member names, or "" if it names none.
             if member is not None and member.refers_to:
                 old_reference = getattr(part, attribute.name)
                 renamed_references[attribute.name] = self.to_new_names(member.refers_to, old_reference, scope)
@@ -134,10 +135,10 @@ class FamilyPair:
         return {self.to_new_names("parameter", parameter): number for parameter, number in old_names.items()}
 
     def _text_to_new_names(self, part_kind: str, old_text: str, scope: str) -> str:
-        """Return a text with its old names replaced by the new names.
+        """Return a text in which the old names of renamed parts are replaced by their new names.
 
-        ``part_kind`` says what the text is: a pattern, a path, a condition, the subject of limits, or just the name of
-        a thing of this kind. A name without a new one stays.
+        ``part_kind`` is the form of the text: a pattern, a dotted path, a condition or the subject of limits. For any
+        other kind, the text is the name of a part of this kind.
         """
         match part_kind:
             case "pattern":
@@ -161,8 +162,8 @@ class FamilyPair:
                 # The limits of a register apply to a field, or to the register itself.
                 new_name: str = self.to_new_names("field", old_text, scope)
                 return self._text_to_new_names("register", new_name, scope="")
-            # A reference to a field of any frame, whose name some new frame still has.
             case "any-field" if old_text in self.names_in_new_frames:
+                # The reference is valid for any frame with this field, and a new frame still has it.
                 return old_text
             case "field":
                 return self.new_names_by_kind.get(f"field {scope}", {}).get(old_text, old_text)
@@ -171,9 +172,10 @@ class FamilyPair:
 
     @cached_property
     def _points_by_interface(self) -> dict[str, list[ComparisonPoint]]:
-        """The points for comparing expressions, by new interface, and under an empty name the points of all interfaces.
+        """The points at which expressions are compared, by interface. The name "" has the points of all interfaces.
 
-        There is a point for each common order code and each setting of registers and answers.
+        There is a point for each order code that both versions have, with each setting of registers and each answer to
+        the manual's open questions.
         """
         new_variant_by_code = {variant.code: variant for variant in self.new.variants}
         points_by_interface: dict[str, list[ComparisonPoint]] = {}
@@ -190,10 +192,9 @@ class FamilyPair:
     def _comparison_point(
         self, old_variant: Variant, new_variant: Variant, setting: Mapping[str, int]
     ) -> ComparisonPoint:
-        """Return the point of a common order code: the parameters of its old and new variant under a setting.
+        """Return the parameters of an order code in both versions, under a setting of registers and answers.
 
-        ``setting`` contains the values of the new family by parameter name. The old family gets them under the old
-        names.
+        ``setting`` contains values by the new names of the parameters. The old version gets them under the old names.
         """
         new_name_by_old = self.new_names_by_kind.get("parameter", {})
         old_name_by_new = {new_name: old_name for old_name, new_name in new_name_by_old.items()}
@@ -210,16 +211,17 @@ class FamilyPair:
     def compare_expressions(
         self, interface: str, old: Expression | None, new: Expression | None
     ) -> NumberDifferences | None:
-        """Return the differences of two expressions, or None if they have the same value at every point.
+        """Return the differences between two expressions, or None if their values are equal for every order code.
 
-        The points of the interface are compared, or all points if ``interface`` is empty.
+        They are compared for the order codes of the interface, or for all order codes if ``interface`` is empty.
         """
         return compare_at_points(old, new, self._points_by_interface.get(interface, ()))
 
     def low_bits_and_widths(self, field: Field, interface: str, *, is_old: bool) -> tuple[int | str, ...]:
-        """Return low bit and width of a field in turn, for every point of an interface: ``(0, 17, 0, 19)`` for two.
+        """Return the low bit and the width of a field for each common order code: ``(0, 17, 0, 19)`` for two codes.
 
-        Without points, these are the two expressions as texts: ``("0", "resolution")``.
+        If the versions have no common order code over this interface, the two expressions are returned as texts:
+        ``("0", "resolution")``.
         """
         if not self._points_by_interface.get(interface):
             return field.low.render(), field.width.render()
@@ -228,9 +230,9 @@ class FamilyPair:
         return tuple(chain.from_iterable(zip(low_bits, widths, strict=True)))
 
     def values_at_points(self, expression: Expression, interface: str, *, is_old: bool) -> tuple[int, ...]:
-        """Return the value of an expression at every point of an interface.
+        """Return the values of an expression for each common order code and setting of an interface.
 
-        ``is_old`` selects the parameters of the old or the new family.
+        ``is_old`` selects the parameters of the old or the new version.
         """
         points = self._points_by_interface.get(interface, ())
         if is_old:
@@ -238,10 +240,10 @@ class FamilyPair:
         return tuple(expression.value(point.new_parameters) for point in points)
 
     def order_codes_over(self, interface: str, side: str = "common") -> tuple[str, ...]:
-        """Return the order codes of an interface, or of all if ``interface`` is empty, of one ``side``.
+        """Return the order codes of an interface, or of all interfaces if ``interface`` is empty.
 
-        The side is the ``old`` or ``new`` family, or the ``common`` codes, as the new family has them. If no code is
-        common, the codes of the new family count as common.
+        ``side`` selects the codes of the ``old`` or ``new`` version, or the ``common`` codes, in the spelling of the
+        new version. If the versions have no common code, all codes of the new version count as common.
         """
         device = self.old if side == "old" else self.new
         codes = [variant.code for variant in device.variants if interface in ("", variant.interface)]
@@ -258,10 +260,11 @@ class FamilyPair:
         new: Any,
         codes: Iterable[str] | None = None,
     ) -> Change:
-        """Return a change by a rule. Without ``codes``, it affects all order codes of the subject's interface.
+        """Return a change of the subject by a rule, with the order codes that it affects.
 
-        These are the old codes if the rule ends with "-gone", the new codes if it ends with "-new", and else the common
-        codes. A register or procedure that moves to another interface affects the order codes of both.
+        These are ``codes``, or by default all order codes of the subject's interface: the old codes if the rule ends
+        with "-gone", the new codes if it ends with "-new", and otherwise the codes that both versions have. A register
+        or procedure that moves to a different interface affects the order codes of both interfaces.
         """
         side = _affected_side(rule)
         affected_codes = tuple(codes) if codes is not None else self.order_codes_over(subject.interface, side)
@@ -286,28 +289,27 @@ class FamilyPair:
         )
 
     def limited_to_codes(self, change: Change, codes: Sequence[str]) -> Change:
-        """Return a change that affects only these common order codes."""
+        """Return the change with only these order codes as affected. Both versions have them."""
         return replace(change, codes=tuple(codes), reach=self._describe_affected_codes("common", codes))
 
     def old_code(self, code: str) -> str:
-        """Return the order code of the old family that is paired with one of the new family."""
+        """Return the old order code that corresponds to an order code of the new version."""
         return self._old_code_by_new.get(code, code)
 
     def _describe_affected_codes(self, side: str, codes: Collection[str]) -> str:
-        """Describe order codes of one side, such as ``all 12 BiSS order codes``, or as a pattern.
+        """Describe order codes in words, such as ``all 12 BiSS order codes``, or as a pattern, such as ``X-24-…``.
 
-        Common codes are described among all of the new family. If they are all common codes, but not all codes of the
-        family, the text is ``all 10 BiSS order codes that stay``.
+        ``side`` is "old", "new" or "common". If the codes are all codes that both versions have over an interface, but
+        the new version has more, the text is ``all 10 BiSS order codes that stay``.
         """
         if side == "old":
             return describe_codes(self.old, codes)
         codes_text = describe_codes(self.new, codes)
         common_variants = tuple(variant for variant in self.new.variants if variant.code in self.common_new_codes)
-        has_no_common_code = not common_variants
-        are_all_new_codes_common = len(common_variants) == len(self.new.variants)
-        if side == "new" or has_no_common_code or are_all_new_codes_common or codes_text.startswith("all "):
+        has_only_some_common_codes = 0 < len(common_variants) < len(self.new.variants)
+        if side == "new" or not has_only_some_common_codes or codes_text.startswith("all "):
             return codes_text
-        # All common codes of an interface are not all of the new family.
+        # The codes may be all common codes of an interface, while the new version has more codes.
         new_family_without_new_codes = replace(self.new, variants=common_variants)
         text_among_common = describe_codes(new_family_without_new_codes, codes)
         if text_among_common.startswith("all "):
@@ -317,10 +319,10 @@ class FamilyPair:
     def compare_presence(
         self, part_kind: str, subject: ChangeSubject, old: Any, new: Any, common_property: str = ""
     ) -> Iterator[Change]:
-        """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its new or only name.
+        """Yield a change if a part is gone, new or renamed. ``subject.label`` ends with its new or only name.
 
-        The text of a renaming names what both have in common: ``register mode → state (the same address)``. The common
-        property is ``common_property``, or else the one in ``SAME``.
+        The text of a renaming says what both versions of the part have in common: ``register mode → state (the same
+        address)``. This is ``common_property``, or by default the property that identifies parts of this kind.
         """
         if new is None:
             yield self.change(f"{part_kind}-gone", subject, description=" is gone", old=old, new=None)

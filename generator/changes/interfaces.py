@@ -42,23 +42,24 @@ _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write"
 
 
 def compare_register(family_pair: FamilyPair, subject: ChangeSubject, old: Register, new: Register) -> Iterator[Change]:
-    """Yield changes of the access, the meanings and the bits of a register. Its members are compared by the caller.
+    """Yield changes of the access, the meanings and the bits of a register. The caller compares its other members.
 
-    Its names in code stay the same if its bits change, so such a change does not list them.
+    If only the bits change, the names of the register in code stay the same, so such a change does not list them.
     """
     yield from _compare_access(family_pair, subject, old, new)
     meaning_subject = replace(subject, label=f"{subject.label}: meaning")
     yield from compare_parts(family_pair, "meaning", old.meanings, new.meanings, meaning_subject)
-    # Everything else in the layout of a register follows from the register, which is compared separately.
+    # All other members of the layout follow from the register, which the caller compares.
     old_layout = replace(new.layout, fields=old.layout.fields, joins=old.layout.joins, gaps=old.layout.gaps)
     yield from compare_members(family_pair, subject.unnamed, old_layout, new.layout)
     yield from compare_layout(family_pair, subject.unnamed, old_layout, new.layout)
 
 
 def _compare_access(family_pair: FamilyPair, subject: ChangeSubject, old: Register, new: Register) -> Iterator[Change]:
-    """Yield a change of the access to a register, or nothing if it is the same.
+    """Yield a change if the access to a register differs.
 
-    Its rule is "access-lost" if the register can no longer be read or written, and else "access-gained".
+    The rule is "access-lost" if the register can no longer be read or can no longer be written, and otherwise
+    "access-gained".
     """
     if old.access == new.access:
         return
@@ -78,9 +79,10 @@ def _compare_access(family_pair: FamilyPair, subject: ChangeSubject, old: Regist
 def compare_procedure(
     family_pair: FamilyPair, subject: ChangeSubject, old: Procedure, new: Procedure
 ) -> Iterator[Change]:
-    """Yield a change of the arguments, and one of the steps: what they do, else their words, else their sources.
+    """Yield a change if the arguments of a procedure differ, and a change if its steps differ.
 
-    Old steps are compared with the new names of the things that they use.
+    The change of the steps is about what they do. If that is the same, it is about their descriptions, and if these are
+    the same too, about their citations. A renamed register or field does not count as a change of the steps.
     """
     yield from _compare_arguments(family_pair, subject.inside("arguments", subject.label), old, new)
     steps_subject = subject.unnamed.inside("steps", subject.label)
@@ -93,20 +95,20 @@ def compare_procedure(
         )
     elif _list_meanings(old.steps) != _list_meanings(new.steps):
         yield family_pair.change("words", steps_subject, description=": steps", old=old.steps, new=new.steps)
-    # Of steps that do the same, only sources and names can differ. Changed names are reported where they are.
-    elif old.steps != new.steps and _list_sources(old.steps) != _list_sources(new.steps):
+    elif _list_sources(old.steps) != _list_sources(new.steps):
         yield family_pair.change("source", steps_subject, description=": steps", old=None, new=None)
 
 
 def _compare_arguments(
     family_pair: FamilyPair, subject: ChangeSubject, old: Procedure, new: Procedure
 ) -> Iterator[Change]:
-    """Yield a change if the arguments differ in names, registers or meanings, or else in their words."""
+    """Yield a change if the arguments of a procedure differ in names, registers or units, or only in descriptions."""
     old_arguments = _describe_arguments(map(family_pair.with_new_names, old.arguments))
     new_arguments = _describe_arguments(new.arguments)
     if old_arguments != new_arguments:
         old_texts, new_texts = _argument_names(old), _argument_names(new)
-        if old_texts == new_texts:  # In this case, the register that takes an argument differs, or its meaning.
+        if old_texts == new_texts:
+            # The names are the same, so the register that takes an argument differs, or the unit of the argument.
             old_texts, new_texts = _argument_texts(old_arguments), _argument_texts(new_arguments)
         yield family_pair.change(
             "procedure-arguments",
@@ -126,17 +128,17 @@ def _argument_names(procedure: Procedure) -> list[str]:
 
 
 def _describe_arguments(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
-    """Return a tuple for each argument: its name, the register or field that takes it, and its meaning.
+    """Return a tuple for each argument: its name, the register or field that takes it, and what the number counts.
 
-    For example ``("position", "preset", "counts")``, with "" if the spec does not give the meaning.
+    For example ``("position", "preset", "counts")``, with "" as the last item if the spec does not say what it counts.
     """
     return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
 
 
-def _argument_texts(signature: list[tuple[str, str, str]]) -> list[str]:
-    """Return a text for each argument, such as ``position for preset as counts``."""
+def _argument_texts(arguments: list[tuple[str, str, str]]) -> list[str]:
+    """Return a text for each argument of a procedure, such as ``position for preset as counts``."""
     argument_texts = []
-    for argument_name, register_or_field, meaning in signature:
+    for argument_name, register_or_field, meaning in arguments:
         name_and_target = f"{argument_name} for {register_or_field}"
         argument_texts.append(f"{name_and_target} as {meaning}" if meaning else name_and_target)
     return argument_texts
@@ -151,10 +153,10 @@ def _list_sources(steps: Sequence[Step]) -> list[Sources]:
 
 
 def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
-    """Describe the steps that differ: ``: steps 2, 3: pause 5 ms → 10 ms``, or ``: steps 2, 3 differ``.
+    """Describe how the steps of a procedure differ, such as ``: steps 2, 3: pause 5 ms → 10 ms``.
 
-    The second form is for steps that differ in several ways. If the number of steps differs, only the numbers are
-    given.
+    If the steps differ in several ways, the text is ``: steps 2, 3 differ``. If their number differs, it is
+    ``: 4 steps → 5 steps``.
     """
     if len(old_steps) != len(new_steps):
         return f": {len(old_steps)} steps → {len(new_steps)} steps"
@@ -168,13 +170,13 @@ def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
     steps_text = f": {noun} {', '.join(step_numbers)}"
     if len(differences) > 1:
         return f"{steps_text} differ"
-    # The caller passes different steps, so one difference remains.
+    # The caller only passes lists that differ, so there is exactly one difference.
     (common_difference,) = differences
     return f"{steps_text}: {common_difference}"
 
 
 def _describe_step(old: Step, new: Step) -> str:
-    """Describe the difference between two steps by their members: ``pause 5 ms → 10 ms``, or by their kinds."""
+    """Describe how two steps differ, such as ``pause 5 ms → 10 ms``, or ``read → write`` for different kinds."""
     if type(old) is not type(new):
         return f"{old.do} → {new.do}"
     members = PARTS_BY_CLASS[type(new).__name__].by_attribute
@@ -189,7 +191,7 @@ def _describe_step(old: Step, new: Step) -> str:
 
 
 def compare_interfaces(family_pair: FamilyPair) -> Iterator[Change]:
-    """Yield the changes of all interfaces, which are paired by their names: new, gone, or different in content."""
+    """Yield the changes of all interfaces: new and removed interfaces, and changes within those in both versions."""
     for pair in pair_by_name(family_pair.old.interfaces, family_pair.new.interfaces):
         subject = ChangeSubject(
             path=f"interfaces.{pair.new_or_old.name}", label=pair.new_or_old.short, interface=pair.new_or_old.name
@@ -202,8 +204,8 @@ def _compare_interface(
 ) -> Iterator[Change]:
     """Yield changes of the port or clock, data IDs, control frame, timings and frames of an interface.
 
-    RS-485 has a port and data IDs, the other interfaces a clock, and BiSS also a control frame. They are compared if
-    both versions have them. Changes of a frame's length are left out if a resized field explains them.
+    RS-485 has a port and data IDs. The other interfaces have a clock, and BiSS also has a control frame. A changed
+    length of a frame is left out if a resized field explains it.
     """
     if isinstance(new, Rs485) and isinstance(old, Rs485):
         port_subject = subject.inside("port", subject.label)
@@ -228,18 +230,20 @@ def _compare_interface(
 
 
 def _compare_frame(family_pair: FamilyPair, subject: ChangeSubject, old: Layout, new: Layout) -> Iterator[Change]:
-    """Yield changes of the fields and the position range of a frame, and decisions that it needs only in one version.
+    """Yield changes of the fields and the position range of a frame, and of the decisions that users must make for it.
 
-    A decision is needed if the layout depends on an alternative. Old decisions are compared by their new names.
+    Users must decide where the manual leaves open which of several alternatives a frame contains. Renamed decisions do
+    not count as changes.
     """
-    unnamed = subject.unnamed
-    yield from compare_layout(family_pair, unnamed, old, new)
-    yield from _compare_position_range(family_pair, unnamed, old.position_range, new.position_range)
+    # The names of the frame in code stay the same, so the changes do not list them.
+    subject = subject.unnamed
+    yield from compare_layout(family_pair, subject, old, new)
+    yield from _compare_position_range(family_pair, subject, old.position_range, new.position_range)
     old_alternatives = family_pair.old.alternatives_of(old)
     new_alternatives = family_pair.new.alternatives_of(new)
     old_decisions = {family_pair.to_new_names("decision", alternative.name) for alternative in old_alternatives}
     new_decisions = {alternative.name for alternative in new_alternatives}
-    decision_subject = unnamed.inside("alternatives", unnamed.label)
+    decision_subject = subject.inside("alternatives", subject.label)
     for decision in sorted(old_decisions - new_decisions):
         description = f": no longer needs the decision {decision}"
         yield family_pair.change("frame-decision", decision_subject, description=description, old=decision, new=None)
@@ -251,9 +255,10 @@ def _compare_frame(family_pair: FamilyPair, subject: ChangeSubject, old: Layout,
 def _compare_position_range(
     family_pair: FamilyPair, subject: ChangeSubject, old: LayoutRange | None, new: LayoutRange | None
 ) -> Iterator[Change]:
-    """Yield changes of the range of a position in one frame, or that only one version has a separate range.
+    """Yield changes of the range of the positions that a frame can contain.
 
-    Without its own range, a frame has the range of the interface.
+    None means that the frame has no range of its own, so the range of its interface applies. If only one version has a
+    separate range, this is the change.
     """
     range_subject = subject.inside("position_range", f"{subject.label}: position range")
     if old is not None and new is not None:
@@ -265,7 +270,7 @@ def _compare_position_range(
 def _compare_channels(
     family_pair: FamilyPair, subject: ChangeSubject, old: DataChannels | None, new: DataChannels | None
 ) -> Iterator[Change]:
-    """Yield changes of the data channels in one frame, or that only one version has such a frame."""
+    """Yield changes of a frame with several data channels, or the change that only one version has such a frame."""
     channels_subject = subject.inside("channels", f"{subject.label}: frame with several data channels")
     if old is not None and new is not None:
         yield from compare_members(family_pair, channels_subject, old, new)
@@ -276,7 +281,7 @@ def _compare_channels(
 def _compare_control_values(
     family_pair: FamilyPair, subject: ChangeSubject, old: ControlField, new: ControlField
 ) -> Iterator[Change]:
-    """Yield the changes of the values of a field of the control frame."""
+    """Yield the changes of the values that a field of the BiSS control frame can have."""
     value_subject = replace(subject, label=f"control frame: {new.name}: value")
     yield from compare_parts(family_pair, "value", old.values, new.values, value_subject)
 
@@ -284,7 +289,10 @@ def _compare_control_values(
 def compare_timings(
     family_pair: FamilyPair, subject: ChangeSubject, old_timings: tuple[Timing, ...], new_timings: tuple[Timing, ...]
 ) -> Iterator[Change]:
-    """Yield changes of times of an interface, or of the device if the label of ``subject`` is empty."""
+    """Yield changes of the times that an interface specifies, or the device if the label of ``subject`` is empty.
+
+    A name that several times share, each for other order codes, is first extended by the order codes.
+    """
     timing_label = f"{subject.label} time".strip()  # The device itself has no label.
     timing_subject = subject.inside("timings", timing_label)
     shared_names = repeated_names(old_timings) | repeated_names(new_timings)
@@ -298,7 +306,7 @@ def compare_timings(
 
 
 _Part = TypeVar("_Part")
-#: Sections without effect on code: the rule, the member of the family, the member that identifies an item, and a word.
+#: Sections without effect on code: rule, member of the device, member that identifies each item, and word in texts.
 _DISPLAYED_SECTIONS = (
     ("erratum", "errata", "name", "erratum"),
     ("example", "examples", "name", "example"),
@@ -315,8 +323,8 @@ def compare_contacts(
 ) -> Iterator[Change]:
     """Yield changes of the contacts of a connector.
 
-    A contact is identified by its pin or colour. If only the old version has it, the text is ``signal SL → none``, and
-    if only the new version has it, ``signal none → SL``.
+    A contact is identified by its pin or wire color. If only the old version has it, the text is ``signal SL → none``,
+    and if only the new version has it, ``signal none → SL``.
     """
     old_contacts, new_contacts = _by_member(old.contacts, "contact"), _by_member(new.contacts, "contact")
     for contact, old_contact, new_contact in match_by_key(old_contacts, new_contacts):
@@ -333,9 +341,9 @@ def compare_contacts(
 
 
 def compare_displayed_facts(family_pair: FamilyPair) -> Iterator[Change]:
-    """Yield changes of errata, examples, field groups, and of facts that no code depends on.
+    """Yield changes of facts that no code depends on, such as errata and characteristics, and of field groups.
 
-    Each section of ``_DISPLAYED_SECTIONS`` leads to one change for each item that is new, gone or different.
+    There is one change for each erratum, example, characteristic and so on that is new, gone or different.
     """
     for rule, section, key_member, noun in _DISPLAYED_SECTIONS:
         old_section, new_section = getattr(family_pair.old, section), getattr(family_pair.new, section)
@@ -362,9 +370,10 @@ def _by_member(parts: Iterable[_Part], member_name: str) -> dict[Any, _Part]:
 
 
 def _describe_difference(old: Any, new: Any) -> str:
-    """Return `` is new``, `` is gone``, ``: 5 V → 12 V`` for a different value, or `` has changed``.
+    """Describe the difference between an old and a new fact, of which one may be None.
 
-    Only characteristics have a value. If its short text is unchanged, something else of the item has changed.
+    The text is `` is new``, `` is gone``, or ``: 5 V → 12 V`` for a characteristic with a different value. For any
+    other difference, it is `` has changed``.
     """
     if old is None:
         return " is new"

@@ -26,14 +26,14 @@ from .pairs import OldAndNew
 from .rules import Change, ChangeSubject
 from .values import short_value
 
-#: Kinds among which a change affects only how bits are read.
+#: Kinds that all read their bits as a number or text. A change from one to another only affects how the bits are read.
 _KINDS_OF_NUMBERS = (Number, Decimal, Text)
 
 
 def compare_layout(family_pair: FamilyPair, subject: ChangeSubject, old: Layout, new: Layout) -> Iterator[Change]:
-    """Yield the differences of a frame or register in its fields, joined numbers and combinations.
+    """Yield the changes of a frame or register in its fields, joined numbers and combinations of flags.
 
-    A joined number of the same name can also have a different type in C.
+    A joined number consists of several fields. If its type in C differs, this is a change too.
     """
     yield from _compare_fields(family_pair, subject, old, new)
     join_subject = replace(subject, label=f"{subject.scope}: number")
@@ -50,15 +50,14 @@ def compare_layout(family_pair: FamilyPair, subject: ChangeSubject, old: Layout,
 
 
 def _compare_fields(family_pair: FamilyPair, subject: ChangeSubject, old: Layout, new: Layout) -> Iterator[Change]:
-    """Yield changes of the fields of a layout. Moves and lengths that a resized field explains are part of its change.
+    """Yield changes of the fields of a frame or register.
 
-    Fields that pad another field are not compared, since they follow from its container.
+    If a resized field moves other fields or changes the length of the frame, this is part of the field's own change.
+    Fields that only pad another field follow from that field, and are not compared.
     """
     compared_fields: list[ComparedField] = []
     for pair in pair_fields(family_pair, old, new, subject.interface):
-        # Padding follows from the field that it fills up, and is compared with that field.
-        is_padding = _is_padding(pair.new_or_old, old) or _is_padding(pair.new_or_old, new)
-        if is_padding:
+        if _is_padding(pair.new_or_old, old) or _is_padding(pair.new_or_old, new):
             continue
         common_property = _common_property(family_pair, subject, pair, old, new)
         field_changes = list(_compare_field(family_pair, subject, pair, common_property))
@@ -84,10 +83,10 @@ def _is_padding(field: Field, layout: Layout) -> bool:
 def _common_property(
     family_pair: FamilyPair, subject: ChangeSubject, pair: OldAndNew[Field], old_layout: Layout, new_layout: Layout
 ) -> str:
-    """Return "between the same fields" for a renamed field with other bits, or "" if its bits are unchanged.
+    """Return what a renamed field has in common with its old version: "between the same fields", or "".
 
-    For a field of a group, bits are counted from the start of the group. "" means that the default text applies, which
-    is "the same bits".
+    "" stands for the default text "the same bits". It is also returned for a field that is not renamed. The bits of a
+    field in a group are counted from the start of the group.
     """
     if pair.old is None or pair.new is None or pair.old.name == pair.new.name:
         return ""
@@ -101,10 +100,9 @@ def _common_property(
 def _low_bits_in_group(
     family_pair: FamilyPair, interface: str, layout: Layout, field: Field, *, is_old: bool
 ) -> tuple[int, ...]:
-    """Return the lowest bit of a field at every point, counted from the start of its group if it has one.
+    """Return the lowest bit of a field for each common order code, counted from the start of its group if it has one.
 
-    A point is a common order code with its parameters, see ``ComparisonPoint``. The start of a group is the lowest bit
-    of its fields at that point.
+    The start of a group is the lowest bit of all its fields, for the same order code.
     """
     low_bits = family_pair.values_at_points(field.low, interface, is_old=is_old)
     if not field.group:
@@ -113,7 +111,7 @@ def _low_bits_in_group(
     for group_field in layout.fields:
         if group_field.group == field.group:
             low_bits_of_group.append(family_pair.values_at_points(group_field.low, interface, is_old=is_old))
-    # ``low_bits_of_group`` contains a tuple for each field. ``zip`` yields the low bits of all fields at each point.
+    # The list has a tuple for each field. ``zip`` yields the low bits of all fields for each order code.
     group_starts = map(min, zip(*low_bits_of_group, strict=True))
     return tuple(low_bit - group_start for low_bit, group_start in zip(low_bits, group_starts, strict=True))
 
@@ -123,7 +121,8 @@ def _compare_field(
 ) -> Iterator[Change]:
     """Yield changes of a field of a frame or register: its presence or name, members, kind, type and values.
 
-    ``common_property`` is as from ``_common_property``. Values are compared if both are choices, except data IDs.
+    ``common_property`` says what a renamed field has in common with its old version, or is "" for "the same bits". The
+    values of two choices are compared, except data IDs, which are compared with their interface.
     """
     field = pair.new_or_old
     # A field of a group is in many frames, but its change is reported once, for the group.
@@ -152,13 +151,13 @@ def _compare_field(
 
 
 def _compare_type(family_pair: FamilyPair, subject: ChangeSubject, old: str, new: str) -> Iterator[Change]:
-    """Yield a change if the types of a number in C differ. A type is empty for anything other than a number."""
+    """Yield a change if the type of a number in C differs. A type is "" if the field is not a number or is new."""
     if old and new and old != new:
         yield family_pair.change("field-type", subject, description=f": {old} → {new}", old=old, new=new)
 
 
 def _type_of(field: Field) -> str:
-    """Return the type of a number in C, such as ``uint32_t``, or an empty string for another kind of field."""
+    """Return the type of a field in C, such as ``uint32_t``, or "" if the field is not a number."""
     if not isinstance(field.kind, (Number, Decimal)):
         return ""
     # The number that zero represents may need one bit more than the field has.
@@ -167,20 +166,20 @@ def _type_of(field: Field) -> str:
 
 
 def _type_of_join(layout: Layout, join: Join) -> str:
-    """Return the unsigned type in C of a number formed by several fields, at their largest widths."""
+    """Return the type in C of a number that consists of several fields, which must hold their largest widths."""
     bits = sum(layout.field(name).widest for name in join.fields)
     return _smallest_integer_type(bits, is_signed=False)
 
 
 def _smallest_integer_type(bits: int, *, is_signed: bool) -> str:
-    """Return the smallest integer type of C with this number of bits, such as ``uint32_t``."""
+    """Return the smallest integer type of C with at least this number of bits, such as ``uint32_t`` for 17 bits."""
     sufficient_sizes = [size for size in (8, 16, 32) if bits <= size]
     size = sufficient_sizes[0] if sufficient_sizes else 64
     return f"int{size}_t" if is_signed else f"uint{size}_t"
 
 
 def _has_data_ids(device: Device, field: Field) -> bool:
-    """Return whether a field's values are named after data IDs of an interface, which are compared as data IDs."""
+    """Return whether the values of a field are the data IDs of an RS-485 interface, which have the same names."""
     value_names = {value.name for value in field.values}
     for interface in device.interfaces:
         if isinstance(interface, Rs485) and value_names == {data_id.name for data_id in interface.data_ids}:
@@ -189,10 +188,10 @@ def _has_data_ids(device: Device, field: Field) -> bool:
 
 
 def _compare_kind(family_pair: FamilyPair, subject: ChangeSubject, old: Field, new: Field) -> Iterator[Change]:
-    """Yield a change if a field converts its bits to a value in another way.
+    """Yield changes of the kind of a field, which says how its bits are converted to a value.
 
-    Kinds of the same class are compared by their members, and numbers in decimal digits by their digits. Otherwise the
-    rule depends on the two kinds, and the text is ``: flag → number``.
+    If the kind is the same, its details are compared, or the digits of numbers in decimal digits. Otherwise, the text
+    of the change is ``: flag → number``.
     """
     old_kind, new_kind = old.kind, new.kind
     if isinstance(old_kind, Decimal) and isinstance(new_kind, Decimal):
@@ -211,10 +210,10 @@ def _compare_kind(family_pair: FamilyPair, subject: ChangeSubject, old: Field, n
 
 
 def _compare_digits(family_pair: FamilyPair, subject: ChangeSubject, old: Decimal, new: Decimal) -> Iterator[Change]:
-    """Yield a change of the numbers formed by decimal digits, by their names and their numbers of digits.
+    """Yield a change of a field that contains one or several numbers as decimal digits, such as year and week.
 
-    If names and numbers are the same in the same order, only words have changed. If a name is gone, the kind has
-    changed.
+    If the names and the numbers of digits are the same in the same order, only texts have changed. If a name is gone,
+    the change counts as a different kind of field.
     """
     if old == new:
         return
@@ -230,8 +229,10 @@ def _compare_digits(family_pair: FamilyPair, subject: ChangeSubject, old: Decima
 
 
 def _digits_by_name(decimal: Decimal) -> dict[str, int]:
+    """Return the number of digits of each number in a field of decimal digits: ``{"year": 2, "week": 2}``."""
     return {run.name: run.digits for run in decimal.runs}
 
 
 def _digits_text(digits_by_name: dict[str, int]) -> str:
+    """Return a text such as ``year (2), week (2)``, shortened if it is long."""
     return short_value(", ".join(f"{name} ({digits})" for name, digits in digits_by_name.items()))

@@ -1,4 +1,4 @@
-"""Names in generated files that disappear, or keep their name with another value: C macros, Python names and files."""
+"""Names in generated files that disappear or get a different value: C macros, Python names and files."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from pathlib import PurePosixPath
 
 _MACRO_DEFINITION = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(\([^)\n]*\))?[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
 _C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
-#: Macros that guard a header or contain its version, which no code depends on.
+#: Names of macros that guard a header or contain its version. No code depends on them.
 _MACRO_ABOUT_HEADER = re.compile(r"\w+_(?:H|HPP|VERSION|INCLUDED)")
-#: Most characters of a shown value.
+#: Highest number of characters of a value that are shown.
 _LONGEST_VALUE = 40
 
 
 @dataclass(frozen=True, slots=True)
 class NameChange:
-    """A name of a family in an output. ``new`` is None if it is gone."""
+    """A name of a family in an output that is gone or has a different value. ``new`` is None if it is gone."""
 
     family: str
     kind: str
@@ -28,6 +28,7 @@ class NameChange:
 
     @property
     def text(self) -> str:
+        """The change in words, such as ``C macro X24_BITS: 24 → 26``."""
         if self.new is None:
             return f"{self.kind} {self.name} is gone"
         return f"{self.kind} {self.name}: {_shorten_value(self.old)} → {_shorten_value(self.new)}"
@@ -45,10 +46,11 @@ def name_changes(
 ) -> tuple[NameChange, ...]:
     """Return the C macros, Python names and files of families that are gone, or have a different value.
 
-    The arguments contain the generated files by path. Files that do not begin with the name of a family are left out.
+    The arguments contain the texts of the generated files by path. Files whose names do not begin with the name of a
+    family are left out.
     """
     changes: list[NameChange] = []
-    # A family can begin with the name of another family, so the longest name that fits is the family of a file.
+    # The name of a family can begin with the name of another family. A file belongs to the longest name that fits.
     longest_first = sorted(families, key=len, reverse=True)
     for path, old_text in old_text_by_path.items():
         new_text = new_text_by_path.get(path)
@@ -63,7 +65,7 @@ def name_changes(
 
 
 def _family_of_file(path: str, families: Sequence[str]) -> str:
-    """Return the first family with which the name of a file begins: ``tv62`` for ``c/tv62_biss.h``, or ""."""
+    """Return the first family whose name begins the name of a file, such as ``tv62`` for ``c/tv62_biss.h``, or ""."""
     stem = PurePosixPath(path).name.partition(".")[0]
     for family in families:
         if stem == family or stem.startswith(f"{family}_"):
@@ -72,14 +74,17 @@ def _family_of_file(path: str, families: Sequence[str]) -> str:
 
 
 def _is_private_module(path: str) -> bool:
-    """Return whether users do not import a module: a part of its path begins with an underscore or is ``facts``."""
+    """Return whether users never import a Python module themselves.
+
+    A part of the path of such a module begins with an underscore or is ``facts``.
+    """
     return any(folder.startswith("_") or folder == "facts" for folder in PurePosixPath(path).parts)
 
 
 def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> Iterator[NameChange]:
-    """Yield the macros of a C header, or the names of a Python module, that are gone or have another value.
+    """Yield the macros of a C header, or the names in a Python module, that are gone or have a different value.
 
-    Names that are new are not listed. Other files and private modules contain none.
+    New names are not listed. For other files and private modules, nothing is listed.
     """
     if path.endswith(".h"):
         kind = "C macro"
@@ -113,9 +118,9 @@ def _parse_macros(header: str) -> dict[str, str]:
 
 
 def _python_names(module: str) -> dict[str, str]:
-    """Return the public names of a module and of its classes, with the values of constants.
+    """Return the public names in the text of a module and in its classes, with the values of constants.
 
-    The value of a name that is not a constant is empty: ``{"CRC_BITS": "6", "Frame": "", "Frame.decode": ""}``.
+    A name that is not a constant has the value "": ``{"CRC_BITS": "6", "Frame": "", "Frame.decode": ""}``.
     """
     statements = ast.parse(module).body
     classes = {statement.name: statement for statement in statements if isinstance(statement, ast.ClassDef)}
@@ -125,10 +130,10 @@ def _python_names(module: str) -> dict[str, str]:
 def _named_values(
     statements: Iterable[ast.stmt], classes: Mapping[str, ast.ClassDef], prefix: str = ""
 ) -> Iterator[tuple[str, str]]:
-    """Yield the public names that statements bind, with the text of their value if that is a constant, or else "".
+    """Yield the public names that statements bind, each with the text of its value if that is a constant, or else "".
 
-    Names in a class have the prefix of the class: ``("Frame.decode", "")``. A class also has the names of its private
-    bases, which are looked up in ``classes``.
+    Names in a class begin with the name of the class: ``("Frame.decode", "")``. A class also has the names of its
+    private base classes, which are looked up in ``classes``.
     """
     for statement in statements:
         public_names = [name for name in _bound_names(statement) if not name.startswith("_")]
@@ -143,7 +148,7 @@ def _named_values(
 
 
 def _private_bases(class_definition: ast.ClassDef, classes: Mapping[str, ast.ClassDef]) -> Iterator[ast.ClassDef]:
-    """Yield the bases of a class that are private classes of the same module."""
+    """Yield the base classes of a class that are private classes of the same module."""
     for base in class_definition.bases:
         if isinstance(base, ast.Name) and base.id.startswith("_") and base.id in classes:
             yield classes[base.id]

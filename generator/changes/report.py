@@ -19,16 +19,19 @@ from ..say.plain_text import WIDTH, count_with_unit, first_of, wrap_text
 from .names import NameChange
 from .rules import OUTPUTS, TITLES, Change, Impact, PackageVersions
 
-#: Version of the data, in the shape of ``language/diff.schema.json``.
+#: Version of the JSON data, whose structure ``language/diff.schema.json`` describes.
 VERSION = 2
 
 
 @dataclass(frozen=True)
 class Files:
-    """The generated files that differ, the number of all, and the names in them that go or change their value."""
+    """The generated files in both versions."""
 
+    #: Paths of the files that differ.
     changed: tuple[str, ...]
+    #: Number of all generated files.
     count: int
+    #: Names in the files that are gone or have a different value.
     names: tuple[NameChange, ...] = ()
 
 
@@ -47,17 +50,17 @@ class DiffResult:
 
 
 def describe_outputs(change: Change, code_format: str = "{}") -> str:
-    """Return the outputs that a change affects, most affected first: ``C, Python; XML (compatible)``.
+    """Return the outputs that a change affects, the most affected first: ``C, Python; XML (compatible)``.
 
-    Outputs with the same impact are in one group. An impact below the highest one is named in parentheses.
-    ``code_format`` formats a name in code.
+    Outputs with the same impact are in one group. If their impact is lower than the impact of the change, it follows in
+    parentheses. ``code_format`` formats a name in code.
     """
     impact_by_output = dict(zip(OUTPUTS, change.rule.impacts, strict=True))
     group_texts: list[str] = []
     for impact in sorted(set(impact_by_output.values()), reverse=True):
-        # Every change affects the pages. They are named only if no other output is.
-        affects_only_pages = impact is Impact.DOCUMENTATION and change.impact is not impact
-        if impact is Impact.NONE or affects_only_pages:
+        # Every change affects the pages. They are only named if the change affects no other output.
+        is_obvious = impact is Impact.DOCUMENTATION and change.impact is not Impact.DOCUMENTATION
+        if impact is Impact.NONE or is_obvious:
             continue
         outputs = [output for output in OUTPUTS if impact_by_output[output] is impact]
         group_text = ", ".join(_describe_output(change, output, code_format) for output in outputs)
@@ -68,7 +71,7 @@ def describe_outputs(change: Change, code_format: str = "{}") -> str:
 
 
 def _describe_output(change: Change, output: str, code_format: str) -> str:
-    """Return the title of an output, with the name of the changed thing in its code: ``Python x24.REGISTERS``."""
+    """Return the title of an output, with the name of the changed part in its code: ``Python x24.REGISTERS``."""
     name_in_code = change.names.get(output, "")
     if not name_in_code:
         return TITLES[output]
@@ -76,7 +79,7 @@ def _describe_output(change: Change, output: str, code_format: str) -> str:
 
 
 def describe_effect(change: Change, code_format: str = "{}") -> str:
-    """Return the affected order codes and outputs: ``all 12 order codes; C, Python``. Either may be missing."""
+    """Return the affected order codes and outputs, if there are any: ``all 12 order codes; C, Python``."""
     outputs_text = describe_outputs(change, code_format)
     return "; ".join(text for text in (change.reach, outputs_text) if text)
 
@@ -106,18 +109,18 @@ def describe_versions(package: PackageVersions) -> str:
     return f"{version_change}, but the spec still says {package.stated}"
 
 
-def as_data(findings: DiffResult) -> dict[str, Any]:
-    """Return the output of ``codewheel diff --json``."""
-    counts_by_impact = _counts_by_impact(findings.changes)
-    files = findings.files
+def as_data(result: DiffResult) -> dict[str, Any]:
+    """Return the result of a comparison as plain data, the output of ``codewheel diff --json``."""
+    counts_by_impact = _counts_by_impact(result.changes)
+    files = result.files
     return {
         "version": VERSION,
-        "impact": findings.impact.word,
+        "impact": result.impact.word,
         "counts": {impact.word: counts_by_impact[impact] for impact in Impact if impact},
-        "changes": list(map(_change_data, findings.changes)),
+        "changes": list(map(_change_data, result.changes)),
         "generated": _files_data(files) if files else None,
-        "packages": list(map(_package_data, findings.packages)),
-        "notices": list(findings.notices),
+        "packages": list(map(_package_data, result.packages)),
+        "notices": list(result.notices),
     }
 
 
@@ -165,51 +168,52 @@ _TITLE_BY_IMPACT = {
 }
 
 
-def as_markdown(findings: DiffResult) -> str:
-    """Return the output of ``codewheel diff --markdown``.
+def as_markdown(result: DiffResult) -> str:
+    """Return the result of a comparison as Markdown, the output of ``codewheel diff --markdown``.
 
     It contains the package versions as a heading, notices, a section for each family, and the number of changed files.
     """
-    versions_text = "; ".join(map(describe_versions, findings.packages))
+    versions_text = "; ".join(map(describe_versions, result.packages))
     lines = [f"## {versions_text or 'Changes'}", ""]
-    for notice in findings.notices:
+    for notice in result.notices:
         lines += [escaped(notice), ""]
-    for family in dict.fromkeys(change.family for change in findings.changes):
-        lines += _family_section(findings, family)
-    if not findings.changes:
+    for family in dict.fromkeys(change.family for change in result.changes):
+        lines += _family_section(result, family)
+    if not result.changes:
         lines += ["No differences.", ""]
-    if findings.changes and findings.files is not None:
-        lines += [f"{len(findings.files.changed)} of {findings.files.count} generated files change.", ""]
+    if result.changes and result.files is not None:
+        lines += [f"{len(result.files.changed)} of {result.files.count} generated files change.", ""]
     return "\n".join(lines).rstrip()
 
 
-def _family_section(findings: DiffResult, family: str) -> Iterator[str]:
-    """Yield the Markdown lines of a family: a heading, a list for each impact, and the names in code."""
+def _family_section(result: DiffResult, family: str) -> Iterator[str]:
+    """Yield the Markdown lines about a family: a heading, the changes by impact, and the changed names in code."""
     yield from (f"### {escaped(family)}", "")
-    family_changes = [change for change in findings.changes if change.family == family]
+    family_changes = [change for change in result.changes if change.family == family]
     for impact, title in _TITLE_BY_IMPACT.items():
         changes_of_impact = [change for change in family_changes if change.impact is impact]
         if changes_of_impact:
             yield from (f"#### {title}", "", *map(_list_item, changes_of_impact), "")
-    name_texts = _name_change_texts(findings, family)
+    name_texts = _name_change_texts(result, family)
     if name_texts:
         name_items = [f"- {escaped(name_text)}" for name_text in name_texts]
         yield from ("#### Names in code", "", *name_items, "")
 
 
-def _name_change_texts(findings: DiffResult, family: str) -> list[str]:
-    """Return the changes of names of a family in generated files."""
-    name_changes = findings.files.names if findings.files is not None else ()
+def _name_change_texts(result: DiffResult, family: str) -> list[str]:
+    """Return texts on the names in generated files of a family that are gone or have a different value."""
+    name_changes = result.files.names if result.files is not None else ()
     return [name_change.text for name_change in name_changes if name_change.family == family]
 
 
 def _list_item(change: Change) -> str:
+    """Return a change as an item of a Markdown list: its text, its rule, and the order codes and outputs it affects."""
     return f"- {escaped(change.text)} ({in_code(change.rule.name)}): {_effect_in_markdown(change)}"
 
 
 def _effect_in_markdown(change: Change) -> str:
     """Return the affected order codes and outputs in Markdown: names in code as code, all other text escaped."""
-    # A NUL before and after each name: in the split text, even items are prose and odd items are names.
+    # A NUL before and after each name marks where to split. Then even items are prose, and odd items are names.
     prose_and_names = describe_effect(change, code_format="\0{}\0").split("\0")
     prose_and_names[::2] = map(_escape_between_spaces, prose_and_names[::2])
     prose_and_names[1::2] = map(in_code, prose_and_names[1::2])
@@ -217,55 +221,57 @@ def _effect_in_markdown(change: Change) -> str:
 
 
 def _escape_between_spaces(prose: str) -> str:
-    """Return escaped text that keeps one space at each end where it has one, which escaping would remove."""
+    """Return escaped prose with the spaces at its beginning and end, which escaping alone would remove."""
     if not prose.strip():
         return prose
     space_before = " " if prose.startswith(" ") else ""
-    space_behind = " " if prose.endswith(" ") else ""
-    return f"{space_before}{escaped(prose)}{space_behind}"
+    space_after = " " if prose.endswith(" ") else ""
+    return f"{space_before}{escaped(prose)}{space_after}"
 
 
-#: Column in which the texts begin, behind the words of the impacts.
+#: Column in which the texts begin, after the words for the impacts.
 _TEXT_COLUMN = 17
-#: Names that are listed in the text. The others are counted.
+#: Highest number of names that are listed in the text. The others are counted.
 _MOST_NAMES = 4
 
 
-def as_text(findings: DiffResult) -> str:
-    """Return the output of ``codewheel diff``: notices, changes by family, a summary, and what is generated.
+def as_text(result: DiffResult) -> str:
+    """Return the result of a comparison as text, the output of ``codewheel diff``.
 
-    Changes of documentation are listed in groups after the others.
+    It contains notices, the changes by family, a summary, and a line on generated files and package versions. Changes
+    of the documentation are listed in groups after the other changes of a family.
     """
-    lines = list(findings.notices)
-    for family in dict.fromkeys(change.family for change in findings.changes):
-        family_changes = [change for change in findings.changes if change.family == family]
+    lines = list(result.notices)
+    for family in dict.fromkeys(change.family for change in result.changes):
+        family_changes = [change for change in result.changes if change.family == family]
         lines.append(family)
         # Highest impact first, and renamings after the other changes with the same impact.
         for change in sorted(family_changes, key=lambda change: (-change.impact, change.rule.is_renaming)):
             if change.impact > Impact.DOCUMENTATION:
                 lines += _change_lines(change)
-        lines += _documentation_lines([change for change in family_changes if change.impact is Impact.DOCUMENTATION])
-        lines += _name_lines(_name_change_texts(findings, family))
-    lines.append(summary(findings.changes) if findings.changes else "no differences")
-    if findings.changes:
-        lines += _result_lines(findings)
+        documentation_changes = [change for change in family_changes if change.impact is Impact.DOCUMENTATION]
+        lines += _documentation_lines(documentation_changes)
+        lines += _name_lines(_name_change_texts(result, family))
+    lines.append(summary(result.changes) if result.changes else "no differences")
+    if result.changes:
+        lines += _result_lines(result)
     return "\n".join(lines)
 
 
 def _change_lines(change: Change) -> Iterator[str]:
-    """Yield two wrapped texts about a change: what changed, after the word of its impact, and its effect and rule."""
+    """Yield two wrapped texts about a change: what changed, after the word for its impact, and its effect and rule."""
     indent = " " * _TEXT_COLUMN
     yield wrap_text(change.text, WIDTH, prefix=indent, first=_first_column(change.rule.word))
     yield wrap_text(f"{describe_effect(change)} [{change.rule.name}]", WIDTH, prefix=indent)
 
 
 def _first_column(word: str) -> str:
-    """Return the word of an impact, padded up to the column in which the texts begin."""
+    """Return the word for an impact, padded to the column in which the texts begin."""
     return f"  {word:<13}  "
 
 
 def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
-    """Yield a wrapped text for each rule of documentation changes: the first few places, and how many others."""
+    """Yield a wrapped text for each rule of documentation changes: the first few places and the number of others."""
     for rule in dict.fromkeys(change.rule for change in changes):
         changes_of_rule = [change for change in changes if change.rule is rule]
         places = first_of([_place_or_text(change) for change in changes_of_rule], between="; ")
@@ -274,7 +280,7 @@ def _documentation_lines(changes: Sequence[Change]) -> Iterator[str]:
 
 
 def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
-    """Yield one wrapped text with the first four names that go or change their value, and the number of the others."""
+    """Yield one wrapped text with the first four changed names in code, and the number of the others."""
     if not name_texts:
         return
     names_text = "; ".join(name_texts[:_MOST_NAMES])
@@ -284,7 +290,7 @@ def _name_lines(name_texts: Sequence[str]) -> Iterator[str]:
 
 
 def _place_or_text(change: Change) -> str:
-    """Return the place of a change of words or sources, and the text of any other change.
+    """Return the place of a change of texts or citations, or for any other change its text.
 
     A place inside an interface is shortened: ``ssi.frame.position`` for ``interfaces.ssi.layouts.frame.position``.
     """
@@ -293,40 +299,41 @@ def _place_or_text(change: Change) -> str:
     return change.text
 
 
-def _result_lines(findings: DiffResult) -> Iterator[str]:
-    """Yield one wrapped text about generated files and package versions, or nothing without both."""
+def _result_lines(result: DiffResult) -> Iterator[str]:
+    """Yield one wrapped text about generated files and package versions, or nothing if there are neither."""
     statements: list[str] = []
-    if findings.files is not None:
-        changed_count = len(findings.files.changed)
+    if result.files is not None:
+        changed_count = len(result.files.changed)
         verb = "changes" if changed_count == 1 else "change"
-        statements.append(f"{changed_count} of {count_with_unit(findings.files.count, 'file')} {verb}")
-    statements += map(describe_versions, findings.packages)
+        statements.append(f"{changed_count} of {count_with_unit(result.files.count, 'file')} {verb}")
+    statements += map(describe_versions, result.packages)
     if statements:
         yield wrap_text(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")
 
 
-#: The version of a package whose file of the manufacturer has none.
+#: The version of a package if the manufacturer's file states none.
 _NO_VERSION = "0.0.0"
-#: The version of a manufacturer's package in its file, whose first group precedes the number.
+#: The line with the package version in a manufacturer's file. The first group precedes the number.
 _VERSION_LINE = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
 
 
 class NotRecorded(ValueError):
-    """A file cannot be updated. The message says which one."""
+    """A file cannot be updated for a release. The message names the file."""
 
 
-def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
-    """Yield the files to write with their new texts: histories of families, and the manufacturer's file.
+def files_of_release(result: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
+    """Yield the files to write for a release, with their new texts.
 
-    Manufacturers without changed families are left out. The version is only replaced if the spec states another one.
-    Special models have no history of their own. Their changes are in the file of their family.
+    These are the histories of changed families, and the manufacturer's file if its package gets a new version.
+    Manufacturers without changed families are left out. Special models have no history of their own, so their changes
+    are in the history of their family.
 
     Raises:
         NotRecorded: A manufacturer's file has no version to replace.
     """
-    changed_names = {change.family for change in findings.changes}
-    for package in findings.packages:
-        families_of_package = [family for family in families if family.device.manufacturer.name == package.maker]
+    changed_names = {change.family for change in result.changes}
+    for package in result.packages:
+        families_of_package = [family for family in families if family.device.manufacturer.name == package.manufacturer]
         changed_families = [family for family in families_of_package if family.device.name in changed_names]
         if not changed_families:
             continue
@@ -336,13 +343,13 @@ def files_of_release(findings: DiffResult, families: Sequence[Family]) -> Iterat
         for family in changed_families:
             families_by_spec.setdefault(family.document.file, []).append(family)
         for file, families_of_spec in families_by_spec.items():
-            release = _release_of(families_of_spec, package, findings)
+            release = _release_of(families_of_spec, package, result)
             earlier_releases = families_of_spec[0].device.releases
             yield history_beside(Path(file)), history_text(with_release(earlier_releases, release))
 
 
 def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:
-    """Return the files that describe the manufacturer of these families: all except their specs and overlays."""
+    """Return the files that describe the manufacturer of these families: all files except their specs and overlays."""
     files: set[str] = set()
     for family in families:
         files |= family.files - {family.document.file}
@@ -350,12 +357,12 @@ def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:
 
 
 def _files_with_new_version(package: PackageVersions, files: set[str]) -> Iterator[tuple[Path, str]]:
-    """Yield each file with its text and the new version of the package.
+    """Yield each file with its text, in which the version of the package is replaced by the new one.
 
     A file without a version, such as one that ``codewheel new`` wrote, gets a line at its end.
 
     Raises:
-        NotRecorded: The version of a file is not in a line of its own, or in several.
+        NotRecorded: The version of a file is not on a line of its own, or several lines contain it.
     """
     for path in map(Path, sorted(files)):
         old_text = path.read_text(encoding="utf-8")
@@ -367,11 +374,11 @@ def _files_with_new_version(package: PackageVersions, files: set[str]) -> Iterat
         yield path, new_text
 
 
-def _release_of(families: Sequence[Family], package: PackageVersions, findings: DiffResult) -> Release:
-    """Return the release for the history of a spec, with the manual, all changes and the changed names.
+def _release_of(families: Sequence[Family], package: PackageVersions, result: DiffResult) -> Release:
+    """Return a release for the history of a spec, with the edition of the manual, all changes and the changed names.
 
-    ``families`` are the changed families of this spec: the family and its special models. A change of several of them
-    is listed once.
+    ``families`` are the family of this spec and its special models, if they have changed. A change that concerns
+    several of them is listed once.
     """
     manual = families[0].device.manual
     manual_text = f"{manual.revision} of {manual.date}" if manual.date else manual.revision
@@ -379,8 +386,8 @@ def _release_of(families: Sequence[Family], package: PackageVersions, findings: 
     names: list[str] = []
     for family in families:
         name = family.device.name
-        changes += [_released_change(change) for change in findings.changes if change.family == name]
-        names += _name_change_texts(findings, name)
+        changes += [_released_change(change) for change in result.changes if change.family == name]
+        names += _name_change_texts(result, name)
     return Release(
         version=package.new,
         since=package.old,

@@ -75,10 +75,10 @@ class ChangeRule:
 class Change:
     """One difference, described by ``text``. ``old`` and ``new`` are plain data, or None.
 
-    ``codes`` are the order codes that it affects, ``reach`` describes them in words, and ``names`` contains its name in
-    each output that names it. ``moved_fields`` are the fields that are at other bits because of it, and
-    ``resized_frames`` the frames with a different length, with the bits that they gain, or 0 if that depends on the
-    order code.
+    ``codes`` are the order codes that it affects, ``reach`` describes them in words, and ``names`` contains the name of
+    the changed part in each output that names it. The change moves the fields ``moved_fields``. ``resized_frames``
+    contains the frames whose length it changes, with the bits that they gain, or 0 if the gain depends on the order
+    code.
     """
 
     family: str
@@ -113,12 +113,12 @@ class ChangeSubject:
     scope: str = ""
 
     def inside(self, path: str, label: str) -> ChangeSubject:
-        """Return a thing inside it."""
+        """Return a part of this subject, such as a member, with its path relative to the subject and its label."""
         return replace(self, path=f"{self.path}.{path}".removeprefix("."), label=label)
 
     @property
     def unnamed(self) -> ChangeSubject:
-        """The same thing without its names in code, for changes that keep them."""
+        """The same subject without its names in code, for changes that do not affect these names."""
         return replace(self, names={})
 
 
@@ -129,7 +129,7 @@ _VERSION_NUMBER = re.compile(r"(\d+)\.(\d+)\.(\d+)")
 class PackageVersions:
     """Versions of a manufacturer's package: ``old`` and ``stated`` are from the specs, ``due`` is from the changes."""
 
-    maker: str
+    manufacturer: str
     name: str
     old: str
     stated: str
@@ -142,6 +142,7 @@ class PackageVersions:
 
     @property
     def is_enough(self) -> bool:
+        """Whether the stated version is at least the version that the changes require."""
         return _version_numbers(self.stated) >= _version_numbers(self.due)
 
 
@@ -149,8 +150,8 @@ def due_version(version: str, impact: Impact) -> str:
     """Return the lowest version after ``version`` for changes of at most this impact.
 
     ``1.2.3`` becomes ``2.0.0`` if code breaks or behaves differently, ``1.3.0`` for additions, and otherwise ``1.2.4``.
-    Before 1.0.0, ``0.2.3`` becomes ``0.3.0`` in the first case and otherwise ``0.2.4``. Without an impact, or if
-    ``version`` is not three numbers, it stays.
+    Before 1.0.0, ``0.2.3`` becomes ``0.3.0`` if code breaks or behaves differently, and otherwise ``0.2.4``.
+    Without an impact, or if ``version`` does not consist of three numbers, it is returned as it is.
     """
     version_numbers = _version_numbers(version)
     if not impact or not version_numbers:
@@ -166,34 +167,37 @@ def due_version(version: str, impact: Impact) -> str:
 
 
 def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[PackageVersions]:
-    """Return the packages that both sides have, each with its old, stated and required version.
+    """Return the Python packages of the manufacturers in both versions, with their old, stated and due versions.
 
-    The due version follows from the old one and the highest impact of the changes of the manufacturer's families.
+    The stated version is the version in the new specs. The due version follows from the old version and from the
+    highest impact of the changes of the manufacturer's families.
     """
-    old_maker_by_name, new_maker_by_name = _maker_by_name(old), _maker_by_name(new)
-    common_names = [maker_name for maker_name in new_maker_by_name if maker_name in old_maker_by_name]
-    packages_of_makers: list[PackageVersions] = []
-    for maker_name in common_names:
-        old_maker, new_maker = old_maker_by_name[maker_name], new_maker_by_name[maker_name]
-        families = {device.name for device in (*old, *new) if device.manufacturer.name == maker_name}
+    old_manufacturers, new_manufacturers = _manufacturers_by_name(old), _manufacturers_by_name(new)
+    common_packages: list[PackageVersions] = []
+    for name, new_manufacturer in new_manufacturers.items():
+        if name not in old_manufacturers:
+            continue
+        old_version = old_manufacturers[name].version
+        families = {device.name for device in (*old, *new) if device.manufacturer.name == name}
         impacts = [change.impact for change in changes if change.family in families]
+        highest_impact = max(impacts, default=Impact.NONE)
         package = PackageVersions(
-            maker=maker_name,
-            name=new_maker.python_package,
-            old=old_maker.version,
-            stated=new_maker.version,
-            due=due_version(old_maker.version, max(impacts, default=Impact.NONE)),
+            manufacturer=name,
+            name=new_manufacturer.python_package,
+            old=old_version,
+            stated=new_manufacturer.version,
+            due=due_version(old_version, highest_impact),
         )
-        packages_of_makers.append(package)
-    return packages_of_makers
+        common_packages.append(package)
+    return common_packages
 
 
-def _maker_by_name(devices: Sequence[Device]) -> dict[str, Manufacturer]:
+def _manufacturers_by_name(devices: Sequence[Device]) -> dict[str, Manufacturer]:
     return {device.manufacturer.name: device.manufacturer for device in devices}
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
-    """Return ``(1, 2, 3)`` for ``1.2.3``, or ``()`` if that is not a version."""
+    """Return the numbers of a version, such as ``(1, 2, 3)`` for ``1.2.3``, or ``()`` if the text is not a version."""
     match = _VERSION_NUMBER.fullmatch(version)
     return tuple(map(int, match.groups())) if match is not None else ()
 
@@ -225,7 +229,7 @@ _APART = "Separate rules apply to changed facts."
 _NO_CODE = "No code depends on it."
 
 #: Kinds of named parts. Their rules are KIND-gone, KIND-new and KIND-renamed. Each has a description, then the impacts
-#: on C, Python, XML and pages of the three rules, then the property by which a renamed one is recognised.
+#: on C, Python, XML and pages of the three rules, then the property by which a renamed part is recognized.
 _NAMED_KINDS = (
     ("family", "a family of encoders", "BBBD", "+++D", "BBBD", "the same order codes"),
     ("order-code", "an order code", "BBBD", "+++D", "BBBD", "the same parts"),
@@ -311,7 +315,7 @@ _CHANGES = (
     (
         "facts-by-code",
         "BBBD",
-        "a clock, a time-out, a time or a table of cable lengths depends on the order code in only one version",
+        "a clock, a timeout, a time or a table of cable lengths depends on the order code in only one version",
         "A macro and an attribute for all order codes exist only while the fact is the same for all of them.",
     ),
     (
@@ -327,7 +331,7 @@ _CHANGES = (
     ("interface-rule", "DWWD", "signals, network, profile or memory access have changed", _INSTALLATIONS),
     ("data-id-changed", "WWWD", "a data ID has a different number, control byte or purpose", _WIRE),
     ("crc-changed", "WWWD", "a CRC is computed differently", "Frames that were valid are rejected."),
-    ("alarm-bit", "WWWD", "an error or warning is signalled by a different bit", _WIRE),
+    ("alarm-bit", "WWWD", "an error or warning is signaled by a different bit", _WIRE),
     ("alarm-rule", "DWWD", "the conditions that set or clear an error or warning have changed", _RESET),
     ("alarm-threshold", "WWWD", "an alarm is active below a different voltage", "A constant has a different value."),
     ("procedure-steps", "WWWD", "the steps of a procedure have changed", "The same call sends different data."),
@@ -336,7 +340,7 @@ _CHANGES = (
     (
         "decision-default",
         "BBBD",
-        "a question has another default, a new one, or none",
+        "a question has a different default, a new one, or none",
         "Callers must, or need not, answer.",
     ),
     ("answer-sets", "WWWD", "an answer selects different bits", _WIRE),
@@ -366,7 +370,7 @@ _REASONS_OF_NEW = {
 
 
 def _all_rules() -> Iterator[ChangeRule]:
-    """Yield the rules for things that are gone, new or renamed, by kind, such as "register-gone", then the others."""
+    """Yield all rules: first the rules for parts that are gone, new or renamed, such as "register-gone"."""
     for kind, phrase, if_gone, if_new, if_renamed, common in _NAMED_KINDS:
         yield ChangeRule(name=f"{kind}-gone", impacts=_parse_impacts(if_gone), when=f"{phrase} was removed", why=_GONE)
         why_new = _REASONS_OF_NEW.get(kind, _NEW)
@@ -388,5 +392,5 @@ def _parse_impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
 
 #: Every rule by its name.
 RULES: Mapping[str, ChangeRule] = MappingProxyType({rule.name: rule for rule in _all_rules()})
-#: The property by which a renamed thing is recognised.
+#: The property by which a renamed part of each kind is recognized.
 SAME: Mapping[str, str] = MappingProxyType({kind: common for kind, _, _, _, _, common in _NAMED_KINDS})

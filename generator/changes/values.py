@@ -19,11 +19,11 @@ Parameters = Mapping[str, int]
 
 @dataclass(frozen=True, slots=True)
 class ComparisonPoint:
-    """A common order code, and its parameters under one setting of registers and answers.
+    """An order code that both versions have, and its parameters under one setting of registers and answers.
 
-    ``compared_parameters`` are the parameters for expressions of the old family. They take the new values where the old
-    family has the parameter too, so that a changed parameter is reported only once. A renamed parameter has its old
-    value, which is the same by definition.
+    ``compared_parameters`` are the parameters for evaluating expressions of the old version. They have the new values
+    of parameters that both versions have, so that a changed parameter is reported only once. A renamed parameter has
+    its old value, which is equal to the new one.
     """
 
     code: str
@@ -34,9 +34,9 @@ class ComparisonPoint:
 
 @dataclass(frozen=True, slots=True)
 class NumberDifferences:
-    """Differences of two expressions: the order codes, and each pair of numbers that occurs, once.
+    """Differences between two expressions: the affected order codes, and each pair of old and new value once.
 
-    ``is_everywhere`` is true if they differ under every setting of registers and answers.
+    ``is_everywhere`` is true if the values differ under every setting of registers and answers.
     """
 
     codes: tuple[str, ...]
@@ -60,28 +60,33 @@ def settings_of(device: Device) -> Iterator[Parameters]:
 
 
 def with_setting(device: Device, variant: Variant, setting: Parameters) -> Parameters:
-    """Return the parameters of an order code under a setting.
+    """Return the parameters of an order code with the values of a setting of registers and answers.
 
-    Names that the order code does not have are ignored, and so are names that a formula defines.
+    Parameters that the order code does not have, and parameters that a formula calculates, are ignored in the setting.
     """
-    own_names = variant.parameters.keys() - device.definitions
-    own_setting = {name: value for name, value in setting.items() if name in own_names}
-    return with_changed(device, variant, own_setting) if own_setting else variant.parameters
+    settable_names = variant.parameters.keys() - device.definitions
+    applicable_setting = {name: value for name, value in setting.items() if name in settable_names}
+    if not applicable_setting:
+        return variant.parameters
+    return with_changed(device, variant, applicable_setting)
 
 
 def compare_at_points(
     old: Expression | None, new: Expression | None, points: Sequence[ComparisonPoint]
 ) -> NumberDifferences | None:
-    """Return the differences of two expressions, or None if they are equal at every point.
+    """Return the differences between two expressions, or None if their values are equal at every point.
 
-    Without points, since no order code is common, they are equal if their texts are the same.
+    A point is an order code that both versions have, with its parameters under one setting. If the versions share no
+    order code, there are no points, and the expressions are equal if their texts are the same.
     """
-    # A name used on both sides was not renamed, and has the same number on both.
+    # A parameter in both expressions was not renamed, and has the same value in both.
     if old == new:
         return None
     if not points:
         has_same_text = old is not None and new is not None and old.render() == new.render()
-        return None if has_same_text else NumberDifferences(codes=(), value_pairs=_constant_pairs(old, new))
+        if has_same_text:
+            return None
+        return NumberDifferences(codes=(), value_pairs=_constant_pairs(old, new))
     differing_codes: list[str] = []
     value_pairs: list[tuple[int | None, int | None]] = []
     for point in points:
@@ -92,7 +97,7 @@ def compare_at_points(
             value_pairs.append((old_value, new_value))
     if not differing_codes:
         return None
-    # A differing code occurs once for each point at which it differs.
+    # ``differing_codes`` contains an order code once for each point at which its values differ.
     points_of_codes = [point for point in points if point.code in differing_codes]
     differ_at_all_points = len(points_of_codes) == len(differing_codes)
     return NumberDifferences(
@@ -103,19 +108,22 @@ def compare_at_points(
 
 
 def _constant_pairs(old: Expression | None, new: Expression | None) -> tuple[tuple[int | None, int | None], ...]:
-    """Return one pair of numbers, ``((17, 19),)``, if both expressions are numbers or None.
+    """Return the pair of old and new value, ``((17, 19),)``, if neither expression contains a parameter.
 
-    Return ``()`` if one of them contains variables, whose values are not known.
+    Return ``()`` if an expression contains a parameter, because its value is not known.
     """
-    has_variables = any(expression is not None and not expression.is_constant for expression in (old, new))
-    if has_variables:
+    has_parameters = any(expression is not None and not expression.is_constant for expression in (old, new))
+    if has_parameters:
         return ()
-    pair = _value_or_none(old, {}), _value_or_none(new, {})
-    return (pair,)
+    old_value, new_value = _value_or_none(old, {}), _value_or_none(new, {})
+    return ((old_value, new_value),)
 
 
 def _value_or_none(expression: Expression | None, parameters: Parameters) -> int | None:
-    """Return the value of an expression, or None if there is no expression or a parameter is missing."""
+    """Return the value of an expression with these parameters.
+
+    Return None if there is no expression, or if it contains a parameter that is not among them.
+    """
     if expression is None:
         return None
     try:
@@ -131,16 +139,19 @@ _ANY_TEXT = "…"
 
 
 def describe_codes(device: Device, codes: Collection[str]) -> str:
-    """Describe order codes of a family, by the first of these that applies.
+    """Describe some order codes of a device in the first of these forms that applies.
 
-    ``all 12 order codes``, ``all 6 BiSS order codes``, a pattern such as ``X-24-…``, or the first few and the number of
-    the others. A family with a single order code returns that code, and no codes return "".
+    The forms are: ``all 12 order codes``, ``all 6 BiSS order codes``, a pattern such as ``X-24-…``, or the first few
+    codes and the number of the others. The only order code of a device is described by its text. Without codes, the
+    description is "".
     """
     variants = device.variants
     if not codes:
         return ""
+    if len(variants) == 1:
+        return variants[0].code
     if len(codes) == len(variants):
-        return f"all {count_with_unit(len(variants), 'order code')}" if len(variants) > 1 else variants[0].code
+        return f"all {len(variants)} order codes"
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in variants if variant.interface == interface.name]
         if len(interface_codes) > 1 and set(interface_codes) == set(codes):
@@ -150,27 +161,31 @@ def describe_codes(device: Device, codes: Collection[str]) -> str:
 
 
 def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
-    """Return the order codes as a pattern with some parts left open, such as ``X-…20-B1``, or "".
+    """Return a pattern that matches exactly these order codes of a device, such as ``X-…20-B1``, or "".
 
-    The pattern must match exactly these order codes, of which there are at least two.
+    The mark ``…`` stands for all texts of a part of the order code. The result is "" if there is only one order code,
+    or if each pattern for the codes also matches others.
     """
     affected_variants = [variant for variant in device.variants if variant.code in codes]
     used_texts = _texts_by_part(device, affected_variants)
-    # Any combination of the used texts matches the pattern, also one that is not affected.
-    matching_variants = [variant for variant in device.variants if _has_only(variant, used_texts)]
+    # The pattern matches every combination of the used texts, including combinations that are not affected.
+    matching_variants = [variant for variant in device.variants if _has_allowed_texts(variant, used_texts)]
     if len(affected_variants) < 2 or matching_variants != affected_variants:
         return ""
     all_part_texts = _texts_by_part(device, device.variants)
-    # Literal texts and the names of parts in turn, beginning and ending with a literal text. Parts have odd indices.
-    bit_slices = _PART_IN_BRACES.split(device.order_code.pattern)
-    bit_slices[1::2] = [_part_pattern(used_texts[name], all_part_texts[name]) for name in bit_slices[1::2]]
-    closed_indices = [index for index in range(1, len(bit_slices), 2) if bit_slices[index] != _ANY_TEXT]
-    last_closed_index = closed_indices[-1] if closed_indices else 0
-    has_open_parts_behind = last_closed_index + 2 < len(bit_slices)
-    if not has_open_parts_behind:
-        return "".join(bit_slices)
-    # If everything up to the end is open, one mark represents the rest.
-    return "".join(bit_slices[: last_closed_index + 1]) + _ANY_TEXT
+    # The pieces alternate between fixed texts and names of parts, so the parts have odd indices.
+    pieces = _PART_IN_BRACES.split(device.order_code.pattern)
+    last_restricted_index = 0
+    for index in range(1, len(pieces), 2):
+        part_name = pieces[index]
+        pieces[index] = _part_pattern(used_texts[part_name], all_part_texts[part_name])
+        if pieces[index] != _ANY_TEXT:
+            last_restricted_index = index
+    has_open_parts_at_end = last_restricted_index + 2 < len(pieces)
+    if not has_open_parts_at_end:
+        return "".join(pieces)
+    # One mark represents all open parts at the end.
+    return "".join(pieces[: last_restricted_index + 1]) + _ANY_TEXT
 
 
 def _texts_by_part(device: Device, variants: Sequence[Variant]) -> dict[str, tuple[str, ...]]:
@@ -181,7 +196,7 @@ def _texts_by_part(device: Device, variants: Sequence[Variant]) -> dict[str, tup
     return texts_by_part
 
 
-def _has_only(variant: Variant, allowed_texts: Mapping[str, tuple[str, ...]]) -> bool:
+def _has_allowed_texts(variant: Variant, allowed_texts: Mapping[str, tuple[str, ...]]) -> bool:
     """Return whether each part of an order code has one of its allowed texts."""
     return all(variant.parts[part_name] in texts for part_name, texts in allowed_texts.items())
 
@@ -196,7 +211,7 @@ def _part_pattern(used_texts: tuple[str, ...], all_texts: tuple[str, ...]) -> st
     return f"{{{alternatives}}}"
 
 
-#: Most letters of a shown value, and members that are left out of it.
+#: Highest number of characters of a shown value, and members that are left out of it.
 _LONGEST_SHOWN_VALUE = 60
 _TEXT_MEMBERS = ("meaning", "note", "printed")
 _FORMAT_BY_UNIT: Mapping[str, Callable[[int], str]] = {
@@ -211,9 +226,10 @@ _FORMAT_BY_UNIT: Mapping[str, Callable[[int], str]] = {
 
 
 def as_plain_data(model_value: Any) -> Any:
-    """Return any part of the model as JSON data, without sources.
+    """Return a value or part of the model as data for JSON, without citations.
 
-    Numbers and texts stay. Constant expressions become numbers, others texts, and bytes hexadecimal: ``"0A FF"``.
+    A constant expression becomes a number, any other expression a text, and bytes become hexadecimal text: ``"0A FF"``.
+    A part becomes a map of its members. Numbers and texts are returned as they are.
     """
     if isinstance(model_value, Expression):
         return model_value.constant if model_value.is_constant else model_value.render()
@@ -232,10 +248,10 @@ def as_plain_data(model_value: Any) -> Any:
 
 
 def short_value(model_value: Any, notation: str = "") -> str:
-    """Return a value as text of at most 60 letters, in the given notation of manuals: ``0Ah`` for "hex".
+    """Return a value of the model as text of at most 60 characters, in a notation of manuals such as "hex" (``0Ah``).
 
-    Missing and empty values are "none". A part of the model is ``min = 1, max = 5``, without texts and empty members.
-    If one member is left, only its value is shown.
+    A missing or empty value becomes "none". A part of the model becomes ``min = 1, max = 5``, without descriptive texts
+    and empty members, or just the value of its only member.
     """
     if model_value is None or model_value in ("", (), [], {}):
         return "none"
@@ -262,10 +278,14 @@ def short_value(model_value: Any, notation: str = "") -> str:
 
 
 def _number_text(value: int, notation: str) -> str:
-    """Return a number or a bool in the given notation of manuals, such as ``0Ah`` for "hex" or ``low`` for "level"."""
+    """Return a number or a bool in a notation of manuals, such as ``0Ah`` for "hex".
+
+    A bool is ``yes`` or ``no``. In the notation "level", it is the active level of a signal, and true means ``low``.
+    """
+    if isinstance(value, bool) and notation == "level":
+        return "low" if value else "high"
     if isinstance(value, bool):
-        text_if_true, text_if_false = ("low", "high") if notation == "level" else ("yes", "no")
-        return text_if_true if value else text_if_false
+        return "yes" if value else "no"
     if notation in _FORMAT_BY_UNIT:
         return _FORMAT_BY_UNIT[notation](value)
     return f"{value}"
@@ -292,9 +312,10 @@ def _shorten_text(text: str) -> str:
 
 
 def without_texts(value: Any) -> Any:
-    """Return a part of the model as data without its meaning, note and printed text, or a list of such data.
+    """Return a part of the model as plain data without its descriptive texts, or a list of such data for a tuple.
 
-    Texts of parts inside it stay. Any other value is returned as it is.
+    The texts are its meaning, note and printed text. Texts of inner parts are kept. Any other value is returned as it
+    is.
     """
     if isinstance(value, tuple):
         return [without_texts(member) for member in value]
@@ -307,26 +328,25 @@ def without_texts(value: Any) -> Any:
 
 
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
-    """Return both values, reduced to the items that the other value lacks if both are tuples of parts.
+    """Return two values of a member, reduced to their differences if both are tuples of parts.
 
-    Items are compared without their texts. If only their order or their texts differ, both values stay whole.
+    Each tuple then only contains the parts that the other one lacks. Parts are compared without their descriptive
+    texts. If only the order or the texts differ, or the values are not tuples of parts, they are returned unchanged.
     """
     are_parts = isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new)))
     if not are_parts:
         return old, new
     old_only, new_only = _items_not_in(old, new), _items_not_in(new, old)
-    # Only the order of the items or their texts differ.
-    if not old_only and not new_only:
-        return old, new
-    return old_only, new_only
+    only_order_or_texts_differ = not old_only and not new_only
+    return (old, new) if only_order_or_texts_differ else (old_only, new_only)
 
 
 def _items_not_in(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Return the items without an equal item in ``other_items``, ignoring their texts."""
+    """Return the items that have no equal item in ``other_items``, regardless of their descriptive texts."""
     other_data = [without_texts(other_item) for other_item in other_items]
     return tuple(item for item in items if without_texts(item) not in other_data)
 
 
 def old_to_new(old: Any, new: Any, notation: str = "") -> str:
-    """Return ``5 → 12``, with both values as from ``short_value``."""
+    """Return two values of the model as short texts in a notation of manuals: ``5 → 12``."""
     return f"{short_value(old, notation)} → {short_value(new, notation)}"

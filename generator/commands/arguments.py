@@ -21,11 +21,11 @@ _HELP_WIDTH = 79
 FORMATS = ("text", "json", "github", "sarif")
 FORMATS_HELP = "text, json, github for comments in a pull request, or sarif (version 2.1.0) for review tools"
 _SPECS_HELP = (
-    "spec files, or folders. In a folder and below it, all .yaml files with the keys of a spec are read (default: the "
-    "specs under [tool.codewheel], or else those in the current folder and below it{})"
+    "spec files or folders. In a folder and below it, all .yaml files with the keys of a spec are read (default: the "
+    "specs under [tool.codewheel], or else the specs in the current folder and below it{})"
 )
-#: End of the help of specs for commands that also know the packaged ones.
-AND_PACKAGED = ", and the packaged ones"
+#: End of the help about specs for commands that also read the packaged specs.
+AND_PACKAGED = ", and the packaged specs"
 
 
 class Parser(argparse.ArgumentParser):
@@ -37,7 +37,7 @@ class Parser(argparse.ArgumentParser):
     more_help: Callable[[], str] | None = None
 
     def __init__(self, **options: Any) -> None:
-        # Each argument is formatted when it is added. The terminal is asked for its width only to show the help.
+        # Each argument is formatted when it is added. A fixed width avoids asking the terminal for its width each time.
         super().__init__(formatter_class=partial(argparse.HelpFormatter, width=_HELP_WIDTH), **options)
 
     def format_help(self) -> str:
@@ -45,9 +45,9 @@ class Parser(argparse.ArgumentParser):
         return f"{help_text}\n{self.more_help()}\n" if self.more_help is not None else help_text
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Raise ArgumentError if the value is not among the choices.
+        """Raise ``ArgumentError`` if the value is not among the choices.
 
-        The message contains the nearest choice, or else all.
+        The message suggests the nearest choice, or lists all choices.
         """
         if action.choices is not None and value not in action.choices:
             from ..language.problems import suggest_word
@@ -70,7 +70,7 @@ class ShowVersion(argparse.Action):
 
 
 def parse(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
-    """Parse the words of a command line. An unknown word ends the process with an error and the command's usage."""
+    """Parse the words of a command line. For an unexpected word, print an error and the usage, and end the process."""
     arguments, extra_words = parser.parse_known_args(words)
     if extra_words:
         arguments.parser.error(_unexpected_message(arguments.parser, extra_words[0]))
@@ -78,7 +78,7 @@ def parse(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Nam
 
 
 def _unexpected_message(parser: argparse.ArgumentParser, argument: str) -> str:
-    """Return the message about an argument that the command does not have, with the nearest option or ``--specs``."""
+    """Return the message about an unexpected argument, which suggests the nearest option, or ``--specs`` for a spec."""
     from ..language.problems import suggest_word
 
     options = sorted(name for action in parser._actions for name in action.option_strings)
@@ -111,7 +111,7 @@ def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
 
 
 def a_path(text: str) -> Path:
-    """Return the path, but reject empty text, such as from an unset variable."""
+    """Return a text as a path, and reject an empty text, which may come from an unset variable."""
     if not text:
         raise argparse.ArgumentTypeError("the path is empty; write . for this folder")
     return Path(text)
@@ -141,7 +141,7 @@ def add_specs_option(parser: argparse.ArgumentParser, other_specs: str = AND_PAC
 
 def add_cache_option(parser: argparse.ArgumentParser) -> None:
     """Add ``--no-cache``."""
-    parser.add_argument("--no-cache", action="store_true", help="do not use results of earlier runs, and store none")
+    parser.add_argument("--no-cache", action="store_true", help="do not use cached results, and do not store new ones")
 
 
 def cache_for(arguments: argparse.Namespace) -> Cache:
@@ -166,7 +166,7 @@ def add_register_option(parser: argparse.ArgumentParser) -> None:
 def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
     """Return pairs such as ``0x56=0x10`` as bytes by address: ``{0x56: 0x10}``.
 
-    Numbers may be decimal, or have a prefix. Of several pairs with one address, the last one counts.
+    Numbers may be decimal, or have a prefix. If several pairs have the same address, the last one is used.
 
     Raises:
         CommandError: A pair is malformed. The exit code is 2.
@@ -174,7 +174,7 @@ def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
     register_bytes: dict[int, int] = {}
     for pair in pairs:
         malformed = CommandError(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
-        # With the base 0, the prefix of a number decides: 0x, 0b, or none for decimal.
+        # With base 0, the prefix of a number determines its base: 0x, 0b, or none for decimal.
         address_text, _, byte_text = pair.partition("=")
         try:
             address = int(address_text, 0)
@@ -188,7 +188,7 @@ def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
 
 
 def add_choose_option(parser: argparse.ArgumentParser, default: str) -> None:
-    """Add ``--choose``. ``default`` says what the command does without an answer."""
+    """Add ``--choose``. ``default`` is the end of its help: the behavior of the command without an answer."""
     parser.add_argument(
         "--choose",
         action="append",
@@ -204,5 +204,5 @@ def add_edition_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--edition",
         metavar="EDITION",
-        help="use another edition of the manual: a revision, a date, or 'label' or 'registers' to infer it",
+        help="use a different edition of the manual: a revision, a date, or 'label' or 'registers' to infer it",
     )

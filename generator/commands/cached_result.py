@@ -1,4 +1,4 @@
-"""Result of an earlier run of a command, which is used if no file that the run would read has changed.
+"""Cached result of a command, which is used if no file that the command would read has changed.
 
 Only results of runs without problems are stored, because messages depend on more than the content of the specs.
 """
@@ -17,7 +17,7 @@ from ..cache import Cache, content_of, key_of
 from ..language.files import family_files, find_files, is_folder, packaged_masters, top_keys
 from ..language.problems import ProblemReport
 
-#: Keys of overlays, which may refer to specs in other folders.
+#: Keys that only overlays have. Overlays may refer to specs in other folders.
 _OVERLAY_KEYS = frozenset(("overlay", "changes"))
 
 
@@ -43,7 +43,7 @@ class CachedResult:
     inputs: str
 
     def get(self) -> Any:
-        """Return the stored result, or None."""
+        """Return the cached result, or None if there is none."""
         return self.cache.get(self.command, [self.inputs]) if self.inputs else None
 
     def put(self, result: Any) -> None:
@@ -83,12 +83,12 @@ class _NotStorable(Exception):
 
 
 def _hash_of_inputs(paths: Sequence[Path], options: Sequence[str]) -> str:
-    """Return a hash of the folder, the options and all files that a run reads, or an empty string.
+    """Return a hash of the current folder, the options and all files that a run reads.
 
-    It is empty if the files are not known, for example because one of the specs is an overlay.
+    The hash is "" if the files are not known, for example because one of the specs is an overlay.
     """
     try:
-        # The empty text ends the options, so that none of them can be taken for the name of a file.
+        # The empty text ends the options, so that none of them is mistaken for the name of a file.
         options_and_files = chain([os.getcwd(), *options, ""], _names_and_contents(paths))
         return key_of("inputs", options_and_files)
     except (OSError, ValueError, _NotStorable):
@@ -96,7 +96,7 @@ def _hash_of_inputs(paths: Sequence[Path], options: Sequence[str]) -> str:
 
 
 def _names_and_contents(paths: Sequence[Path]) -> Iterator[bytes | str]:
-    """Yield the names and the content of all files that a run with these paths reads, packaged masters included.
+    """Yield the names and the content of all files that a run with these paths reads, including packaged masters.
 
     Raises:
         OSError: A folder cannot be read.
@@ -110,7 +110,7 @@ def _names_and_contents(paths: Sequence[Path]) -> Iterator[bytes | str]:
             search_result = find_files(spec_or_folder)
             specs = search_result.specs
             skipped = search_result.passed_over
-        # The words between the lists ensure that no name can move from one to the next.
+        # The words between the lists prevent equal hashes if a name moves from one list to the next.
         yield from (str(spec_or_folder), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
         for spec in specs:
             keys = top_keys(spec)

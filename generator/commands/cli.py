@@ -42,12 +42,12 @@ COMMANDS: Mapping[str, str] = {
 }
 
 
-#: Exit codes that a shell gives for an end by these signals.
+#: Exit codes of a process that one of these signals ends, as in a shell.
 _CODE_OF_SIGPIPE, _CODE_OF_SIGINT = 141, 130
 
 
 class Command(Protocol):
-    """The module or package of a command. To be imported quickly, it imports what its run needs only in ``run``.
+    """The module or package of a command. It imports most modules only in ``run``, so that it can be imported quickly.
 
     ``EXAMPLES`` are command lines for the help, with the spec that ``new`` writes.
     """
@@ -60,15 +60,15 @@ class Command(Protocol):
 
 
 def command_named(name: str) -> Command:
-    """Import a command."""
+    """Import the module or package of a command, and return it."""
     return cast("Command", import_module(f"{__package__}.{name}"))
 
 
 def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
-    """Return the parser for these arguments: with the command that they begin with, or else with all commands.
+    """Return the parser for these arguments.
 
-    Only commands that are among the arguments are imported and get arguments of their own, because the help only lists
-    the others.
+    It knows the command that the arguments begin with, or else all commands. To save time, only commands that are among
+    the arguments are imported, because the help only lists the names of the others.
     """
     parser = Parser(prog="codewheel", description=_DESCRIPTION)
     parser.add_argument("--version", action=ShowVersion, help="show the version and exit")
@@ -84,21 +84,23 @@ def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
 
 
 def _possible_commands(arguments: Sequence[str]) -> Sequence[str]:
-    """Return the command with which the arguments begin, no command for ``--version``, or else all commands."""
+    """Return the command that the arguments begin with, no command for ``--version``, and otherwise all commands."""
     first_argument = arguments[0] if arguments else ""
     if first_argument in COMMANDS:
         return [first_argument]
-    return [] if first_argument == "--version" else list(COMMANDS)
+    if first_argument == "--version":
+        return []
+    return list(COMMANDS)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code. ``arguments`` default to the arguments of the process.
 
-    The exit code is 1 if the output cannot be written. If the user or the reader of the output ends the command, it has
-    the exit code of shells: 141 or 130.
+    The exit code is 1 if the output cannot be written. It is 130 if the user interrupts the command, and 141 if the
+    reader of the output closes it early, as in a shell.
     """
     if arguments is None:
-        # Models have no cycles, so a process that ends soon gains nothing from a search for them, not even at its end.
+        # Models contain no reference cycles, so collecting garbage would only cost time, even at the end.
         gc.set_threshold(1_000_000, 50, 100)
         atexit.register(gc.freeze)
     prepare_streams()
@@ -108,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.flush()
         return code
     except BrokenPipeError:
-        # The reader closed our output early.
+        # The reader of the output closed it early.
         release_streams()
         return _CODE_OF_SIGPIPE
     except OSError as error:
@@ -125,7 +127,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run_command(arguments: Sequence[str] | None) -> int:
     """Parse the arguments, run the command, and return its exit code.
 
-    If it raises ``CommandError``, print the message and return the exit code of ``CommandError``.
+    If the command raises ``CommandError``, print its message and return its exit code.
     """
     try:
         words = sys.argv[1:] if arguments is None else arguments
@@ -135,5 +137,5 @@ def _run_command(arguments: Sequence[str] | None) -> int:
     except CommandError as stop:
         print(f"codewheel: {stop}", file=sys.stderr)
         return stop.code
-    except SystemExit as stop:  # Of the parser: help, or wrong usage.
+    except SystemExit as stop:  # The parser raises it after printing the help or a usage error.
         return int(stop.code or 0)

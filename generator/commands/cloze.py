@@ -1,4 +1,4 @@
-"""``codewheel cloze``: write the texts of a spec with gaps instead of the words that turn a sentence round."""
+"""``codewheel cloze``: write the texts of a spec with blanks in place of words that can reverse their meaning."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
     parser.description = (
         "Write FAMILY.words.yaml next to the spec: its texts with gaps in place of words such as 'not', 'before' and "
-        "'high'. A reader fills the gaps from the manual, and check compares the words with the spec. The words of "
+        "'high'. A reader fills in the gaps from the manual, and check compares the words with the spec. The words of "
         "unchanged texts are kept."
     )
     parser.add_argument("family", metavar="FAMILY", help="a family name as shown by list")
@@ -27,9 +27,9 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the sheet of a family without overlays, and print the number of gaps to fill.
+    """Write the sheet of a family without overlays, and print the number of gaps to fill in.
 
-    Words that an existing sheet has filled in are kept for unchanged texts.
+    For unchanged texts, the words in an existing sheet are kept.
 
     Raises:
         CommandError: The family does not exist (exit code 2), it has problems, or its sheet cannot be read (exit code
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     sheet_data = sheet(family.document, old_entries)
     spec_path = Path(family.document.file)
     path = word_sheet_path(spec_path)
-    lines = [*as_lines(sheet_data, spec_path.name), ""]  # The empty line adds a line end to the last line.
+    lines = [*as_lines(sheet_data, spec_path.name), ""]  # The empty line ends the last line with a newline.
     try:
         path.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:

@@ -33,8 +33,8 @@ EXAMPLES = (
     "codewheel diff old/my_encoder.yaml my_encoder.yaml",
     "codewheel diff old/my_encoder.yaml my_encoder.yaml --fail-on behaviour",
 )
-#: Most problems of a side that are printed.
-_MOST_PROBLEMS = 3
+#: Highest number of problems in one version that are printed.
+_MAX_PROBLEMS = 3
 #: Levels of GitHub by impact. All others are notices.
 _GITHUB_LEVEL_BY_IMPACT = {Impact.BREAKING: "error", Impact.BEHAVIOUR: "warning"}
 _PATH_STEPS = re.compile(r"[^.\[\]]+")
@@ -71,7 +71,7 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument(
         "--lenient",
         action="store_true",
-        help="compare specs even if the current spec language finds problems, without the faulty parts",
+        help="compare specs even if they have problems in the current spec language, without the faulty parts",
     )
     add_cache_option(parser)
 
@@ -92,21 +92,20 @@ def _add_record_options(parser: Parser) -> None:
 
 @dataclass(frozen=True)
 class _Side:
-    """One side of the comparison: the families that were read, and the names of families that could not be read.
-
-    ``file_names`` contains the original names of files from a git revision, by the names of the files that were read.
-    """
+    """One version of the specs in a comparison."""
 
     families: tuple[Family, ...]
+    #: Original names of files from a git revision, by the names of the temporary files that were read.
     file_names: Mapping[str, str]
     notices: tuple[str, ...] = ()
+    #: Names of families that have problems, and are not compared.
     excluded_names: frozenset[str] = frozenset()
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compare, print, and return the exit code: 1 if a change has the impact of ``--fail-on`` or a higher one, else 0.
+    """Compare two versions of specs, print the changes, and return the exit code.
 
-    Accepted changes do not count. Without ``--fail-on``, all others do.
+    It is 1 if a change that is not accepted has at least the impact of ``--fail-on`` (by default, any impact).
 
     Raises:
         CommandError: Something cannot be read, or families that must not be released would be recorded.
@@ -117,7 +116,7 @@ def run(arguments: argparse.Namespace) -> int:
     old, new, comparison = _compare_sides(arguments, cache)
     if arguments.record:
         if not arguments.unchecked:
-            _refuse_unproved(new.families, cache)
+            _require_releasable(new.families, cache)
         comparison = _write_records(comparison, new)
     relevant_changes, notices_about_accepted = _without_accepted(comparison.changes, arguments)
     comparison = replace(comparison, notices=(*comparison.notices, *notices_about_accepted))
@@ -134,7 +133,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, _Side, DiffResult]:
-    """Return both sides and their comparison. A line on the terminal shows the current step."""
+    """Read and compare both versions, and show the current step on the terminal."""
     with Progress(f"codewheel: reading {arguments.old}") as progress:
         old = _load_side(arguments.old, cache, lenient=arguments.lenient, old_side=None)
         progress.text = f"codewheel: reading {arguments.new}"
@@ -177,10 +176,10 @@ def _changed_files(
 
 
 def _filters_for(specs: str) -> FamilyFilters:
-    """Return the conditions for the families of each output, from the settings that hold for the current folder.
+    """Return the conditions on the families of each output, from the settings for the current folder.
 
-    There are none for specs on the disk outside the folder of the settings, which belong to another project.
-    ``specs`` is NEW of the command line, which may also be in a git revision.
+    ``specs`` is NEW of the command line. If this is a path outside the folder of the settings, the specs belong to a
+    different project, and there are no conditions.
     """
     from ..loading.configuration import NO_FILTERS
     from .read_specs import find_settings
@@ -189,23 +188,23 @@ def _filters_for(specs: str) -> FamilyFilters:
     path = Path(specs)
     if settings is None:
         return NO_FILTERS
-    # A path in a git revision does not exist on the disk. It belongs to this project.
+    # A path in a git revision does not exist on the disk, and belongs to this project.
     is_elsewhere = path.exists() and not path.resolve().is_relative_to(settings.folder.resolve())
     return NO_FILTERS if is_elsewhere else settings.only
 
 
-def _refuse_unproved(families: Sequence[Family], cache: Cache) -> None:
-    """Raise ``CommandError`` if families must not be released."""
+def _require_releasable(families: Sequence[Family], cache: Cache) -> None:
+    """Raise ``CommandError`` if second readings of families disagree, or their coverage is out of date."""
     import_module(f"{__package__}.check.specs").refuse_unproved(families, "recorded", cache)
 
 
 def _without_accepted(
     changes: Sequence[Change], arguments: argparse.Namespace
 ) -> tuple[Sequence[Change], Sequence[str]]:
-    """Return the changes that count, and the notices about accepted ones.
+    """Return the changes that no one has accepted, and notices about accepted changes.
 
-    The accepted changes are in the file of ``--accepted``, or else in a file of the usual name next to the new specs.
-    Without such a file, all changes count.
+    The accepted changes are in the file given with ``--accepted``, or by default in ``accepted.yaml`` next to the new
+    specs. Without such a file, no changes are accepted.
 
     Raises:
         CommandError: The file with accepted changes is missing or not valid. The exit code is 2.
@@ -227,9 +226,10 @@ def _without_accepted(
 
 
 def _compare_families(old_side: _Side, new_side: _Side, cache: Cache, filters: FamilyFilters) -> DiffResult:
-    """Return the changes in the families that could be read on both sides, with the notices of both.
+    """Return the changes in the families that could be read in both versions, with the notices about both.
 
-    Generated files are compared only if the families differ. Otherwise, and if they cannot be generated, they are None.
+    Generated files are only compared if the families differ. ``files`` of the result is None if they are not compared
+    or cannot be generated.
     """
     from ..changes.families import compare
     from ..changes.report import DiffResult
@@ -247,15 +247,15 @@ def _compare_families(old_side: _Side, new_side: _Side, cache: Cache, filters: F
 
 
 def _comparable_devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
-    """Return the devices of one side, except those that could not be read on either side."""
+    """Return the devices of one version, without those that have problems in either version."""
     excluded_names = side.excluded_names | other_side.excluded_names
     return tuple(family.device for family in side.families if family.device.name not in excluded_names)
 
 
 def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
-    """Write the records, and return ``comparison`` with notices about them and with the version that was written.
+    """Record the changes in files, and return the comparison with notices about these files and with the new versions.
 
-    If ``comparison`` already has notices, a part was not compared. Then nothing is written.
+    If the comparison already has notices, something was not compared, and nothing is written.
 
     Raises:
         CommandError: Part of a family could not be compared, or a file cannot be written.
@@ -265,7 +265,7 @@ def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
     if comparison.notices:
         raise CommandError(f"nothing is recorded: {comparison.notices[0]}", 1)
     try:
-        # Compose all texts before touching the first file.
+        # All texts are composed before the first file is written.
         paths_and_texts = list(files_of_release(comparison, new_side.families))
         for path, text in paths_and_texts:
             path.write_text(text, encoding="utf-8")
@@ -277,16 +277,16 @@ def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
 
 
 def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None) -> _Side:
-    """Return the families of one side. ``text`` is OLD or NEW of the command line.
+    """Read the families of one version. ``text`` is OLD or NEW of the command line.
 
-    If the specs have problems, ``lenient`` keeps all families without their faulty parts. Without it, the old side
-    keeps the families without problems, and the new side is not accepted. Both print the first problems.
-    ``old_side`` is None while the old side itself is loaded.
+    If the specs have problems, the first ones are printed. If ``lenient`` is true, all families are kept without their
+    faulty parts. Otherwise, problems in the new version are an error, and the old version only keeps families without
+    problems. ``old_side`` is None while the old version itself is read.
 
     Raises:
         CommandError: The specs do not exist, or have problems that prevent a comparison.
     """
-    from ..loading.library import sound_families
+    from ..loading.library import families_without_problems
     from ..say.plain_text import count_with_unit
 
     is_old = old_side is None
@@ -297,10 +297,10 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
     problems_text = count_with_unit(len(problems), "problem")
     if lenient and families:
         _print_first_problems(problems)
-        omission = "The faulty parts are omitted and may be listed as new"
+        omission = "The faulty parts are left out and may be listed as new"
         notice = f"the current spec language finds {problems_text} in {text}. {omission}"
         return _Side(tuple(families), file_names, notices=(notice,))
-    valid_families = sound_families(families, report)
+    valid_families = families_without_problems(families, report)
     if not is_old or not valid_families:
         raise _not_comparable_error(text, problems, is_old=is_old)
     excluded_names = [family.device.name for family in families if family not in valid_families]
@@ -313,12 +313,12 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
 def _read_side(
     text: str, cache: Cache, old_side: _Side | None
 ) -> tuple[Sequence[Family], ProblemReport, Mapping[str, str]]:
-    """Return the families, the report on them, and the original names of files from a git revision.
+    """Return the families of one version, the problems in them, and the original names of files from a git revision.
 
-    ``text`` is a path, or a revision and a path such as ``v1.0:specs``. Files of a revision are read from a temporary
-    folder. The names map each file there to its name in the revision. They are empty for a path on the disk. Specs of
-    the old side (``old_side`` is None) are first migrated to the current language. Families that the new side shares
-    with the old one are not built again.
+    ``text`` is a path, or a revision and a path such as ``v1.0:specs``. Files from a revision are written to a
+    temporary folder, and the names map each of them to its name in the revision. Specs of the old version (``old_side``
+    is None) are first migrated to the current spec language. Families that are the same in both versions are only built
+    once.
 
     Raises:
         CommandError: There is no such file, folder or revision. The exit code is 2.
@@ -344,7 +344,7 @@ def _read_side(
             path = written_files.place
             file_names = written_files.names
         if old_side is None:
-            # The empty sequence keeps the content of each family, for the comparison with the new side.
+            # With an empty sequence, families keep the content of their files, which the new version is compared with.
             no_shared_families: tuple[Family, ...] = ()
             families, report = load_families([path], cache, migrate, no_shared_families)
         else:
@@ -353,14 +353,14 @@ def _read_side(
 
 
 def _print_first_problems(problems: Sequence[Problem]) -> None:
-    for problem in problems[:_MOST_PROBLEMS]:
+    for problem in problems[:_MAX_PROBLEMS]:
         print(problem.format(), file=sys.stderr)
-    if len(problems) > _MOST_PROBLEMS:
-        print(f"and {len(problems) - _MOST_PROBLEMS} more", file=sys.stderr)
+    if len(problems) > _MAX_PROBLEMS:
+        print(f"and {len(problems) - _MAX_PROBLEMS} more", file=sys.stderr)
 
 
 def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> CommandError:
-    """Print the first problems of a side, and return the error to raise. For the old side, it suggests a remedy."""
+    """Print the first problems in a version, and return the error. For the old version, it suggests a remedy."""
     from ..say.plain_text import count_with_unit
 
     _print_first_problems(problems)
@@ -374,13 +374,10 @@ def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: boo
     )
 
 
-# -- places in the new specs, for review tools
-
-
 def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[ReviewFinding]:
-    """Return the changes with their places in the new specs. A removed item is at the nearest remaining place.
+    """Return the changes with their places in the new specs. For a removed item, this is the nearest remaining place.
 
-    A change in a family that the new specs lack is at the beginning of their first spec.
+    A change in a family that is not in the new specs is reported at the beginning of the first spec.
     """
     documents = {family.device.name: family.document for family in side.families}
     if not documents:
@@ -413,9 +410,9 @@ def _review_finding(change: Change, document: Document, path: SpecPath, file_nam
 
 
 def _place_in_spec(document: Document, text: str) -> SpecPath:
-    """Return the place of ``text``, a path of keys and names such as ``registers.mode.fields``, as far as it exists.
+    """Return the place of a path of keys and names, such as ``registers.mode.fields``, as far as it exists in a spec.
 
-    The result has indexes instead of the names of list items: ``("registers", 3, "fields")``.
+    In the result, indices replace the names of list items: ``("registers", 3, "fields")``.
     """
     from ..language.schema_check import value_at
 
@@ -424,7 +421,7 @@ def _place_in_spec(document: Document, text: str) -> SpecPath:
         paths_to_step = list(_paths_to_step(step, value_at(document.data, path)))
         if not paths_to_step:
             break
-        # The first is the nearest: directly in the node, not in one of its values.
+        # The first path is the shortest.
         path = (*path, *paths_to_step[0])
     return path
 

@@ -1,4 +1,4 @@
-"""Handle ``--edition``: another edition of the manual, named or inferred from the label or from registers."""
+"""Handle ``--edition``: a different edition of the manual, named or inferred from the label or from registers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from ..loading.editions import UnknownEdition, revision_for
 from ..loading.library import in_edition, load_families
 from ..loading.overlays import Family
 from ..model import Device
-from ..order_codes.labels import LabelMatch, UnknownOrderCode, edition_by_label, find_code
+from ..order_codes.editions import edition_by_label
+from ..order_codes.labels import LabelMatch, UnknownOrderCode, find_code
 from ..reference.findings import edition_by_registers, without_tests
 from .terminal import CommandError, print_problems
 
@@ -26,13 +27,13 @@ def in_requested_edition(
     text: str,
     register_bytes: Mapping[int, int],
 ) -> tuple[Device, LabelMatch | None, dict[int, int]]:
-    """Return a family in the requested edition, the order code ``text`` in it, and the registers still to apply.
+    """Return a family in the requested edition, its order code, and the register bytes that still apply.
 
-    Registers that served to infer the edition are omitted.
+    Register bytes from which the edition was inferred are left out.
 
     Args:
         specs: The specs to read.
-        device: The family as in its spec.
+        device: The family as its spec describes it.
         code_match: The order code on the label, or None if the family was named.
         wanted_edition: A revision, a date, ``label`` or ``registers``.
         text: The name or order code that the user gave.
@@ -59,13 +60,13 @@ def in_requested_edition(
 def _find_revision(
     device: Device, code_match: LabelMatch | None, wanted_edition: str, register_bytes: Mapping[int, int]
 ) -> str:
-    """Return the revision of the requested edition: inferred from registers or the label, or found by name or date.
+    """Return the revision of the requested edition, found by its name or a date, or inferred from label or registers.
 
-    ``code_match`` is None if the user named a family. Then nothing can be inferred.
+    ``code_match`` is None if the user named a family instead of an order code. Then the edition cannot be inferred.
 
     Raises:
         UnknownEdition: There is no such edition, or it cannot be inferred.
-        ValueError: ``register_bytes`` lacks the registers that identify the edition.
+        ValueError: ``register_bytes`` does not contain the registers that identify the edition.
     """
     if device.base:
         raise UnknownEdition(f"{device.name} is derived from {device.base} and has no editions of its own")
@@ -123,7 +124,7 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
             raise CommandError(str(error), 2) from None
         if revision == family.device.manual.revision:
             raise CommandError(f"the spec of {name} is already edition {revision}", 2)
-        # An edition is merged into the spec as read, so the spec must conform to the schema.
+        # The changes of an edition are applied to the text of the spec, so the spec must conform to the schema.
         if report.faults(family.document):
             continue
         edition_family = in_edition(family, revision, report)
@@ -133,9 +134,12 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
 
 
 def check_editions(families: Iterable[Family], report: ProblemReport) -> None:
-    """Report the problems in all editions of the families, except those that are derived, have overlays or problems."""
+    """Report the problems in all editions of the families.
+
+    Families that are derived from others, have overlays or have problems are skipped.
+    """
     for family in families:
-        # With an overlay, a family may lack the parts that an edition changes. A request for the edition reports that.
+        # An overlay may remove parts that an edition changes. This is reported when the edition is requested.
         if family.device.base or family.plain is not None or report.faults(family.document):
             continue
         for edition in family.device.editions:

@@ -16,14 +16,14 @@ from ..model import Variant
 
 #: Parts of a spec that editions do not describe.
 _NOT_IN_EDITIONS = frozenset("manual errata examples editions documents lost_figures printed_defaults".split())
-#: Keys whose value is a map with names as keys. A key that such a map lost is a removed item.
+#: Keys whose value is a map with names as keys. If such a map loses a key, an item was removed.
 _NAMED_MAPS = frozenset(("interfaces", "parameters", "values"))
-#: Keys of a spec that the paths of changes leave out.
+#: Keys of a spec that the paths of changes do not contain.
 _NOT_IN_CHANGES = frozenset(("combinations", "fields", "meanings", "values"))
 _OPTION_PATH = re.compile(r"order_code\.parts\.(?P<part>\w+)\.values\.(?P<label>[^.]+)")
 #: Keys whose values name options or whole order codes.
 _KEYS_OF_REFERENCES = frozenset(("only", "only_with", "open_only_with", "order_code"))
-#: Longest line of YAML, in characters. It is so long that each change is in one line.
+#: Longest line of YAML, in characters. It is so long that each change is on one line.
 _YAML_WIDTH = 10_000
 
 
@@ -43,10 +43,10 @@ _Dumper.add_representer(_Hexadecimal, _represent_hexadecimal)
 
 
 def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Sequence[Change]) -> Iterator[str]:
-    """Yield the text of an entry for each family with a new edition of its manual that lacks items of the old one.
+    """Yield an ``editions`` entry for each family whose manual has a new edition that no longer contains some items.
 
-    The entry keeps these items for older encoders. Families are compared by name. Renamed items are not lost, except
-    options of the order code: labels of older encoders have the old text.
+    The entry keeps these items for older encoders. Families are matched by name. Renamed items were not removed, except
+    options of the order code, because the labels of older encoders have the old text.
     """
     renamings = [change for change in changes if change.rule.is_renaming and isinstance(change.old, str)]
     old_families = {family.device.name: family for family in olds}
@@ -62,16 +62,16 @@ def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Seq
 
 
 def _old_place(renaming: Change) -> str:
-    """Return the path of a renamed item as it was in the old spec: ``registers.mode`` for ``registers.state``."""
+    """Return the path of a renamed item in the old spec: ``registers.mode`` if ``registers.state`` was called mode."""
     place_of_owner, _, _ = renaming.path.rpartition(".")
     return f"{place_of_owner}.{renaming.old}"
 
 
 def _place_in_changes(place: str, removed_node: Any) -> str:
-    """Return the path of a removed item as changes give it, which leave out some keys: ``registers.mode.busy``.
+    """Return the path of a removed item in the notation of changes, without some keys: ``registers.mode.busy``.
 
-    The place of a list item is the place of its list, so the name comes from the item itself. The place of a value in a
-    map includes its name.
+    For an item of a list, ``place`` is the list, and the item itself contains its name. For a value of a map, ``place``
+    includes its name.
     """
     *owner_steps, last_step = map(str, steps_of(place))
     name_in_list = label_of(removed_node)
@@ -82,9 +82,9 @@ def _place_in_changes(place: str, removed_node: Any) -> str:
 
 
 def _lines_of_missing_history(old_family: Family, new_family: Family) -> Iterator[str]:
-    """Yield the rows that the history of the new manual lacks: one for each of the two revisions, if it is not listed.
+    """Yield the rows to add to the history of the new manual: one for each of the two revisions that is not listed.
 
-    An introduction precedes them. Nothing is yielded if the new revision is listed behind an older one.
+    An introduction precedes them. If the new revision is listed after an older one, nothing is missing.
     """
     name = new_family.device.name
     revision = new_family.device.manual.revision
@@ -104,14 +104,14 @@ def _lines_of_missing_history(old_family: Family, new_family: Family) -> Iterato
         if manual.date:
             history_row["date"] = manual.date
         history_row["changes"] = "Not listed"
-        yield f"    - {_in_one_line(history_row)}"
+        yield f"    - {_as_yaml_line(history_row)}"
     yield ""
 
 
 def _lines_of_entry(new_family: Family, edition_changes: Iterable[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield the lines of the entry: the new revision, and the changes that apply before it, after an introduction.
+    """Yield an introduction and the lines of the entry: the new revision, and the changes that apply before it.
 
-    If the spec has no editions yet, their key comes first.
+    If the spec has no editions yet, the key ``editions`` comes first.
     """
     name = new_family.device.name
     revision = new_family.device.manual.revision
@@ -122,20 +122,20 @@ def _lines_of_entry(new_family: Family, edition_changes: Iterable[Mapping[str, A
     yield ""
     if not has_editions:
         yield "editions:"
-    # In a list, YAML quotes a revision such as '1.0' without adding the mark for the end of a document.
-    yield f"  - revision: {_in_one_line([revision]).removeprefix('[').removesuffix(']')}"
+    # YAML writes a single text such as '1.0' with a mark for the end of the document, but not a list with this text.
+    yield f"  - revision: {_as_yaml_line([revision]).removeprefix('[').removesuffix(']')}"
     yield "    before:"
     for edition_change in edition_changes:
-        yield f"      - {_in_one_line(edition_change)}"
+        yield f"      - {_as_yaml_line(edition_change)}"
 
 
 def _edition_changes(
     old_family: Family, new_family: Family, renamed_places: Container[str]
 ) -> Iterator[Mapping[str, Any]]:
-    """Yield the changes that lead from the new edition to the old one, each as a change of an overlay.
+    """Yield the changes that lead from the new edition back to the old one, in the form of an overlay's changes.
 
-    Each removed item is added: ``{"add": place, "value": item, "why": reason, "source": source}``. If options of the
-    order code are among them, their consequences come last.
+    Each removed item is added again: ``{"add": place, "value": item, "why": reason, "source": source}``. If options of
+    the order code are among them, the changes that follow from them come last.
     """
     old_data, new_data = old_family.document.data, new_family.document.data
     reason = f"Edition {old_family.device.manual.revision} has it, edition {new_family.device.manual.revision} does not"
@@ -158,8 +158,8 @@ def _order_code_changes(
 ) -> Iterator[Mapping[str, Any]]:
     """Yield the changes that follow from options of the order code that the new edition removed.
 
-    New labels of the same options are removed, and so are examples with these labels that the old edition lacks.
-    References to order codes get their old values. ``source`` is the source of each change.
+    The new labels of these options are removed, as are new examples with these labels. References to order codes get
+    their old values. ``source`` is the citation of each change.
     """
     old_data, new_data = old_family.document.data, new_family.document.data
     old_revision, new_revision = old_family.device.manual.revision, new_family.device.manual.revision
@@ -172,16 +172,16 @@ def _order_code_changes(
     old_examples = {example["name"] for example in old_data.get("examples", ())}
     for example in new_data.get("examples", ()):
         if example["name"] not in old_examples and example.get("order_code") in new_codes:
-            reason = f"Edition {old_revision} lacks its order code"
+            reason = f"Edition {old_revision} does not have its order code"
             yield {"remove": f"examples.{example['name']}", "why": reason, "source": source}
     for place, old_reference in _changed_references(old_data, new_data, place=""):
         yield {"set": place, "to": old_reference, "why": f"Order codes of edition {old_revision}", "source": source}
 
 
 def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
-    """Return the source of a removed node if it names a document (``doc: 2.1``), else ``Document release``.
+    """Return the citation of a removed item if it names a document (``doc: 2.1``), or ``Document release``.
 
-    A place in the manual of the old edition is not in the new one, whose table of releases says what changed.
+    A section of the old edition is not in the new one, but its table of releases says what changed.
     """
     nodes_on_path = []
     node = data
@@ -190,7 +190,7 @@ def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
             node = {label_of(child): child for child in node}
         node = node.get(step, {}) if isinstance(node, dict) else {}
         nodes_on_path.append(node)
-    # A node without a source has the source of the nearest node around it.
+    # A node without a citation has the citation of the nearest node around it.
     source = ""
     for enclosing_node in (*nodes_on_path, removed_node):
         if isinstance(enclosing_node, dict):
@@ -200,15 +200,17 @@ def _source_of_removed(data: Any, place: str, removed_node: Any) -> str:
 
 
 def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -> Iterator[str]:
-    """Yield the place of the first option that only the new edition has and that selects the same as a removed option.
+    """Yield the place of the first new option of the order code that is a removed option with a different label.
 
-    Such an option is the removed option with another label. Nothing is yielded if there is no such option.
+    Both select the same interface, parameters and supply. If there is no such option, nothing is yielded.
     """
     options_place, _, _ = place.rpartition(".")
     old_options = value_at(old_data, resolve(old_data, options_place))
     new_options = value_at(new_data, resolve(new_data, options_place))
-    # With ``--lenient``, the options can be something else than a map.
-    for label, new_option in new_options.items() if isinstance(new_options, dict) else ():
+    # With ``--lenient``, a faulty spec can contain anything in place of a map.
+    if not isinstance(new_options, dict):
+        return
+    for label, new_option in new_options.items():
         if label not in old_options and _selection_of_option(new_option) == _selection_of_option(removed_option):
             yield f"{options_place}.{label}"
             return
@@ -217,7 +219,7 @@ def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -
 def _selection_of_option(option: Any) -> Mapping[str, Any]:
     """Return the interface, parameters and supply that an option selects, or its meaning if it selects none of them.
 
-    With ``--lenient``, an option can be something else than a map. It then selects nothing.
+    With ``--lenient``, a faulty spec can contain anything in place of an option, which then selects nothing.
     """
     if not isinstance(option, dict):
         return {}
@@ -226,7 +228,7 @@ def _selection_of_option(option: Any) -> Mapping[str, Any]:
 
 
 def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
-    """Return True if an order code has one of these options, such as ``order_code.parts.output.values.B``."""
+    """Return whether an order code has one of these options, such as ``order_code.parts.output.values.B``."""
     for option_place in option_places:
         option = _OPTION_PATH.fullmatch(option_place)
         if option is not None and variant.parts.get(option["part"]) == option["label"]:
@@ -235,16 +237,16 @@ def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
 
 
 def _changed_references(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[str, Any]]:
-    """Yield the places in both editions that refer to different order codes, and the value in the old one.
+    """Yield the places at which two specs refer to different order codes, with the value in the old spec.
 
-    ``old_node`` and ``new_node`` are the nodes of both specs at ``place``, which is empty for the whole specs.
+    ``old_node`` and ``new_node`` are the nodes of the specs at ``place``, which is "" for the whole specs.
     """
     if isinstance(old_node, dict) and isinstance(new_node, dict):
         for key in [key for key in old_node if key in new_node]:
             child_place = f"{place}.{key}".removeprefix(".")
-            is_part_of_spec = not place
-            # Of the parts that editions do not describe, only the examples name order codes.
-            may_have_references = not is_part_of_spec or key == "examples" or key not in _NOT_IN_EDITIONS
+            is_section = not place
+            # Of the sections that editions do not describe, only the examples name order codes.
+            may_have_references = not is_section or key == "examples" or key not in _NOT_IN_EDITIONS
             if _is_reference(place, key):
                 if old_node[key] != new_node[key]:
                     yield child_place, old_node[key]
@@ -272,12 +274,11 @@ def _is_reference(place: str, key: str) -> bool:
 
 
 def _removed_nodes(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[str, Any]]:
-    """Yield the items of a spec that the new one lacks, each with the place to add it to.
+    """Yield the named items of a spec that are not in the new spec, each with the place to add it to.
 
-    For a named item of a list, the place is its list: ``registers``. For a key of a map whose keys are names, it is the
-    key: ``parameters.bits``. Other keys may be left out freely, so a missing one does not count. Nor does an item
-    without a label, which cannot be found in the new list. ``place`` is the place of both nodes, and is empty for the
-    whole specs.
+    For an item of a list, this is the list: ``registers``. For a value in a map whose keys are names, it includes the
+    key: ``parameters.bits``. Any other key that is missing may have been left out deliberately, so it does not count.
+    ``place`` is the place of both nodes, and is "" for the whole specs.
     """
     if isinstance(old_node, dict) and isinstance(new_node, dict):
         _, _, key_of_map = place.rpartition(".")
@@ -298,8 +299,8 @@ def _removed_nodes(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[s
                 yield place, child
 
 
-def _in_one_line(node: Any) -> str:
-    """Return a node as YAML in one line, such as ``{revision: '1.0', changes: Not listed}``."""
+def _as_yaml_line(node: Any) -> str:
+    """Return a node of a spec as YAML on one line, such as ``{revision: '1.0', changes: Not listed}``."""
     yaml_text: str = yaml.dump(
         _with_hexadecimal(node),
         Dumper=_Dumper,
@@ -312,7 +313,7 @@ def _in_one_line(node: Any) -> str:
 
 
 def _with_hexadecimal(node: Any, key: str = "") -> Any:
-    """Return a node in which the numbers that manuals print in hexadecimal are marked. ``key`` is the node's key."""
+    """Mark the numbers in a node of a spec that manuals print in hexadecimal. ``key`` is the key of the node."""
     if isinstance(node, dict):
         return {name: _with_hexadecimal(child, name) for name, child in node.items()}
     if isinstance(node, list):

@@ -15,15 +15,16 @@ if TYPE_CHECKING:
 EXAMPLES = ("codewheel explain", "codewheel explain register-gone")
 #: Rules about several files, for which the tests have no single broken file to show as an example.
 _SEVERAL_FILES = {
-    "coverage-file": "the coverage file next to a spec differs from what 'check --coverage --write' would write.",
+    "coverage-file": "the coverage file next to a spec differs from the file that 'check --coverage --write' would "
+    "write.",
     "overlay-change": "a change in an overlay or edition has keys that do not belong to its kind.",
     "overlay-conflict": "two overlays change the same location.",
     "overlay-unused": "a change in an overlay has no effect, or sets, adds or removes something that does not exist.",
     "readings-disagree": "the second reading of a manual differs from the spec. The manual decides. If the manual "
     "prints both, record an erratum with 'readings'.",
-    "words-disagree": "a sheet of turning words, filled from the manual, has another word than the text of the spec. "
-    "The manual decides.",
-    "words-outdated": "a text has changed since its sheet of turning words was filled, or a gap has no valid word.",
+    "words-disagree": "a sheet of turning words, filled in from the manual, has a different word than the text of the "
+    "spec. The manual decides.",
+    "words-outdated": "a text has changed since its sheet of turning words was filled in, or a gap has no valid word.",
 }
 
 
@@ -96,7 +97,7 @@ def _list_rules(examples: dict[str, RuleExample]) -> str:
 
     lines = ["Rules of diff:", ""]
     for rule in RULES.values():
-        # In columns as wide as the longest name and the longest impact.
+        # The columns are as wide as the longest name and the longest impact.
         name_and_impact = f"{rule.name:<22} {rule.impact.word:<14} "
         indent = " " * len(name_and_impact)
         lines.append(wrap_text(rule.when, WIDTH, prefix=indent, first=name_and_impact))

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ..loading.library import Family
-    from ..reread.facts import Citing
+    from ..reread.facts import CitingFact
 
 EXAMPLES = ("codewheel facts my_encoder --section 6.2", "codewheel facts my_encoder --section 1 --json")
 JSON_VERSION = 1
@@ -30,7 +30,7 @@ def add_arguments(parser: Parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """List the facts that cite the page and the section, if both are given. The exit code is 1 if no fact cites them.
+    """List the facts that cite a page, a section, or both. The exit code is 1 if there are none.
 
     Raises:
         CommandError: The family does not exist, or neither page nor section was given.
@@ -82,6 +82,6 @@ def _section_and_page(section: str | None, page: int | None) -> str:
     return f"section {section} page {page}"
 
 
-def facts_data(facts: Iterable[Citing]) -> list[Mapping[str, Any]]:
-    """Return facts in the form that ``--json`` prints."""
+def facts_data(facts: Iterable[CitingFact]) -> list[Mapping[str, Any]]:
+    """Return facts as plain data for ``--json``."""
     return [{"file": fact.file, "line": fact.line, "path": fact.path, "value": fact.value} for fact in facts]

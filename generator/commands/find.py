@@ -23,19 +23,19 @@ EXAMPLES = (
 )
 JSON_VERSION = 1
 _ABOUT = (
-    "All frames have one length and begin with the first data bit. 0b... shows every bit. 0x... has four bits for each "
-    "digit, unless --bits says how many. For RS-485, a frame is a sequence of bytes in hexadecimal. Turn the shaft "
-    "between the frames: a bit that never changes has no name. The exit code is 0 if there is a proposal, and 1 if all "
-    "frames are equal."
+    "All frames have the same length and begin with the first data bit. 0b... shows every bit. 0x... has four bits per "
+    "digit, unless --bits gives their number. For RS-485, a frame is a sequence of bytes in hexadecimal. Turn the "
+    "shaft between the frames, because bits that never change cannot be identified. The exit code is 0 if there is a "
+    "proposal, and 1 if all frames are equal."
 )
-#: Bits of the longest frame, by interface. All other interfaces share the second limit.
+#: Number of bits in the longest frame, by interface, and for all other interfaces.
 _LONGEST_FRAME = {"rs485": 1024}
 _LONGEST_IN_BITS = 64
-#: Bits of the shortest frame, by interface. All others have at least one bit.
+#: Number of bits in the shortest frame, by interface. For all other interfaces, it is one bit.
 _SHORTEST_FRAME = {"rs485": 8, "spi": 8}
-#: Greatest position that ``--positions`` accepts, either side of zero. It has more than the counts of 64 bits.
-_MOST_POSITION = 1e20
-#: Characters of an invalid text that a message shows.
+#: Highest absolute position that ``--positions`` accepts. It is above the counts of 64 bits.
+_HIGHEST_POSITION = 1e20
+#: Number of characters of an invalid text that a message shows.
 _SHOWN_CHARACTERS = 40
 
 
@@ -50,9 +50,11 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument(
         "--positions",
         metavar="NUMBER,...",
-        help="position that you turned to for each frame, in any unit and from any zero, separated by commas",
+        help="position of the shaft for each frame, in any unit and from any zero, separated by commas",
     )
-    parser.add_argument("--bits", type=int, metavar="NUMBER", help="bits of a frame, if 0x... does not show them")
+    parser.add_argument(
+        "--bits", type=int, metavar="NUMBER", help="number of bits in a frame, if 0x... does not show it"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
@@ -84,7 +86,7 @@ def _read_recording(arguments: argparse.Namespace) -> RecordedFrames:
     """Return the frames of the arguments.
 
     Raises:
-        CommandError: They are not frames of one length. The exit code is 2.
+        CommandError: They are not frames of the same length. The exit code is 2.
     """
     from ..layout_search.frames import FEWEST, RecordedFrames
 
@@ -94,7 +96,7 @@ def _read_recording(arguments: argparse.Namespace) -> RecordedFrames:
     frames = [_read_frame(arguments.interface, frame_text, arguments.bits) for frame_text in frame_texts]
     lengths = sorted({frame.bits for frame in frames})
     if len(lengths) > 1:
-        reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of one length"
+        reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of the same length"
         raise CommandError(f"{reason}, with all leading zeros, or --bits", 2)
     common_length = lengths[0]
     if arguments.interface == "rs485" and common_length % 8:
@@ -142,10 +144,9 @@ class _Frame(NamedTuple):
 
 
 def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
-    """Return the frame in a text: ``0b`` with every bit, ``0x`` with hex digits or, also for RS-485, hex bytes.
+    """Return the frame in a text: ``0b`` with every bit, ``0x`` with hex digits, or hex bytes (the only RS-485 form).
 
-    ``bits`` is the length that the user gave, or None. ``bits`` does not apply to ``0b``. Leading zeros of other
-    numbers are cut to this length.
+    ``bits`` is the length that the user gave, or None. It determines the number of leading zeros, except for ``0b``.
 
     Raises:
         CommandError: The text is not a frame. The exit code is 2.
@@ -158,7 +159,7 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
     try:
         plain_text = undecorated(text)
         if interface != "rs485":
-            # A frame of bits may be one number, which has a prefix. RS-485 has only bytes.
+            # A bit frame may be one number with a prefix. An RS-485 frame always consists of bytes.
             plain_text = with_prefix(plain_text, bits or 0)
             compact_text = re.sub(r"[\s_]", "", plain_text)
             digit_count = len(compact_text) - len("0b")  # The prefix 0x has the same length.
@@ -166,7 +167,7 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
                 return _Frame(int(compact_text, 2), digit_count)
             if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact_text):
                 return _with_stated_length(_Frame(int(compact_text, 16), 4 * digit_count), bits, text)
-            # Without a prefix, one piece could be decimal, hexadecimal or bits.
+            # Without a prefix, a single piece could be decimal, hexadecimal or binary.
             if len(plain_text.split()) == 1:
                 start_of_text = plain_text[:_SHOWN_CHARACTERS]
                 raise CommandError(
@@ -179,7 +180,7 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
 
 
 def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
-    """Return a frame with the length ``bits`` that the user gives, or as written if that is None.
+    """Return a frame with the length that the user gave, or with its own length if ``bits`` is None.
 
     Raises:
         CommandError: The frame has 1 bits above this length. The exit code is 2.
@@ -195,7 +196,7 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
     """Return the positions in a text such as ``0,45,90``. There must be ``count`` of them, one for each frame.
 
     Raises:
-        CommandError: The text contains something else, or another number of positions. The exit code is 2.
+        CommandError: The text is not a list of numbers, or their number is wrong. The exit code is 2.
     """
     from math import isfinite
 
@@ -214,13 +215,13 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
         )
     if not all(map(isfinite, positions)):
         raise CommandError("a position is not a finite number; write it like --positions 0,45,90", 2)
-    if max(map(abs, positions)) > _MOST_POSITION:
-        raise CommandError(f"a position is beyond ±{_MOST_POSITION:.0e}; give the positions in a larger unit", 2)
+    if max(map(abs, positions)) > _HIGHEST_POSITION:
+        raise CommandError(f"a position is beyond ±{_HIGHEST_POSITION:.0e}; give the positions in a larger unit", 2)
     return positions
 
 
 def _json_data(recording: RecordedFrames, proposals: Sequence[PossibleLine]) -> dict[str, Any]:
-    """Return the proposals in the form that ``--json`` prints."""
+    """Return the proposals as plain data for ``--json``."""
     return {
         "version": JSON_VERSION,
         "frames": len(recording.frames),
@@ -250,6 +251,6 @@ def _text_lines(recording: RecordedFrames, proposals: Sequence[PossibleLine], fi
             yield f"      {equal_line.reason}"
     most_likely_line = proposals[0].line
     yield ""
-    yield "To go on with the first one:"
+    yield "To continue with the first one:"
     yield f"  codewheel decode {shlex.quote(most_likely_line)} {shlex.quote(first_frame)}"
     yield f"  {command_for_spec(most_likely_line)}"

@@ -1,4 +1,4 @@
-"""Find the family or the order code that the user named in the specs of a run, from the cache if it is in there."""
+"""Find the family or the order code that the user named. Families that the cache contains are not loaded again."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ FoundDevice = tuple["Device", "LabelMatch | None", Sequence[Path]]
 def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, LabelMatch, Sequence[Path]]:
     """Return the family of an order code, its match with the variant, and the specs among which it was found.
 
-    The user's specs come first. If their text does not show which families are possible, all of them are loaded. Specs
-    with problems are then omitted and listed.
+    The user's specs come before the packaged ones. If the text of the specs does not show which families are possible,
+    all of them are loaded, and specs with problems are skipped with a message.
 
     Raises:
         CommandError: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit
@@ -51,7 +51,7 @@ def find_requested(
 ) -> tuple[Device, LabelMatch, dict[int, int]]:
     """Return the family and match of ``ORDER-CODE`` in ``--edition``, and the bytes of ``--register`` by address.
 
-    Registers that served to infer the edition are omitted.
+    With ``--edition registers``, registers from which the edition was inferred are left out.
 
     Raises:
         CommandError: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is
@@ -82,7 +82,8 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> FoundDevice:
 def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> FoundDevice:
     """Return the family or order code from the first group of specs that contains it.
 
-    A later group that also contains it is reported, unless its spec is the same.
+    The groups are the user's specs and the packaged ones. If another group also contains it, with a different spec, a
+    message says that it is not used.
 
     Without ``accepts_family``, the text must be an order code, or an encoder in one line, which needs no specs.
     """
@@ -119,35 +120,35 @@ def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, *, a
 def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, *, accepts_family: bool
 ) -> tuple[tuple[Device, LabelMatch | None] | None, ProblemReport | None]:
-    """Return a family with its match, or None, and the report if all specs were read and some have problems.
+    """Return the family and match from one group of specs, or None, and the report with problems of the group, or None.
 
-    The match is None if the text is the name of the family. The report is None if only the possible families were read,
-    or if there are no problems.
+    The match is None if the text is the name of the family. There is also no report if only the possible families were
+    read.
     """
     possible_families = families_for(paths, text, cache)
     if possible_families is not None:
-        # Several may share an order code by mistake, which only the check of all specs finds.
+        # If specs share an order code by mistake, all must be loaded to report it.
         matches = _all_matches(possible_families, text, accepts_family=accepts_family)
         if not matches:
             return None, None
         if len(matches) == 1:
             return matches[0], None
-    from ..loading.library import load_sound
+    from ..loading.library import load_valid
 
-    devices, report = load_sound(paths)
-    # An empty report is false.
+    devices, report = load_valid(paths)
+    # Without problems, the report is false.
     return _best_match(devices, text, accepts_family=accepts_family), report or None
 
 
 def _best_match(
     devices: Sequence[Device], text: str, *, accepts_family: bool
 ) -> tuple[Device, LabelMatch | None] | None:
-    """Return the family with this name, else the order code that matches most of the text, else None."""
+    """Return the family with this name, or else the order code that matches most characters of the text, or None."""
     matches = _all_matches(devices, text, accepts_family=accepts_family)
-    return min(matches, key=_tail_length, default=None)
+    return min(matches, key=_suffix_length, default=None)
 
 
-def _tail_length(family_and_code: tuple[Device, LabelMatch | None]) -> int:
+def _suffix_length(family_and_code: tuple[Device, LabelMatch | None]) -> int:
     """Return the number of characters after the order code, or 0 for the name of a family."""
     _, match = family_and_code
     return len(match.tail) if match is not None else 0
@@ -176,7 +177,9 @@ def _all_matches(
 
 
 def _refuse_hidden(device: Device, reports_with_problems: Iterable[ProblemReport]) -> None:
-    """Refuse a family if a file with problems has its name, such as the user's spec of a packaged family.
+    """Refuse a packaged family if the user also has a spec of it, which was skipped because it has problems.
+
+    The packaged spec would be used without the user's changes.
 
     Raises:
         CommandError: There is such a file. The exit code is 1.
@@ -197,13 +200,13 @@ def _print_skipped_files(report: ProblemReport) -> None:
 
 
 def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> CommandError:
-    """Return the error that no group contains the text: a spec has problems, or the text is unknown."""
+    """Return the error if no group contains the text: the problems of the specs, or a message about the text."""
     from ..language.files import packaged_families
-    from ..loading.library import load_sound
+    from ..loading.library import load_valid
 
     devices: list[Device] = []
     for paths in specs.groups:
-        group_devices, report = load_sound(paths)
+        group_devices, report = load_valid(paths)
         if report:
             return print_problems(report)
         devices += group_devices
@@ -230,9 +233,9 @@ def find_among(devices: Sequence[Device], text: str) -> tuple[Device, LabelMatch
 
 
 def _candidate_families(devices: Sequence[Device], text: str) -> list[Device]:
-    """Return the families that may have the order code ``text``, first the special models with its suffix.
+    """Return the families that may have the order code ``text``: first special models with its suffix, then all others.
 
-    Other special models and older editions are left out, since they share order codes with a family.
+    Other special models and older editions are left out, because their order codes are also those of a family.
     """
     code = "".join(text.split()).upper()
     special_models = [device for device in devices if _is_special_model(device, code)]
@@ -246,11 +249,11 @@ def _is_special_model(device: Device, code: str) -> bool:
 
 
 def _unknown_code_error(devices: Sequence[Device], text: str, *, suggests_line: bool = False) -> CommandError:
-    """Return the error for an unknown code.
+    """Return the error for an unknown code, with the most helpful message.
 
-    The message is the first of these that applies: that the text is a file, that it is the name of a family, why it is
-    not the code that it is close to, or the most similar codes. With ``suggests_line``, the last one also shows how to
-    describe an encoder without a spec.
+    The message is the first of these that applies: the text is a file, it is the name of a family, it differs in a
+    certain part from a known code, or the most similar codes are these. With ``suggests_line``, the last one also
+    explains how to describe an encoder without a spec.
     """
     from ..language.files import SUFFIXES
     from ..order_codes import labels

@@ -42,7 +42,7 @@ def checked_line(text: str) -> EncoderLine:
     Raises:
         CommandError: The line has problems, which are printed. The exit code is 2.
     """
-    # For its error only. The parser does not find all problems.
+    # Called for its error only, because the parser does not find all problems.
     encoder_in_line(text)
     return parse_line(text)
 
@@ -57,7 +57,7 @@ def line_problems(error: LineError) -> CommandError:
 
 
 def refuse_line(text: str, action: str) -> None:
-    """Check that a text is not a line, for what needs a spec. ``action`` is the reason, such as ``has no editions``.
+    """Check that a text is not an encoder in one line. ``action`` is why it must not be: ``has no editions``.
 
     Raises:
         CommandError: It is a line. The exit code is 2.

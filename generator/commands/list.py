@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     cache = cache_for(arguments)
     specs = specs_to_read([*arguments.specs, *arguments.more_specs])
-    # The groups are the user's specs and the packaged ones. If there is only one group, nothing can be repeated.
+    # The groups are the user's specs and the packaged ones. If there is only one group, no family is in both.
     rows_of_groups = [_rows_of_specs(paths, cache) for paths in specs.groups]
     families, repeated_names = without_packaged_duplicates(*rows_of_groups)
     differing_names: list[str] = []

@@ -64,7 +64,7 @@ def metres(text: str) -> int:
     try:
         length = math.ceil(float(text))
     except (ValueError, OverflowError):
-        length = 0  # which is also an error
+        length = 0  # This is an error, too.
     if not 0 < length <= _LONGEST_CABLE_M:
         raise argparse.ArgumentTypeError(f"'{text}' is not a length in metres, such as 30")
     return length
@@ -73,7 +73,7 @@ def metres(text: str) -> int:
 def run(arguments: argparse.Namespace) -> int:
     """Print the masters or, with an order code, its settings or a file with them, and return the exit code.
 
-    The exit code is 1 if the named master refuses the encoder, or if no master can read it.
+    The exit code is 1 if the named master does not support the encoder, or if no master can read it.
 
     Raises:
         CommandError: The master, order code or edition does not exist, or there are no settings for it.
@@ -194,7 +194,7 @@ def _file_for_master(
 
 
 def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Sequence[Master]) -> Any:
-    """Return the description of the file format that the user chose from ``master.files``.
+    """Return the description of the format that the user chose with ``--format``.
 
     Raises:
         CommandError: The master has no such format, or JSON is also requested. The exit code is 2.
@@ -214,9 +214,9 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
 
 
 def _cannot_use_message(master_sheet: SettingsSheet, masters: Sequence[Master], encoder_record: EncoderFacts) -> str:
-    """Return the message about a master that cannot use the encoder: the reason, and the masters with files that can.
+    """Return the message about a master that does not support the encoder: why not, and which other masters do.
 
-    The master has refusals, of which the first one is given.
+    Only masters with file formats are suggested.
     """
     from ..language.problems import join_words
     from ..masters.sheet import sheet

@@ -1,4 +1,7 @@
-"""``codewheel migrate``: update specs to the current language, and list what only a person can decide."""
+"""``codewheel migrate``: update specs to the current version of the spec language.
+
+What cannot be updated automatically is listed for the user.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_decisions(paths: Sequence[Path], changes: int) -> int:
-    """Print the problems that remain after ``changes`` changes, and return the exit code: 1 if there are any."""
+    """Print the remaining problems, which only a person can decide, and return the exit code: 1 if there are any.
+
+    ``changes`` is the number of changes that were made.
+    """
     from .check.specs import check_specs
     from .outputs import targets_named
 

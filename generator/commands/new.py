@@ -23,7 +23,7 @@ EXAMPLES = (
     "codewheel new bench_encoder --line biss:position=32,error,warning,crc=6:0x43",
 )
 _FAMILY_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
-#: Characters of the longest name of a family, and characters of an invalid name that a message shows.
+#: Most characters of the name of a family, and most characters of an invalid name that a message shows.
 _LONGEST_NAME, _SHOWN_CHARACTERS = 40, 60
 #: Encoders to start from. The rotary ones count revolutions, except over SPI.
 LIKE = ("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear")
@@ -180,7 +180,7 @@ def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
 
 
 def _is_reserved(name: str) -> bool:
-    """Return whether a name is a keyword of Python, or the name of the file that describes the manufacturer."""
+    """Return whether a name is a keyword of Python, or ``manufacturer``, the file next to the spec."""
     return iskeyword(name) or name == "manufacturer"
 
 
@@ -218,16 +218,17 @@ def _schema_of_tool(kind: str) -> Path:
 
 
 def _in_one_checkout(folder: Path, kind: str) -> bool:
-    """Return whether the folder and the tool's schema are in one git checkout. An installed tool is in none.
+    """Return whether the folder and the tool's schema are in the same git checkout.
 
-    Then a spec can refer to the schema by a relative path, which every clone has.
+    If they are, a spec can refer to the schema by a relative path, which is the same in every clone. The schema of an
+    installed tool is in no checkout.
     """
     schema = _schema_of_tool(kind).resolve()
     if "site-packages" in schema.parts:
         return False
     real_folder = folder.resolve()
     for parent in (real_folder, *real_folder.parents):
-        # The nearest checkout around the folder decides.
+        # The innermost checkout with the folder counts.
         is_checkout = (parent / ".git").exists()
         if is_checkout:
             return schema.is_relative_to(parent)

@@ -17,8 +17,8 @@ class UndecidedError(ValueError):
 def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
     """Return pairs such as ``eeprom_address=as_printed`` as ``{"eeprom_address": "as_printed"}``.
 
-    An alternative is a question that the manual leaves open, here for this order code. Each pair consists of a name and
-    an answer.
+    Each pair consists of an alternative, which is a question that the manual leaves open for this order code, and the
+    answer that the user chose.
 
     Raises:
         CommandError: This order code does not have the alternative or answer, or an alternative has two answers. The

@@ -1,4 +1,7 @@
-"""Find the targets that the user named, with their options and families, and report what they cannot express."""
+"""Targets of a run: find those that the user named, with their options and families, and render their outputs.
+
+Parts of a spec that a target cannot express are reported.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from pathlib import Path
 
 from ..language.problems import ProblemReport, TemplateFault, join_words, suggest_word
 from ..loading.configuration import BUILT_IN, NO_FILTERS, FamilyFilters
-from ..loading.library import load_families, sound_families
+from ..loading.library import families_without_problems, load_families
 from ..loading.overlays import Family
 from ..model import Device
 from ..removable_outputs import family_of
@@ -27,7 +30,7 @@ _MOST_FAMILIES = 8
 def accepted_devices(target: str, devices: Sequence[Device], filters: FamilyFilters) -> tuple[Device, ...]:
     """Return the devices that a target writes: the devices that its filter accepts, or all without a filter.
 
-    The filter looks at the family and its grade of evidence. An edition is written if its family is.
+    The filter selects families by name or by grade of evidence. An edition is written if its family is.
     """
     if target not in filters:
         return tuple(devices)
@@ -60,7 +63,7 @@ _HELP_WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None, default_names: Iterable[str] = BUILT_IN) -> list[Target]:
-    """Return the named targets, each once. Without names, return the default targets that do not lack their packages.
+    """Return the named targets, each once. Without names, return the default targets whose packages are installed.
 
     Raises:
         CommandError: There is no such target (exit code 2), or it cannot be loaded (exit code 1).
@@ -81,11 +84,9 @@ def targets_named(names: Iterable[str] | None = None, default_names: Iterable[st
 
 
 def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool:
-    """Return whether all wanted targets are built in and were loaded.
+    """Return whether all targets with these names are built in and were loaded.
 
-    Without ``names``, all built-in targets are wanted.
-
-    ``targets`` are the loaded targets, in the order of the names.
+    ``targets`` are the loaded ones, in the order of the names. Without names, all built-in targets are meant.
     """
     wanted_names = list(dict.fromkeys(names or BUILT_IN))
     all_are_loaded = [target.name for target in targets] == wanted_names
@@ -182,7 +183,7 @@ def report_unfit_parts(
     Raises:
         CommandError: A target fails. The exit code is 1.
     """
-    valid_families = {family.device.name: family for family in sound_families(families, report)}
+    valid_families = {family.device.name: family for family in families_without_problems(families, report)}
     devices = [family.device for family in valid_families.values()]
     for target in targets:
         library = Library(accepted_devices(target.name, devices, filters))
@@ -193,7 +194,7 @@ def report_unfit_parts(
         for problem in target_problems:
             document = valid_families[problem.device.name].document
             message = problem.message
-            if problem.other:  # Another place of the spec, whose line is in the message.
+            if problem.other:  # The message contains the line of another place in the spec.
                 line_number, _ = document.position(problem.other)
                 message = message.replace("{line}", str(line_number))
             report.add(problem.rule, document, problem.place, message)

@@ -10,7 +10,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Placeholder:
-    """A value that is still the template's. ``name`` is the name of the fact in its spec."""
+    """A value that still comes from the template. ``name`` is the name of the fact in its spec."""
 
     file: str
     line: int

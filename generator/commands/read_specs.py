@@ -1,9 +1,9 @@
 """The specs and settings that a command reads: found by one rule, and named in its output.
 
-The nearest file with settings applies, in the current folder or above it, up to the top of the repository. The parsers
-are imported only for a file with settings, because every command looks for it.
+The nearest file with settings applies, in the current folder or above it, up to the top of the repository. Every
+command looks for this file, so the parsers are only imported if it exists.
 
-docs/transcribe/which-specs.md explains it to users.
+docs/transcribe/which-specs.md explains the rule to users.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ..language.problems import ProblemReport
 
 
-#: Text that a pyproject.toml with the section must contain. Other files are not parsed.
+#: Text in each pyproject.toml with settings for codewheel. Files without this text are not parsed.
 _SECTION_IN_PYPROJECT = b"tool.codewheel"
 
 
@@ -54,7 +54,7 @@ def configuration_above() -> Configuration | None:
         if files:
             from ..loading.configuration_file import read_configuration
 
-            # None if a pyproject.toml has no section for codewheel.
+            # This is None if a pyproject.toml has no section for codewheel.
             configuration = read_configuration(files[0])
             if configuration is not None:
                 return configuration
@@ -77,9 +77,9 @@ def _folders_above() -> Iterator[Path]:
 
 
 def _has_settings(file: Path) -> bool:
-    """Return True if a file may contain settings: a configuration file, or a suitable pyproject.toml.
+    """Return whether a file may contain settings: a ``codewheel.yaml``, or a pyproject.toml with the section's name.
 
-    A pyproject.toml must contain the name of the section. Only the parser finds out whether that is a section.
+    Whether the name is that of a section is only known after parsing the file.
 
     Raises:
         Faulty: The file cannot be read.
@@ -96,8 +96,8 @@ def _has_settings(file: Path) -> bool:
 
 #: Number of files and folders after which the search below the current folder ends. The search takes less than 50 ms.
 MOST_NAMES = 10_000
-#: Folders named in the message about those that were not searched. If there are more, the list ends with their number.
-_MOST_SHOWN = 8
+#: Highest number of folders in the message about folders that were not searched. The others are counted.
+_MAX_FOLDERS = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,12 +127,12 @@ class Specs:
 def find_specs(named: Sequence[Path]) -> Specs:
     """Return the specs that a command reads.
 
-    These are the specs named on the command line. Without any, they are those that the settings of the project list, or
-    all in the folder of the settings and below it. Without settings, they are those in the current folder and below.
-    Unless specs were named, the packaged specs are included, which only commands that write or judge discard.
+    These are the specs that are named on the command line. If none are named, they are the specs that the settings of
+    the project list, or else all specs in the folder of the settings and below it. Without settings, they are all specs
+    in the current folder and below it. If no specs are named, the packaged specs are included too.
 
     Raises:
-        CommandError: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
+        CommandError: A named path does not exist (exit code 2), or the settings contain errors (exit code 1).
     """
     refuse_missing(named)
     settings = find_settings()
@@ -152,7 +152,7 @@ def find_settings() -> Configuration | None:
     """Return the settings for the current folder, or None.
 
     Raises:
-        CommandError: There are errors in them. The exit code is 1.
+        CommandError: The settings contain errors. The exit code is 1.
     """
     try:
         return configuration_above()
@@ -167,16 +167,17 @@ _COMMANDS_WITH_OPTION = ("reread OLD NEW", "facts FAMILY", "cloze FAMILY")
 
 
 def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
-    """Return the specs for a command that writes or judges. It never uses the packaged specs instead.
+    """Return the user's specs for a command that writes or checks something, without the packaged specs.
 
-    ``command`` contains the words of the command for messages, such as ``generate`` or ``facts FAMILY``.
+    ``command`` is the command in messages, such as ``generate`` or ``facts FAMILY``.
 
     Raises:
-        CommandError: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
+        CommandError: There are no specs, there are more files than the search can find, or a named path does not exist
+            (exit code 2). Or the settings contain errors (exit code 1).
     """
     specs = find_specs(named)
     folder = specs.settings.folder if specs.settings is not None else Path()
-    # These commands have other arguments, so specs need an option.
+    # These commands have positional arguments of their own, so specs are named with an option.
     option = " --specs" if command in _COMMANDS_WITH_OPTION else ""
     if not specs.is_complete:
         raise CommandError(
@@ -200,7 +201,7 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
 
 
 def _output_with_specs(specs: Specs) -> str:
-    """Return a clause for an error message if the output folder contains specs, which are not searched."""
+    """Return a clause for an error message if the output folder, which is not searched, contains specs, or ""."""
     output = specs.settings.output if specs.settings is not None else None
     has_specs = output is not None and is_folder(output) and bool(find_files(output).specs)
     if output is None or not has_specs:
@@ -218,38 +219,37 @@ def _example_of_packaged_family() -> str:
 
 
 def _real_folder(path: Path) -> str:
-    """Return the real path of a folder with a separator at its end, so that paths in it begin with this text."""
+    """Return the real path of a folder with a separator at its end. The paths of all files in it begin with this."""
     return os.path.join(os.path.realpath(path), "")
 
 
 def _report_not_entered(specs: Specs, folder: Path) -> None:
-    """Report the folders that may contain specs but are not searched, so that a user does not take them for checked.
+    """Report folders that may contain specs but were not searched, so that users do not believe they were checked.
 
-    ``folder`` is the folder that was searched if no folders are among the specs. A link to a folder inside a searched
-    folder is not reported, and neither is a folder that cannot be read below a folder among the specs.
+    ``folder`` is the folder that was searched if no folders are among the specs. A link to a folder that was searched
+    anyway is not reported, nor is an unreadable folder below a folder among the specs.
     """
     folders = [path for path in specs.paths if is_folder(path)]
     searched_folders = tuple(_real_folder(path) for path in folders or [folder])
     not_entered = list(specs.not_entered)
     for searched_folder in folders:
-        # This search reads no file as a spec, since only the folders that it does not enter are needed.
+        # This search only finds the folders that it does not enter, so it needs to read no file.
         search_result = find_files(searched_folder, lambda _: False)
         not_entered += [(path, reason) for path, reason in search_result.not_entered if reason != UNREADABLE]
     paths_with_reasons = []
     for path, reason in not_entered:
-        # All of these paths end in a separator.
         is_searched_anyway = reason == LINK and _real_folder(path).startswith(searched_folders)
         if not is_searched_anyway:
             paths_with_reasons.append(f"{path.as_posix()} ({reason})")
     if paths_with_reasons:
-        print(f"codewheel: not searched for specs: {first_of(paths_with_reasons, _MOST_SHOWN)}", file=sys.stderr)
+        print(f"codewheel: not searched for specs: {first_of(paths_with_reasons, _MAX_FOLDERS)}", file=sys.stderr)
 
 
 def find_specs_to_read(named: Sequence[Path]) -> Specs:
-    """Return the specs for a command that only reads, and report on standard error if some were not found.
+    """Return the specs for a command that only reads, and print a notice if the search ended before its end.
 
     Raises:
-        CommandError: As for ``find_specs``.
+        CommandError: A named path does not exist (exit code 2), or the settings contain errors (exit code 1).
     """
     specs = find_specs(named)
     if not specs.is_complete:
@@ -271,10 +271,9 @@ def _output_paths(settings: Configuration) -> list[str]:
 
 
 def _specs_without_output(settings: Configuration) -> Iterator[Path]:
-    """Yield the specs in the settings. A folder around the output folder is replaced by its specs outside of that."""
+    """Yield the specs that the settings list. A folder that contains the output folder is replaced by its own specs."""
     output_paths = _output_paths(settings)
     for path in settings.specs:
-        # The folder ends in a separator, so only paths in it begin with it.
         contains_output = any(output.startswith(_real_folder(path)) for output in output_paths)
         if contains_output:
             yield from find_files(path, outputs=output_paths).specs
@@ -283,9 +282,9 @@ def _specs_without_output(settings: Configuration) -> Iterator[Path]:
 
 
 def _search_folder(folder: Path, outputs: Sequence[str]) -> Specs:
-    """Return the specs in a folder and below it, except unreadable ones and those in ``outputs``.
+    """Return the specs in a folder and below it, except unreadable specs and specs in the folders ``outputs``.
 
-    The paths are empty if none of the specs describes encoders.
+    If none of the specs describes encoders, no paths are returned.
     """
     search_result = find_files(folder, outputs=outputs, most_names=MOST_NAMES)
     unreadable_paths = {path for path, reason in search_result.not_entered if reason == UNREADABLE}
@@ -299,10 +298,10 @@ def _search_folder(folder: Path, outputs: Sequence[str]) -> Specs:
 
 
 def _packaged_except(paths: Sequence[Path]) -> Iterator[Path]:
-    """Yield the folders of packaged specs, so that no spec that is also at the user's ``paths`` comes twice.
+    """Yield the folders of packaged specs, without specs that are also among the user's ``paths``.
 
-    A folder at or below one of these paths is left out. If only some of its files are among the paths, its other
-    specs are yielded instead of the folder.
+    A folder at or below one of these paths is left out. If only some of its files are among the paths, its other specs
+    are yielded instead of the folder.
     """
     user_paths = [os.path.realpath(path) for path in paths]
     for folder in packaged_families():
@@ -349,9 +348,9 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
 def _report_unknown_targets(
     file: Path, unknown_targets: Iterable[tuple[str, Place]], known_names: Iterable[str]
 ) -> ProblemReport:
-    """Return a report with an error for each target, at its place in the settings.
+    """Return a report with an error for each unknown target, at its place in the settings.
 
-    Under ``targets``, a name is an item of the list. Under ``only``, it is a key, and the error is at that.
+    Under ``targets``, the place is an item of the list. Under ``only``, it is a key.
     """
     from ..language.problems import ProblemReport, suggest_word
     from ..loading.configuration_file import add_error
@@ -388,17 +387,17 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
                 add_error(report, settings.file, place, "undefined-reference", message)
 
 
-#: Files named in the line about the specs that were read. If there are more, the list ends with their number.
-_MOST_FILES = 8
+#: Highest number of files in the line about the specs that were read. The others are counted.
+_MAX_FILES = 8
 
 
 def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
-    """Return the specs for a command that writes or judges, after a check of the targets in the settings.
+    """Return the user's specs for a command that writes or checks something, and check the targets in the settings.
 
-    ``command`` contains the words of the command for messages.
+    ``command`` is the command in messages, such as ``generate`` or ``facts FAMILY``.
 
     Raises:
-        CommandError: As for ``find_specs_to_judge``, or the target does not exist.
+        CommandError: There are no specs, a named path does not exist, or the settings contain errors.
     """
     specs = find_specs_to_judge(named, command)
     refuse_unknown_targets(specs.settings)
@@ -406,10 +405,10 @@ def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
 
 
 def specs_to_read(named: Sequence[Path]) -> Specs:
-    """Return the specs for a command that only reads, after a check of the targets in the settings.
+    """Return the specs for a command that only reads, after checking the targets in the settings.
 
     Raises:
-        CommandError: As for ``find_specs_to_read``, or the target does not exist.
+        CommandError: A named path does not exist, or the settings contain errors.
     """
     specs = find_specs_to_read(named)
     refuse_unknown_targets(specs.settings)
@@ -419,24 +418,24 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
 def read_line(
     families: Iterable[str], report: ProblemReport, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
 ) -> str:
-    """Return one line that names the specs that were read, so that users notice a forgotten path.
+    """Return a line that names the specs that were read, so that users notice a forgotten path.
 
-    ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
+    ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` are the specs that they refer to.
     """
-    # A file that was passed over in one folder may have been read by its own name.
+    # A file that was skipped in a folder may have been read because the user named it.
     skipped_files = [file for file in report.passed_over if file not in report.files]
-    skipped_text = f"; skipped: {first_of(skipped_files, _MOST_FILES)}" if skipped_files else ""
+    skipped_text = f"; skipped: {first_of(skipped_files, _MAX_FILES)}" if skipped_files else ""
     if packaged:
         return f"{_packaged_text(families, report, packaged, packaged_files)}{skipped_text}"
-    return f"read {count_with_unit(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{skipped_text}"
+    return f"read {count_with_unit(len(report.files), 'spec')}: {first_of(report.files, _MAX_FILES)}{skipped_text}"
 
 
 def _packaged_text(
     families: Iterable[str], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
-    """Return text about the packaged families that were read, and about the specs of the user among the files.
+    """Return a text on the packaged families and the user's specs that were read.
 
-    ``packaged`` are the names on the command line, of families or manufacturers. Files outside the folders of
+    ``packaged`` are the names of families or manufacturers on the command line. Files outside the folders of
     ``packaged_files`` are the user's.
     """
     # A file is named after its family.
@@ -447,4 +446,4 @@ def _packaged_text(
     user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
     if not user_files:
         return beginning
-    return f"{beginning}, and {count_with_unit(len(user_files), 'spec')} of yours: {first_of(user_files, _MOST_FILES)}"
+    return f"{beginning}, and {count_with_unit(len(user_files), 'spec')} of yours: {first_of(user_files, _MAX_FILES)}"

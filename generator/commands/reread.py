@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import chain, groupby
 from typing import TYPE_CHECKING, Any
 
 from ..language.problems import joined_lines
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ..loading.library import Family
-    from ..reread.facts import Citing
+    from ..reread.facts import CitingFact
     from ..reread.passages import Passage
     from ..reread.ranking import TouchedFacts
     from ..reread.sections import Manual
 
 EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",)
 JSON_VERSION = 1
-#: Most facts listed for a passage (equal ones count once), and most characters shown of its text.
-_MOST_FACTS, _LONGEST = 10, 400
+#: Highest number of facts that are listed for a passage, and of characters that are shown of its text.
+_MAX_FACTS, _MAX_CHARACTERS = 10, 400
 _LIMITS_OF_REREAD = (
     "Only words and their order are compared. Changes in figures and in the arrangement of columns and tables are not "
     "found. Read these in the new edition."
@@ -37,31 +37,33 @@ def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
     parser.description = "Compare the texts of two editions of a manual, and list the facts that cite changed passages."
     parser.epilog = (
-        "Exit codes: 0 no difference. 1 differences. 2 incorrect usage, or a file that is not the text of a manual."
+        "Exit codes: 0 no difference. 1 differences. 2 a usage error, or a file that is not the text of a manual."
     )
     parser.add_argument("old", type=a_path, metavar="OLD", help="the edition that the spec describes: text or PDF")
     parser.add_argument("new", type=a_path, metavar="NEW", help="the new edition")
     parser.add_argument(
-        "--family", metavar="FAMILY", help="family that the manual describes (default: the one named on its first page)"
+        "--family", metavar="FAMILY", help="family that the manual describes (default: the family on its first page)"
     )
     add_specs_option(parser, "")
 
 
 @dataclass(frozen=True)
 class _ChangedPassage:
-    """A passage with the facts whose value or name appears in it, and the number of all facts of its section.
-
-    ``section_names`` are the names by which facts cite the section.
-    """
+    """A changed passage of a manual with the facts that it concerns."""
 
     passage: Passage
+    #: Names by which facts cite the section of the passage.
     section_names: frozenset[str]
-    facts: Sequence[Citing]
+    #: Facts whose value or name appears in the passage.
+    facts: Sequence[CitingFact]
+    #: Number of all facts that cite the section.
     facts_of_section: int
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the passages in which two texts differ, with the facts that cite them. The exit code is 1 if there are any.
+    """Print the passages in which two editions differ, with the facts that cite them.
+
+    The exit code is 1 if there are any differences.
 
     Raises:
         CommandError: A manual cannot be read, or the family is not known.
@@ -94,10 +96,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
-    """Return the family of this name, or else the family that the manual names on its first page.
+    """Return the family with this name, or, if ``name`` is None, the family that the manual names on its first page.
 
     Raises:
-        CommandError: There are problems in the specs (exit code 1), or the family is not known (exit code 2).
+        CommandError: The specs have problems (exit code 1), or the family is not known (exit code 2).
     """
     from ..loading.library import load_families
 
@@ -130,7 +132,7 @@ def _is_named_first(family: Family, manual: Manual) -> bool:
 def _unnumbered_sections(family: Family) -> Mapping[int, str]:
     """Return the titles of the sections without a number, by their pages: ``{12: "Annex"}``.
 
-    Facts cite these titles, but the text may contain them in another language. The page is the same.
+    Facts cite these titles. The text of the manual may be in a different language, but the pages are the same.
     """
     contents = family.document.data["manual"].get("contents", {})
     headings = [(title, heading) for title, heading in contents.items() if not title[0].isdigit()]
@@ -140,15 +142,15 @@ def _unnumbered_sections(family: Family) -> Mapping[int, str]:
 def _passage_with_facts(
     passage: Passage, touched_facts: TouchedFacts, old: Manual, titles_by_page: Mapping[int, str]
 ) -> _ChangedPassage:
-    """Return a changed passage with the facts of its section that it concerns, and the number of all of them.
+    """Return a changed passage with the facts that it concerns, and the number of all facts that cite its section.
 
-    Facts may cite the section by its number, by the number of a following section without a heading in the text, or by
-    the title of an unnumbered section on its page.
+    Facts may cite the section by its number, by the number of a later section whose heading is not in the text, or by
+    the title of an unnumbered section on the same page.
     """
     section = passage.section
     section_names = {section.number, *old.without_heading_after(section.number)}
-    # Without a title on its page, this adds the number again. No section is on page 0.
-    section_names.add(titles_by_page.get(section.page or 0, section.number))
+    if section.page is not None and section.page in titles_by_page:
+        section_names.add(titles_by_page[section.page])
     facts, number_of_facts = touched_facts.touched_by(passage, section_names)
     return _ChangedPassage(
         passage=passage,
@@ -159,11 +161,12 @@ def _passage_with_facts(
 
 
 def _text_lines(
-    family: Family, changed_passages: Sequence[_ChangedPassage], facts: Sequence[Citing], *, compares_words: bool
+    family: Family, changed_passages: Sequence[_ChangedPassage], facts: Sequence[CitingFact], *, compares_words: bool
 ) -> Iterator[str]:
-    """Yield the changed passages by section, each with its facts, and how many of all ``facts`` cite these sections.
+    """Yield the changed passages by section with the facts that they concern, and then a summary.
 
-    ``compares_words`` is false if only numbers were compared, because the texts have few words in common.
+    ``facts`` are all facts of the spec. ``compares_words`` is false if only numbers were compared, because the texts
+    have few words in common.
     """
     note = "" if compares_words else "; the texts have few words in common, so only numbers are compared"
     yield f"facts of {family.document.file}{note}"
@@ -189,11 +192,11 @@ def _text_lines(
 
 
 def _passage_lines(changed_passage: _ChangedPassage, listed_paths: set[str]) -> Iterator[str]:
-    """Yield the old and the new text of a passage, and the facts that cite the place.
+    """Yield the old and the new text of a passage, and the facts that it concerns.
 
-    Equal facts are printed once, with all their lines. The rest of the section's facts are only counted.
-    ``listed_paths`` are the paths of the facts listed before for the same change in this section. They are not listed
-    again, and the paths of the facts listed now are added.
+    Equal facts are listed once, with all their lines. The other facts of the section are only counted. ``listed_paths``
+    are the paths of facts that were already listed for the same change in this section. They are not listed again, and
+    the paths of the facts listed now are added to them.
     """
     yield ""
     old_text, new_text = changed_passage.passage.shown
@@ -203,42 +206,49 @@ def _passage_lines(changed_passage: _ChangedPassage, listed_paths: set[str]) -> 
     if not changed_passage.facts_of_section:
         yield "  no fact in the spec cites this place"
         return
-    groups = _groups_of_equal_facts(changed_passage.facts)[:_MOST_FACTS]
-    is_repeated = bool(listed_paths)
+    groups = _groups_of_equal_facts(changed_passage.facts)[:_MAX_FACTS]
     new_groups = [group for group in groups if not listed_paths.issuperset(fact.path for fact in group)]
-    for first_fact, *other_facts in new_groups:
-        other_lines = [str(line_number) for line_number in sorted({fact.line for fact in other_facts})]
-        noun = "line" if len(other_lines) == 1 else "lines"
-        others_text = f", also in {noun} {joined_lines(other_lines)}" if other_lines else ""
-        yield f"  {first_fact.shown}{others_text}"
-    listed_facts = [fact for group in groups for fact in group]
+    yield from map(_line_of_equal_facts, new_groups)
+    is_repeated = bool(listed_paths)
+    listed_facts = list(chain.from_iterable(groups))
     listed_paths.update(fact.path for fact in listed_facts)
     if is_repeated:
-        yield f"  {'and ' if new_groups else ''}the facts listed above for the same change"
+        conjunction = "and " if new_groups else ""
+        yield f"  {conjunction}the facts listed above for the same change"
         return
-    unlisted = changed_passage.facts_of_section - len(listed_facts)
-    if unlisted:
+    unlisted_count = changed_passage.facts_of_section - len(listed_facts)
+    if unlisted_count:
         noun = "other fact" if listed_facts else "fact"
-        yield f"  and {count_with_unit(unlisted, noun)} from this section"
+        yield f"  and {count_with_unit(unlisted_count, noun)} from this section"
 
 
-def _groups_of_equal_facts(facts: Sequence[Citing]) -> list[list[Citing]]:
-    """Return facts that follow each other with the same key and value as one group, such as a wait after each step."""
+def _line_of_equal_facts(facts: Sequence[CitingFact]) -> str:
+    """Return a line with the first of several equal facts, and the lines of the spec that contain the others."""
+    first_fact, *other_facts = facts
+    if not other_facts:
+        return f"  {first_fact.shown}"
+    other_lines = [str(line_number) for line_number in sorted({fact.line for fact in other_facts})]
+    noun = "line" if len(other_lines) == 1 else "lines"
+    return f"  {first_fact.shown}, also in {noun} {joined_lines(other_lines)}"
+
+
+def _groups_of_equal_facts(facts: Sequence[CitingFact]) -> list[list[CitingFact]]:
+    """Return the facts in groups. Successive facts with the same key and value are one group, such as equal waits."""
     from ..reread.ranking import key_of
 
-    def key_and_value(fact: Citing) -> object:
+    def key_and_value(fact: CitingFact) -> object:
         return key_of(fact), fact.value
 
     return [list(group) for _, group in groupby(facts, key_and_value)]
 
 
 def _shorten_text(text: str) -> str:
-    """Return the text with at most ``_LONGEST`` characters, cut with three dots."""
-    return text if len(text) <= _LONGEST else text[: _LONGEST - len("...")] + "..."
+    """Return the text with at most ``_MAX_CHARACTERS`` characters, cut with three dots."""
+    return text if len(text) <= _MAX_CHARACTERS else text[: _MAX_CHARACTERS - len("...")] + "..."
 
 
 def _as_data(family: Family, changed_passages: Sequence[_ChangedPassage], *, compares_words: bool) -> Mapping[str, Any]:
-    """Return the changed passages in the form that ``--json`` prints."""
+    """Return the changed passages as plain data for ``--json``."""
     return {
         "version": JSON_VERSION,
         "spec": family.document.file,

@@ -28,14 +28,14 @@ class ReviewFinding:
 
 
 def as_review(findings: Sequence[ReviewFinding], form: str) -> str:
-    """Return findings as ``github`` or ``sarif``, without a final line break."""
+    """Return findings in the format ``github`` or ``sarif``, without a final line break."""
     if form == "github":
         return "\n".join(map(_workflow_command, findings))
     return json.dumps(_sarif_log(findings), indent=2, ensure_ascii=False)
 
 
 def _workflow_command(finding: ReviewFinding) -> str:
-    """Return a workflow command, in which line ends and percent signs are escaped.
+    """Return a finding as a GitHub workflow command, in which line breaks and percent signs are escaped.
 
     For example ``::error file=x24.yaml,line=3,col=5,title=not-allowed::the message``.
     """
@@ -47,8 +47,8 @@ def _workflow_command(finding: ReviewFinding) -> str:
 
 
 def _escape_workflow_text(text: str, more_characters: str = "") -> str:
-    """Return a text in which line ends, percent signs and ``more_characters`` are escaped: ``%0A`` for a line feed."""
-    # The percent sign comes first, so that the signs of the escapes stay.
+    """Return a text in which line breaks, percent signs and ``more_characters`` are escaped, such as ``%0A``."""
+    # The percent sign comes first, so that the percent signs of the escapes are not escaped.
     for character in f"%\r\n{more_characters}":
         text = text.replace(character, f"%{ord(character):02X}")
     return text
@@ -63,7 +63,7 @@ def _sarif_log(findings: Sequence[ReviewFinding]) -> dict[str, object]:
 
 
 def _sarif_result(finding: ReviewFinding) -> dict[str, object]:
-    """Return a finding as a result of SARIF."""
+    """Return a finding as a SARIF result."""
     location = {
         "artifactLocation": {"uri": _uri_of_file(finding.file)},
         "region": {"startLine": finding.line, "startColumn": finding.column},

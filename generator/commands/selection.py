@@ -1,4 +1,4 @@
-"""The specs, targets and output folder of ``codewheel generate``: from its arguments, or else from the settings."""
+"""The specs, targets and output folder for ``codewheel generate``, from its arguments or from the settings."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Selection:
         paths: The specs, with the packaged ones last.
         options: Options of targets. With ``--packaged``, one of them can limit C to order codes.
         packaged: The packaged specs among ``paths``.
-        is_narrowed: True if that option follows from ``--packaged``.
+        is_narrowed: Whether that option is among ``options``.
         command_with: Returns the command that also reads the families with these names, such as ``maker/my_encoder``.
         settings: The user's settings if the run reads all of their specs, otherwise None.
         only: Conditions for the families that targets write to the output folder.
@@ -47,10 +47,10 @@ class Selection:
     only: FamilyFilters
 
     def options_for(self, families: Sequence[str]) -> tuple[str, ...]:
-        """Return the options for the families that were read.
+        """Return the options of targets for the families that were read.
 
-        If ``--packaged`` limits C to order codes, the last option is ``c.only=`` with their names. The user's own
-        families are added to it, so that the limit does not exclude them.
+        If ``--packaged`` limits C to order codes, the last option is ``c.only=`` with their names. The names of the
+        user's own families are added to it, because the limit would exclude them.
         """
         if not self.is_narrowed:
             return self.options
@@ -61,14 +61,17 @@ class Selection:
         return (*other_options, ",".join([limit, *user_families]))
 
     def guard(self, arguments: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
-        """Return the check that the run touches no output of other specs."""
+        """Return a check that prevents the run from changing outputs that belong to other specs."""
         from ..removable_outputs import Guard
 
         return Guard(arguments.output, devices, files, self.command_with, is_comparison=arguments.check)
 
 
 def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
-    """Return the specs and options of a run. Set its output folder, targets, and ``again``, the command to repeat it.
+    """Return the specs and options of a run, and complete its arguments.
+
+    The output folder and the targets that the user did not name are set in ``arguments``, as is ``again``, the command
+    that repeats the run.
 
     Raises:
         CommandError: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit
@@ -80,7 +83,7 @@ def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
     arguments.again = command_again(user_arguments)
     if user_arguments.prune:
         arguments.again += " --prune"
-    _refuse_missing(named_paths, cache)
+    _require_existing(named_paths, cache)
     packaged: tuple[Path, ...] = ()
     implied_options: tuple[str, ...] = ()
     if arguments.packaged:
@@ -110,11 +113,11 @@ def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
 
 
 def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, settings: Configuration | None) -> str:
-    """Return the command of the user that also reads ``families``, such as ``maker/my_encoder``.
+    """Return a command like the user's that also reads the families in ``families``, such as ``maker/my_encoder``.
 
-    A packaged family is named with ``--packaged``. For other families, ``FOLDER`` is a placeholder that the user fills
-    in. The specs that the user named stay. Specs that are read without names are named too, since any name would
-    exclude them.
+    Packaged families are named with ``--packaged``. For other families, the command contains the placeholder
+    ``FOLDER``. Specs that the user's command reads without naming them are named too, because naming any specs excludes
+    all others.
     """
     packaged = [family for family in families if _is_packaged(family)]
     needs_folder = not packaged or len(packaged) < len(families)
@@ -159,7 +162,7 @@ def command_again(arguments: argparse.Namespace, *more_specs: str) -> str:
 
 
 def _is_packaged(family: str) -> bool:
-    """Return True if a family, such as ``maker/my_encoder``, is among the packaged specs."""
+    """Return whether a family, such as ``maker/my_encoder``, is among the packaged specs."""
     manufacturer, _, name = family.partition("/")
     for folder in packaged_families():
         if folder.name == manufacturer and (folder / f"{name}.yaml").is_file():
@@ -178,7 +181,7 @@ def _own_specs(settings: Configuration | None) -> list[str]:
     return [folder.as_posix()] if find_specs(()).paths else []
 
 
-def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
+def _require_existing(named: Sequence[Path], cache: Cache) -> None:
     """Check that all paths exist.
 
     The error explains ``--packaged`` if a missing path is the name of a packaged encoder.
@@ -201,7 +204,7 @@ def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
 
 
 def _is_name_of_packaged(name: str, cache: Cache) -> bool:
-    """Return True if this is the order code, family or manufacturer of packaged specs."""
+    """Return whether a name is an order code, family or manufacturer of the packaged specs."""
     try:
         _packaged_specs(name, cache)
     except CommandError:
@@ -220,7 +223,7 @@ def _fill_in_output_and_targets(arguments: argparse.Namespace, settings: Configu
 
 
 def _filters_for(output: Path, settings: Configuration | None) -> FamilyFilters:
-    """Return the conditions of the settings for an output folder. There are none for a folder of another run."""
+    """Return the conditions on families for an output folder. They only apply to the output folder in the settings."""
     if settings is None:
         return NO_FILTERS
     configured_output = os.path.realpath(settings.output or OUTPUT)
@@ -229,12 +232,12 @@ def _filters_for(output: Path, settings: Configuration | None) -> FamilyFilters:
 
 
 def _find_packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
-    """Return the packaged specs with the names of ``--packaged``, and the option that limits the C headers to them.
+    """Return the packaged specs that ``--packaged`` names, and the option that limits the C headers to them.
 
-    The option is one text, such as ``("c.only=X-24,my_encoder",)``, or there is none if no name is an order code.
+    The option is ``("c.only=X-24,my_encoder",)``, for example, or ``()`` if no name is an order code.
     """
     paths: list[Path] = []
-    # For a family or a manufacturer, the option needs its families, so that the limit does not exclude them.
+    # If the user names a family or a manufacturer, its families must be in the option too.
     families_and_codes: list[str] = []
     for name in arguments.packaged:
         specs, families_or_code = _packaged_specs(name, cache)
@@ -244,13 +247,13 @@ def _find_packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[P
 
 
 def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[str]]:
-    """Return the packaged specs that a name stands for, and the names to which C is limited.
+    """Return the packaged specs of a manufacturer, family or order code, and the names to which C is limited.
 
-    The name belongs to a manufacturer (all specs and families), a family, or an order code (its spec and the code). An
-    unlisted code has no code of its own in C, so its family counts.
+    These names are the families of the manufacturer, the family, or the order code. For an order code that the manual
+    does not list, C has no separate code, so the name is its family.
 
     Raises:
-        CommandError: There is none of this name. The exit code is 2.
+        CommandError: There is no such manufacturer, family or order code. The exit code is 2.
     """
     folders = {folder.name: folder for folder in packaged_families()}
     if name.lower() in folders:
@@ -295,9 +298,9 @@ def _no_packaged_error(name: str, stop: CommandError, folders: Mapping[str, Path
 
 
 def _option_to_limit_c(arguments: argparse.Namespace, families_and_codes: Sequence[str]) -> tuple[str, ...]:
-    """Return the option that limits the C headers to these families and order codes, or no option.
+    """Return the option that limits the C headers to these families and order codes, or ``()``.
 
-    There is none if the user gave it, if C is not written, or if there are only families, which C writes in full.
+    The option is not needed if the user gave it, if C is not written, or if there are only families.
     """
     has_option = any(setting.startswith("c.only=") for setting in arguments.option)
     writes_c = not arguments.target or "c" in arguments.target

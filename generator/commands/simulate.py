@@ -24,8 +24,8 @@ EXAMPLES = (
 _HELP_WIDTH = 79
 _HOW_TO_USE = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
-    "pseudo-terminals, open the printed URL with pyserial. For SPI, send the bytes of each word, which are answered "
-    "by as many. For SSI and BiSS, send 0 or 1 for each level of the clock, C for 0 and then 1, and T for a time-out. "
+    "pseudo-terminals, open the printed URL with pyserial. For SPI, send the bytes of each word. The reply has as many "
+    "bytes. For SSI and BiSS, send 0 or 1 for each level of the clock, C for 0 and then 1, and T for a timeout. "
     "The reply to each is the level of the data line, 0 or 1. Press Ctrl+C to stop."
 )
 
@@ -38,7 +38,7 @@ def add_arguments(parser: Parser) -> None:
         "--position",
         default="0",
         metavar="POSITION",
-        help="counts such as 1000003, sine:0.5Hz:90deg to turn to and fro, sine:0.5Hz through all positions, or "
+        help="counts such as 1000003, sine:0.5Hz:90deg to turn back and forth, sine:0.5Hz through all positions, or "
         "ramp:1000 in counts per second (default: 0)",
     )
     parser.add_argument(
@@ -62,7 +62,9 @@ def add_arguments(parser: Parser) -> None:
     )
     add_register_option(parser)
     add_choose_option(parser, "requests that depend on the answer are not answered")
-    parser.add_argument("--edition", metavar="EDITION", help="use another edition of the manual: a revision or a date")
+    parser.add_argument(
+        "--edition", metavar="EDITION", help="use a different edition of the manual: a revision or a date"
+    )
     parser.add_argument(
         "--specs", action="append", type=a_path, default=[], metavar="PATH", help="specs to use, as for decode"
     )
@@ -70,7 +72,7 @@ def add_arguments(parser: Parser) -> None:
 
 
 def _more_help() -> str:
-    """Return the end of the help: how to use the port, and the faults of each interface."""
+    """Return the end of the help: how to use the port, and the faults that can be injected over each interface."""
     from textwrap import fill
 
     from ..model import INTERFACES
@@ -99,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     paths: Sequence[Path] = ()
     if is_line(arguments.order_code):
-        # Only for its error if the line has problems.
+        # The result is not needed, only the error if the line has problems.
         encoder_in_line(arguments.order_code)
     else:
         _, _, paths = find_order_code(specs_to_read(arguments.specs), arguments.order_code, cache_for(arguments))
@@ -123,9 +125,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _virtual_encoder(arguments: argparse.Namespace, paths: Sequence[Path]) -> VirtualEncoder:
-    """Return the encoder with the position, flags, registers and faults of the arguments.
+    """Return a virtual encoder with the position, flags, registers and faults that the arguments request.
 
-    ``paths`` are the specs with its order code, or empty for an encoder in a line.
+    ``paths`` are the specs that contain its order code. They are empty for an encoder that is described in one line.
 
     Raises:
         ValueError: An argument is wrong.

@@ -1,7 +1,7 @@
-"""Specs that can have a family or an order code, by their text alone, without reading them as YAML.
+"""Select the specs that can have a family or an order code, without reading them as YAML, which would take long.
 
-A few expressions find the names and the patterns of order codes in the text of the specs. If the result could differ
-from the result of reading all specs, nothing is selected.
+Regular expressions find the names of families and the beginnings of order codes in the text of the specs. If the
+selection could be wrong, nothing is selected, and the caller reads all specs.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..model import Device
 
 
-#: Keys of files that can change a family, and keys of descriptions of masters, which cannot.
+#: Keys of files that can change a family of another file, and keys of descriptions of masters, which cannot.
 _OTHER_KINDS = frozenset((b"overlay", b"changes"))
 _MASTER_KEYS = frozenset((b"master", b"takes"))
 _TOP_LEVEL_KEY = re.compile(rb"\n([a-z_]+)[ \t]*:(?=[ \t\r\n]|$)")
@@ -31,7 +31,7 @@ _PATTERN_KEY = re.compile(rb"pattern['\"]?[ \t]*:")
 _ORDER_CODE_PATTERN = re.compile(rb"pattern[ \t]*:[ \t]*\"([^\"\\{}\r\n]*)\{")
 _ORDER_CODE = re.compile(r"\norder_code[ \t]*:[ \t]*(?=[\r\n]).*?(?=\n[^ #\r\n]|\Z)", re.DOTALL)
 
-#: Kind of entry in the cache for the beginnings of order codes that begin with a part.
+#: Kind of the cache entries with the results of ``_read_beginnings``.
 _BEGINNINGS_ENTRY = "beginnings"
 #: Kinds of files that can be selected.
 _DEVICE_FILE, _MANUFACTURER_FILE, _MASTER_FILE = "device", "manufacturer", "master"
@@ -45,7 +45,7 @@ class _NotSelectable(Exception):
 class _SpecFile:
     """A spec: its kind, the name of its device, and the beginnings of its order codes.
 
-    The kind is empty if the text does not show it. The beginnings are then ``("",)``, which fits any label.
+    The kind is empty if the text does not show it. Then the only beginning is "", with which every label begins.
     """
 
     path: Path
@@ -75,13 +75,13 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
         if len(named_files) > 1:
             return None
         if named_files:
-            # Without a label, there is always one device.
+            # Without a label, the result is always one device.
             return (_load_if_possible(named_files[0].path, cache)[0],)
         devices: list[Device] = []
         for device_file in device_files:
             if not device_file.can_have(label):
                 continue
-            # Beginnings that the text shows have been compared with the label by ``can_have``.
+            # If the text shows the beginnings, ``can_have`` has already compared them with the label.
             shows_beginnings = all(device_file.beginnings)
             devices += _load_if_possible(device_file.path, cache, label="" if shows_beginnings else label)
         return tuple(devices)
@@ -113,7 +113,7 @@ def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
 
     Raises:
         OSError: A file cannot be read.
-        _NotSelectable: There is any other file except manufacturers' files. Any such file may affect a family.
+        _NotSelectable: There is a file of another kind, which may affect a family. Files of manufacturers are allowed.
     """
     device_files = []
 
@@ -135,20 +135,20 @@ def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
 
 
 def _read_spec_file(path: Path) -> _SpecFile:
-    """Return the kind that the top-level keys of a spec show, and a device's name and beginnings of order codes.
+    """Return the kind of a file by its top-level keys and, for a device, its name and the beginnings of order codes.
 
     Raises:
         OSError: The file cannot be read.
     """
     if not path.is_file():
         raise OSError
-    # The expressions begin with the end of a line, so that they only match at the beginning of a line.
+    # The expressions begin with ``\n`` to match only at the beginning of a line.
     spec_text = b"\n" + path.read_bytes()
     keys = set(_TOP_LEVEL_KEY.findall(spec_text))
     device_names = _DEVICE_NAME.findall(spec_text)
     if not keys.isdisjoint(_OTHER_KINDS):
         return _SpecFile(path)
-    # A file with the key of a device has no known kind if it is also of another kind, or if it names no single device.
+    # If a file has the key of a device, but also keys of a master or not exactly one name, its kind is not known.
     has_device_key = b"device" in keys
     if not keys.isdisjoint(_MASTER_KEYS):
         return _SpecFile(path, kind="" if has_device_key else _MASTER_FILE)
@@ -159,9 +159,9 @@ def _read_spec_file(path: Path) -> _SpecFile:
 
 
 def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
-    """Return the text before the first part in each pattern: ``("X-24",)`` for ``X-24 {output}``, as in a label.
+    """Return the text before the first part in each order code pattern: ``("X-24",)`` for ``X-24 {output}``.
 
-    If the text of the spec does not show it for all patterns, the result is ``("",)``, which fits any label.
+    If the text of the spec does not show it for all patterns, the result is ``("",)``, with which any label begins.
     """
     texts_before_part = _ORDER_CODE_PATTERN.findall(text)
     if not texts_before_part or len(texts_before_part) != len(_PATTERN_KEY.findall(text)):
@@ -174,9 +174,10 @@ def _beginnings_in_text(text: bytes) -> tuple[str, ...]:
 
 
 def _read_beginnings(spec: Path) -> tuple[str, ...]:
-    """Return the beginnings of order codes that begin with a part, from the data under ``order_code`` alone.
+    """Return the beginnings of order codes whose pattern begins with a part, such as ``{model}-24``.
 
-    If these data have problems or refer to other data, the result is ``("",)``, which fits any label.
+    Only ``order_code`` is read from the spec. If it has problems or refers to other data, the result is ``("",)``, with
+    which any label begins.
     """
     from ..language.read import Unreadable, parse
     from ..loading.device import code_grammar

@@ -1,4 +1,4 @@
-"""Standard streams: replace characters that they cannot encode, survive closed or full ones, and colour texts."""
+"""Input and output of commands: characters that cannot be shown, closed streams, progress, errors and colours."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..say.plain_text import STAND_INS, count_with_unit
 if TYPE_CHECKING:
     from ..language.problems import ProblemReport
 
-#: Time in seconds after which work is shown, and between updates.
+#: Time in seconds after which progress is shown, and time between updates.
 _AFTER_S, _EVERY_S = 1.0, 0.25
 _COLOUR_CODES = {"red": 31, "green": 32, "yellow": 33, "cyan": 36, "faint": 2, "bold": 1}
 #: Colour of the first word of a line of ``diff``.
@@ -45,15 +45,15 @@ class CommandError(Exception):
 def prepare_streams(as_json: bool = False) -> None:
     """Make the standard streams accept any text. JSON keeps every character, as an escape if necessary.
 
-    A closed output stream discards everything. A closed input provides nothing to read.
+    If an output stream is closed, its text is discarded. If the input is closed, reading it is an error.
     """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (open for as long as we run)
     if sys.stdin is None:
-        # Reading it raises Stop.
+        # Reading it raises CommandError.
         sys.stdin = _ClosedInput()
-    # A byte that does not decode is shown as an escape, and therefore rejected as not being a frame.
+    # A byte that is not valid text becomes an escape such as \\xff, which is rejected later because it is not a frame.
     _configure_stream(sys.stdin, None, "backslashreplace")
     _configure_stream(sys.stderr, None, "codewheel")
     if as_json:
@@ -63,9 +63,9 @@ def prepare_streams(as_json: bool = False) -> None:
 
 
 class Progress:
-    """A line on standard error about work that takes longer than a second. Only a terminal shows it.
+    """Show a line on standard error, if it is a terminal, while work takes longer than a second.
 
-    ``text`` is the line. A timer updates it, so the work does not need to call anything.
+    ``text`` is the line. A timer shows it, so the work itself does not need to call anything.
     """
 
     def __init__(self, text: str) -> None:
@@ -130,12 +130,13 @@ class _ClosedInput(io.StringIO):
 def _replace_in_text(error: UnicodeError) -> tuple[str | bytes, int]:
     """Handle an encoding error in text: return a replacement for one character, and the index at which to continue.
 
-    The replacement is in ASCII, ``?`` at worst, or the raw byte of a file name.
+    The replacement is similar ASCII text, such as ``u`` for ``ü``, or else ``?``. A byte of a file name that is not
+    valid text stays as it is.
     """
     if not isinstance(error, UnicodeEncodeError):
         raise error
     character = error.object[error.start]
-    # Python represents a byte of a file name that does not decode by one of these characters.
+    # Python uses these characters for bytes of file names that are not valid text.
     if "\udc80" <= character <= "\udcff":
         byte = ord(character) - 0xDC00
         return bytes([byte]), error.start + 1

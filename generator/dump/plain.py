@@ -1,12 +1,12 @@
 """The model as plain data, for ``show --json`` and the XML description.
 
-Every dataclass of the model becomes a map with the members that the table in ``model/members`` lists for it. The
-functions below add those that have a different shape in the data. Every member is always present. A missing
-number is null, and a missing text is empty. Numbers are integers. In the data of a family, a position or limit that
-depends on the order code is an expression as text, such as ``48 - singleturn_bits``. In the data of an order code, all
-expressions are resolved.
+Every dataclass of the model becomes a map with the members that the table in ``model/members`` lists for it. Members
+with a different shape in the data are added by the functions of this module. The module ``schema`` describes the whole
+shape.
 
-``schema`` describes the shape.
+Every member is always present. A missing number is null, and a missing text is empty. A position or limit that depends
+on the order code is a text such as ``48 - singleturn_bits`` in the data of a family, and a number in the data of an
+order code.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, ModelMember
 from ..model.record import dataclass
 from ..order_codes.labels import LabelMatch
+from ..order_codes.parameters import with_sent_layouts
 from ..order_codes.reduction import for_interface, reduced_to_codes
-from ..order_codes.sent_layouts import with_sent_layouts
 from .schema import fill_members
 
 VERSION = 1
@@ -66,7 +66,8 @@ def device_dump(device: Device) -> Item:
 def variant_dump(device: Device, code_match: LabelMatch) -> Item:
     """Return one order code as plain data, with expressions resolved and without the other interfaces.
 
-    Only facts that apply to the order code are left. ``code_match`` also says how the label differs from it.
+    Facts that do not apply to the order code are left out. ``code_match`` also describes how the label differs from the
+    order code.
     """
     variant = code_match.variant
     label = {
@@ -77,7 +78,7 @@ def variant_dump(device: Device, code_match: LabelMatch) -> Item:
         "written_as_in": code_match.written_as_in,
     }
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    # A parameter without an interface belongs to all of them.
+    # A parameter without an interface applies to all interfaces.
     interfaces = ("", variant.interface)
     parameters = tuple(parameter for parameter in reduced_device.parameters if parameter.interface in interfaces)
     measurement = reduced_device.measurement_of(variant.interface)
@@ -96,7 +97,7 @@ def _parameters_of_interface(device: Device, variant: Variant) -> dict[str, int]
     return parameters
 
 
-#: Members of the kind ``Number``, which have the same names in the data.
+#: Attributes of fields that are plain numbers. They have the same names in the data.
 _MEMBERS_OF_NUMBERS = tuple(member.name for member in fields(Number))
 
 
@@ -108,7 +109,7 @@ class _Dump:
     variant: Variant | None
 
     def whole(self, variants: Iterable[Variant], parameters: Mapping[str, int], label: Item | None) -> Item:
-        """Return all data of the device: the members of the four groups below, in this order, in one map.
+        """Return all data of the device in one map.
 
         Args:
             variants: The order codes to list.
@@ -194,8 +195,8 @@ class _Dump:
     def plain(self, value: Any, inherited: Sources) -> Any:
         """Return any part of the model as plain data: maps, lists, texts, numbers, Booleans and None.
 
-        The members of a dataclass are those that ``model/members`` lists for its class, or else all attributes.
-        ``inherited`` are the sources of the parent, which a part without a source inherits.
+        The members of a dataclass are those that ``model/members`` lists for its class. If it does not list the class,
+        they are all attributes. A part without sources has the ``inherited`` sources of its parent.
         """
         if isinstance(value, Expression):
             return self._number_or_text(value)
@@ -222,8 +223,8 @@ class _Dump:
         return plain_members | _sources_data(own_sources) if described_part.is_sourced else plain_members
 
     def _member_data(self, member: ModelMember, value: Any, inherited: Sources) -> Any:
-        """Return a member as plain data. If it is a word of a list and missing, it is an empty string."""
-        # The shape of such a member is ``|`` and the possible words.
+        """Return a member as plain data. A missing member that would be one of several words is an empty string."""
+        # The shape of such a member begins with ``|``, followed by the possible words: ``|low|high``.
         is_missing_word = value is None and member.shape.startswith("|")
         return "" if is_missing_word else self.plain(value, inherited)
 
@@ -250,9 +251,9 @@ class _Dump:
         return fill_members(interface_data, "interface")
 
     def _layout_data(self, layout: Layout, interface: str, inherited: Sources) -> Item:
-        """Return a frame with its interface, the questions that it depends on, its joined numbers and its fields."""
+        """Return a layout with its interface, the open questions about it, its joined numbers and its fields."""
         own_sources = layout.source or inherited
-        # The fields are added at the end, in a different form.
+        # The fields come last, in a different form.
         layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface}
         layout_data["alternatives"] = [alternative.name for alternative in self.device.alternatives_of(layout)]
@@ -263,7 +264,7 @@ class _Dump:
     def _fields_data(self, layout: Layout, inherited: Sources) -> list[Item]:
         """Return the fields of a layout, each with its highest bit.
 
-        For a family, these are all fields, and for an order code only fields with bits.
+        For a family, these are all fields. For an order code, fields without bits are left out.
         """
         fields_data: list[Item] = []
         if self.variant is None:
@@ -276,11 +277,11 @@ class _Dump:
         return fields_data
 
     def _field_data(self, field: Field, high: Expression, inherited: Sources) -> Item:
-        """Return a field with the name and the members of its kind, which are members of the field in the data.
+        """Return a field with the name and the members of its kind, such as ``choice`` and ``values``.
 
-        ``high`` is its highest bit.
+        ``high`` is the highest bit of the field.
         """
-        # A plain number has no members that conflict with members of the real kind.
+        # The members of the kind are added below. Those of a plain number conflict with none of them.
         field_data: Item = self.plain(replace(field, kind=Number()), inherited)
         field_data["high"] = self._number_or_text(high)
         if isinstance(field.equals, str):
@@ -340,7 +341,7 @@ class _Dump:
         return fill_members(self.plain(step, inherited), "step")
 
     def _example_data(self, example: Example) -> Item:
-        # In the data, a layout that is not a frame has always had the encoder as its sender.
+        # An example that is not a frame has no sender. In the data, it has always been the encoder.
         return fill_members({"from": "encoder"} | self.plain(example, ()), "example")
 
     def _timings_data(self) -> list[Item]:

@@ -1,4 +1,4 @@
-"""The shape of the plain data by the table of members, and its JSON Schema.
+"""JSON Schema of the plain data, derived from the table of members.
 
 python -m codewheel.dump.schema                       prints the schema of ``show --json``
 python -m codewheel.dump.schema show.schema.json      writes it to a file
@@ -62,7 +62,7 @@ def show_schema() -> JsonSchema:
 
 
 def _object_schema(part: ModelPart) -> JsonSchema:
-    """Return the schema of an object with the members of a part. All are required except ``sources``.
+    """Return the schema of an object with the members of a part of the model. All are required except ``sources``.
 
     Members without a shape are not in the data.
     """
@@ -112,7 +112,7 @@ def _schema_without_default(notation: str) -> JsonSchema:
 
 def _schema_or_null(notation: str) -> JsonSchema:
     """Return the schema of an optional type, of which null is another value."""
-    # A number or a text already allows several types.
+    # An expression already has several types.
     if notation == "expression":
         return {"type": ["integer", "string", "null"]}
     shape = _schema_without_default(notation)
@@ -127,9 +127,9 @@ def schema_text() -> str:
 
 
 def _schema_lines(value: Any, indent: str) -> Iterator[str]:
-    """Yield pieces of the text of a schema, in which only object schemas and maps of schemas take several lines.
+    """Yield pieces of the text of a schema. Only schemas of objects and maps of schemas are divided into several lines.
 
-    ``indent`` is the white space in front of the closing brace.
+    ``indent`` is the white space before the closing brace.
     """
     is_object = isinstance(value, dict) and "properties" in value
     is_map_of_schemas = isinstance(value, dict) and all(isinstance(member, dict) for member in value.values())
@@ -149,7 +149,12 @@ Shape = Mapping[str, Any]
 
 
 class Kind(Enum):
-    """Form of a member in XML. LIST is also an attribute. KEYED is a map of objects, keyed by one of their members."""
+    """Form of a member in XML.
+
+    ``ATTRIBUTE`` is a single value, and ``LIST`` an attribute with several values. ``TEXT`` and ``OBJECT`` are elements
+    with one text or object, and ``TEXTS`` and ``OBJECTS`` elements with several. ``KEYED`` is a map of objects, each
+    with its key as a member, and ``MAP`` a map of values.
+    """
 
     ATTRIBUTE = auto()
     LIST = auto()
@@ -163,7 +168,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class DataMember:
-    """Member of an object: its form in XML, and the shape of its value."""
+    """Member of an object: its form in XML, and the schema of its value, or of the values in a list or map."""
 
     name: str
     kind: Kind
@@ -188,9 +193,9 @@ class DataMember:
 
 
 def fill_members(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
-    """Return an object with every member of its type, in schema order, and then its sources.
+    """Return an object with all members of its type, in the order of the schema, followed by its sources.
 
-    A missing member has the value ``DataMember.empty``, which is an empty list, map or text, null, or the default.
+    A missing member gets the value ``DataMember.empty``.
     """
     shape = show_schema()["$defs"][type_name]
     filled_members = {member.name: dumped.get(member.name, member.empty) for member in schema_members(shape)}
@@ -205,9 +210,10 @@ def schema_members(shape: Shape) -> Iterator[DataMember]:
 
 
 def resolve_reference(shape: Shape) -> tuple[Shape, str]:
-    """Return the shape to which a reference leads, and its name, or the shape itself and an empty name.
+    """Return the named schema to which a reference leads, and its name.
 
-    Of a shape that may also be null, it is the other alternative.
+    The reference may also be one of two alternatives, the other of which is null. For a schema without a reference,
+    return the schema itself and an empty name.
     """
     for alternative in (shape, *shape.get("anyOf", ())):
         if "$ref" in alternative:
@@ -217,10 +223,7 @@ def resolve_reference(shape: Shape) -> tuple[Shape, str]:
 
 
 def _data_member(name: str, unresolved: Shape) -> DataMember:
-    """Return a member with its form in XML. For a list or a map, the shape and the type describe its values.
-
-    ``unresolved`` is the shape in the schema, which may be a reference to a named shape.
-    """
+    """Return a member with its form in XML. ``unresolved`` is its schema, which may be a reference to a named one."""
     shape, type_name = resolve_reference(unresolved)
     if type_name == "text":
         return DataMember(name, Kind.TEXT, shape)

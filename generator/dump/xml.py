@@ -1,7 +1,6 @@
 """Conversion of the plain data of a device to XML, and the XML Schema of the description.
 
-``model/members`` is the only definition of the shape. The XML has the same members with the same names. The JSON
-Schema determines the form of each:
+The XML has the same members as the JSON data, with the same names. The JSON Schema determines the form of each:
 
 * An object is an element. A list of objects is an element that contains one element per object, named after its type.
 * Running text (``text`` in the schema) is an element. Any other single value is an attribute. A list of words or
@@ -12,7 +11,7 @@ Schema determines the form of each:
 * Null, empty strings, empty lists and schema defaults are omitted.
 * ``source`` elements cite the manual. An element without its own sources inherits the sources of its parent.
 
-The second part of this module derives the XML Schema from the same definition.
+The second part of this module derives the XML Schema from the JSON Schema.
 """
 
 from __future__ import annotations
@@ -137,10 +136,10 @@ def _is_omitted(member: DataMember, value: object) -> bool:
 def _write_content(
     element: Any, value: Any, member: DataMember, sources: Sources, hexadecimal_parameters: frozenset[str]
 ) -> None:
-    """Write a text, texts, a map or objects inside the element of their member.
+    """Write the value of a member that is a text, several texts, a map or objects inside the element of the member.
 
-    ``sources`` are the parent's sources, which the objects inherit. The keys of a keyed map are members of its objects,
-    so only the objects are written.
+    ``sources`` are the parent's sources, which the objects inherit. For a map of objects, only the objects are written,
+    because each has its key as a member.
     """
     if member.kind is Kind.TEXT:
         element.text = without_invalid_characters(value)
@@ -161,8 +160,8 @@ def _write_map(
 ) -> None:
     """Write an ``entry`` element for each key of a map, such as ``<entry name="turns">4096</entry>``.
 
-    It has the type of its value if the values may have several. Numbers are in hexadecimal if the key is a hexadecimal
-    parameter.
+    If the values of the map may have several types, the entry also has a type. Values of hexadecimal parameters are
+    written in hexadecimal.
     """
     value_shape, _ = resolve_reference(member.shape)
     value_types = json_types_of(value_shape)
@@ -225,7 +224,7 @@ def _add_documentation(parent: Any, text: str) -> None:
 
 
 def _add_word_types(root: Any) -> None:
-    """Add the types of expressions, hexadecimal and other numbers, and of lists of words and of numbers."""
+    """Add the types of attributes: expressions, hexadecimal and other numbers, lists of words, and lists of numbers."""
     expression = _add_schema_element(root, "simpleType", name="expression")
     _add_documentation(expression, show_schema()["$defs"]["expression"]["description"])
     _restrict_to_pattern(expression, base="xs:string", pattern=_EXPRESSION_PATTERN)
@@ -266,10 +265,7 @@ def _add_type(root: Any, name: str, shape: Shape, description: str) -> None:
 
 
 def _add_element(sequence: Any, member: DataMember, description: str) -> None:
-    """Add the element of a member that is a text or an object, or that contains several elements.
-
-    These are texts, objects or the entries of a map, in any number.
-    """
+    """Add the element of a member that is a text or an object, or that contains several texts, objects or entries."""
     element = _add_schema_element(sequence, "element", name=member.name, minOccurs="0")
     _add_documentation(element, description)
     if member.kind is Kind.TEXT:
@@ -318,8 +314,8 @@ def _restrict_to_values(parent: Any, values: Iterable[str]) -> None:
 def _add_attribute(complex_type: Any, member: DataMember, description: str) -> None:
     """Add the attribute of a member that is a single value or a list of words or numbers.
 
-    The attribute has a default if the schema gives one, and is required if its value is never omitted, or if it is a
-    name. Its type is either a list of the possible words, without the empty one, or a named type.
+    The attribute has a default if the JSON Schema has one. Otherwise it is required if it is a name or is never
+    omitted. Its type is a list of the possible words, without the empty word, or a named type.
     """
     attribute = _add_schema_element(complex_type, "attribute", name=member.name)
     if "default" in member.shape:
@@ -337,9 +333,9 @@ def _add_attribute(complex_type: Any, member: DataMember, description: str) -> N
 
 
 def _is_always_present(member: DataMember) -> bool:
-    """Return whether a value can be neither null nor empty: a whole number, a Boolean, or a word that is never empty.
+    """Return whether the value is never null or empty: a whole number, a Boolean, or a word that is never empty.
 
-    No member is a number with a fraction that is always given.
+    Numbers with fractions are not included, because all of them may be null.
     """
     if "null" in member.types:
         return False
@@ -352,7 +348,7 @@ def _is_always_present(member: DataMember) -> bool:
 def _attribute_type(member: DataMember) -> str:
     """Return the XML type of an attribute that does not list its words, such as ``xs:integer`` or ``hexadecimal``.
 
-    Only an expression has several JSON types.
+    A value with several JSON types is an expression.
     """
     json_types = [name for name in member.types if name != "null"]
     if member.kind is Kind.LIST:

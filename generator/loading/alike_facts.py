@@ -1,4 +1,4 @@
-"""Compare the facts of interfaces and the connectors that the file of a manufacturer lists as alike."""
+"""Compare facts and connectors that are the same in several devices according to the manufacturer's file."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ..language.rules.parts import as_affected_name, has_erratum_at
 from ..language.rules.walk import leaves, mapping, maps_in_list
 from ..language.schema_files import PROSE
 
-#: Steps of the path to an interface, such as ``interfaces.ssi``.
+#: Number of steps in the path of an interface, such as ``interfaces.ssi``.
 _STEPS_OF_INTERFACE = 2
-#: Keys whose values are printed, or belong to one device.
-_NOT_COMPARED = PROSE | {"printed_name", "only", "erratum"}
-#: Shown for a fact that a device lacks.
+#: Keys whose values are texts from the manual, or only concern one device.
+_KEYS_NOT_COMPARED = PROSE | {"printed_name", "only", "erratum"}
+#: Shown in place of a fact that a device does not have.
 _ABSENT_FACT = "nothing"
 #: Facts at a place, by their relative paths: ``{(0, "below_hz"): 400000}``.
 _Facts = Mapping[Path, object]
@@ -33,9 +33,9 @@ _ANY_VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
 def compare_facts(places: Sequence[str], documents: Sequence[Document], report: ProblemReport) -> None:
     """Report each device whose facts at a place such as ``interfaces.ssi.cable_lengths`` differ from most devices.
 
-    All devices with the interface are compared, so one that lacks the facts is reported, too. Among equally common
-    facts, the facts of the first device without an erratum about the place apply. An erratum that only one of two
-    devices has about it explains a difference.
+    All devices with the interface are compared, including devices without these facts. The facts that most devices have
+    are correct. If several are equally common, the first device without an erratum about the place is correct. A
+    difference is not reported if only one of the two devices has an erratum about the place, which explains it.
     """
     for place in places:
         steps = place.split(".")
@@ -43,25 +43,26 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
         with_interface.sort(key=lambda document: document.file)
         facts_by_file = {document.file: _facts_at(document, steps) for document in with_interface}
         counts = Counter(frozenset(facts.items()) for facts in facts_by_file.values())
-        if len(counts) < 2:
-            continue  # All devices have the same facts, or there are none.
-        # If several devices have the most frequent facts, a device without an erratum is compared with the others.
-        frequencies = {
-            document.file: (
-                counts[frozenset(facts_by_file[document.file].items())],
-                not has_erratum_at(document, *steps),
-            )
-            for document in with_interface
-        }
-        common = max(with_interface, key=lambda document: frequencies[document.file])
+        all_have_same_facts = len(counts) < 2
+        if all_have_same_facts:
+            continue
+        # Devices with the most common facts come first, and among them devices without an erratum.
+        priorities: dict[str, tuple[int, bool]] = {}
         for document in with_interface:
-            # Errata of both devices are about the text that their manuals have in common.
+            device_count = counts[frozenset(facts_by_file[document.file].items())]
+            priorities[document.file] = device_count, not has_erratum_at(document, *steps)
+        common = max(with_interface, key=lambda document: priorities[document.file])
+        for document in with_interface:
+            # If both devices have an erratum, it is about a text that both manuals contain.
             if has_erratum_at(document, *steps) is has_erratum_at(common, *steps):
                 _report_difference(document, common, facts_by_file, tuple(steps), report)
 
 
 def _facts_at(document: Document, steps: Sequence[str]) -> _Facts:
-    """Return the facts at a place without prose and printed names. The path of a single value is empty."""
+    """Return the facts of a spec below a place, by their paths relative to it, without texts from the manual.
+
+    For example ``{(0, "below_hz"): 400000}``. If the place is a single value, its path is ``()``.
+    """
     node: object = document.data
     for step in steps:
         if isinstance(node, list):
@@ -72,15 +73,16 @@ def _facts_at(document: Document, steps: Sequence[str]) -> _Facts:
 
 
 def _compared_leaves(node: object) -> Iterator[tuple[Path, object]]:
+    """Yield the path and the value of each fact below a node of a spec, without texts from the manual."""
     for path, value in leaves(node):
-        if value is not None and _NOT_COMPARED.isdisjoint(map(str, path)):
+        if value is not None and _KEYS_NOT_COMPARED.isdisjoint(map(str, path)):
             yield path, value
 
 
 def _report_difference(
     document: Document, common: Document, facts_by_file: Mapping[str, _Facts], place: Path, report: ProblemReport
 ) -> None:
-    """Report the first fact in which two devices differ, or nothing if they agree."""
+    """Report the first fact at a place in which a device differs from ``common``, the device with the common facts."""
     facts, common_facts = facts_by_file[document.file], facts_by_file[common.file]
     all_paths = dict.fromkeys((*common_facts, *facts))  # Each once, in order.
     for path in all_paths:
@@ -88,17 +90,18 @@ def _report_difference(
         if value == common_value:
             continue
         line, _ = common.position((*place, *path))
+        place_text = ".".join(map(str, place))
         message = (
             f"this is {value}, but {common_value} in {PurePath(common.file).name}:{line}; according to the"
-            f" manufacturer's file, {quoted('.'.join(map(str, place)))} is the same in all devices. If it is not, add"
-            f" an erratum that affects {as_affected_name('.'.join(map(str, place)))}, or remove it from that file"
+            f" manufacturer's file, {quoted(place_text)} is the same in all devices. If it is not, add"
+            f" an erratum that affects {as_affected_name(place_text)}, or remove it from that file"
         )
         report.add("not-alike", document, (*place, *path), message)
         return
 
 
 class _Contact(NamedTuple):
-    """A contact that carries a line: its number or colour, its connector, and its place in a spec."""
+    """A contact that carries a line: its number or wire color, its connector, and its place in a spec."""
 
     name: str
     connector: str
@@ -106,15 +109,16 @@ class _Contact(NamedTuple):
     path: Path
 
 
-#: An interface and the name of a line. The interface of supply lines is empty, because they belong to all.
+#: An interface and the name of a line. For supply lines, the interface is "", because they belong to all interfaces.
 _Line = tuple[str, str]
 
 
 def compare_connectors(maker_document: Document, documents: Sequence[Document], report: ProblemReport) -> None:
-    """Report each line that two connectors of a group have on different contacts.
+    """Report each line that is on different contacts in two connectors that should be alike.
 
-    The file of the manufacturer lists groups of references such as ``m100.m12_connector``. A device whose spec was not
-    read is skipped. Supply lines are compared between all connectors of a group, other lines for the same interface.
+    The manufacturer's file lists groups of connectors that are alike, as references such as ``m100.m12_connector``.
+    Devices whose specs were not read are skipped. Supply lines are compared between all connectors of a group, and any
+    other line between connectors for the same interface.
     """
     documents_by_device = {str(document.data["device"]): document for document in documents}
     for group_index, group in enumerate(maker_document.data.get("alike", {}).get("connectors", ())):
@@ -138,7 +142,7 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
 
 
 class _Cable(NamedTuple):
-    """A cable: its place, and the colours of its wires in lower case."""
+    """A cable: its place in a spec, and the colors of its wires in lowercase."""
 
     document: Document
     path: Path
@@ -146,7 +150,10 @@ class _Cable(NamedTuple):
 
 
 def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
-    """Yield the cable at a place, or nothing for a connector. A shield is not a wire."""
+    """Yield the cable at a place of a spec with its wires, or nothing if the place is a connector.
+
+    A shield does not count as a wire.
+    """
     connector = document.data["connectors"][path[-1]]
     if connector["kind"] == "cable":
         wires: set[str] = set()
@@ -158,7 +165,10 @@ def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
 
 
 def _compare_wires(cables: Sequence[_Cable], report: ProblemReport) -> None:
-    """Report each cable with other wires than the first one of its group, unless an erratum affects its contacts."""
+    """Report each cable whose wires differ from the wires of the first cable.
+
+    A difference is not reported if an erratum affects the contacts of one of the two cables.
+    """
     if not cables:
         return
     first_cable, *other_cables = cables
@@ -167,7 +177,7 @@ def _compare_wires(cables: Sequence[_Cable], report: ProblemReport) -> None:
         if different_wires and not _has_erratum(first_cable) and not _has_erratum(cable):
             line_number, _ = first_cable.document.position(first_cable.path)
             message = (
-                f"only one of this cable and that in {PurePath(first_cable.document.file).name}:{line_number} has"
+                f"only one of this cable and the one in {PurePath(first_cable.document.file).name}:{line_number} has"
                 f" {quoted(different_wires[0])}; according to the manufacturer's file, the two are alike. If they are"
                 f" not, add an erratum that affects connectors.{_name_of_cable(cable)}.contacts"
             )
@@ -186,25 +196,35 @@ def _name_of_cable(cable: _Cable) -> str:
 def _compare_connector(
     contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: ProblemReport
 ) -> None:
-    """Report the lines of a connector that have another contact in ``contacts_by_line``, and add the new ones."""
+    """Report the lines of a connector that are on a different contact in an earlier connector of the group.
+
+    ``contacts_by_line`` contains the contact of each line that an earlier connector has. Lines that are new are added
+    to it.
+    """
     connector = document.data["connectors"][path[-1]]
     reported_paths: set[Path] = set()
     for line, contact in _contacts_by_line(connector, path, document).items():
         first_contact = contacts_by_line.setdefault(line, contact)
-        is_explained = any(
-            has_erratum_at(either.document, "connectors", either.connector, "contacts", either.name)
-            for either in (contact, first_contact)
-        )
+        if first_contact.name == contact.name or _has_erratum_at_contact(contact, first_contact):
+            continue
         # A contact with several lines is reported once.
-        if first_contact.name != contact.name and contact.path not in reported_paths and not is_explained:
+        if contact.path not in reported_paths:
             reported_paths.add(contact.path)
             _report_contact(line, contact, first_contact, report)
 
 
+def _has_erratum_at_contact(*contacts: _Contact) -> bool:
+    """Return whether an erratum affects one of the contacts."""
+    return any(
+        has_erratum_at(contact.document, "connectors", contact.connector, "contacts", contact.name)
+        for contact in contacts
+    )
+
+
 def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: ProblemReport) -> None:
-    """Report a line that is on another contact here than on the first connector of its group."""
+    """Report a line that is on a different contact than in the first connector of the group."""
     line_number, _ = first_contact.document.position(first_contact.path)
-    _, line_name = line  # The first member is its interface.
+    _, line_name = line
     message = (
         f"{quoted(line_name)} is on contact {quoted(contact.name)} here, but on {quoted(first_contact.name)} in"
         f" {PurePath(first_contact.document.file).name}:{line_number}; according to the manufacturer's file, the two"
@@ -215,8 +235,8 @@ def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, rep
 
 
 def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_Line, _Contact]:
-    """Return the contact of each line of a connector. Lines with several contacts are left out."""
-    interfaces = connector.get("interfaces") or [""]  # Without a list, it is for all of them.
+    """Return the contact of each line of a connector in a spec. Lines that are on several contacts are left out."""
+    interfaces = connector.get("interfaces") or [""]  # A connector that lists no interface is for all of them.
     contacts: list[tuple[_Line, _Contact]] = []
     for contact_path, contact in maps_in_list(connector, "contacts"):
         place = _Contact(str(contact["contact"]), str(connector["name"]), document, (*path, *contact_path))
@@ -228,7 +248,7 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
 def _lines_of_signal(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
     """Yield the lines that a signal names, for each interface: ``("biss", "ma+")``, ``("", "0 V")``."""
     for name in signal_names(signal):
-        if name in _SHIELD_WORDS:  # It is on the case, whose name differs between manuals.
+        if name in _SHIELD_WORDS:  # The shield is on the case of the connector, which manuals name differently.
             continue
         supply = _SUPPLY_LINE.fullmatch(name)
         if supply is not None:

@@ -1,4 +1,4 @@
-"""Checks of frames that carry several data channels: their order, the position in them, and the compared fields."""
+"""Checks for frames that carry several data channels: their order, the position in them, and the compared fields."""
 
 from __future__ import annotations
 
@@ -11,26 +11,27 @@ from .gaps import values_text
 from .valid_parts import valid_parts_so_far
 
 _CHANNELS_RULE = "data-channels"
-#: Key in ``channels``, or the keys below it, with a problem there.
+#: Keys below ``channels`` that lead to a problem, and the message about it.
 _Problem = tuple[Path, str]
 
 
 def check_channels(device: Device, report: DocumentReport) -> None:
-    """Report the first contradiction in the data channels of a frame.
+    """Report the first contradiction in the description of a BiSS frame that carries several data channels.
 
-    Decoders split the frame by the lengths of the channels, decode each by itself, and then compare the positions.
+    Decoders split such a frame by the lengths of the channels, decode each channel by itself, and then compare the
+    positions.
     """
     biss = device.find_interface(Biss)
     if biss is None or biss.channels is None or not valid_parts_so_far(report).has_frames:
         return
     place: Path = ("interfaces", biss.name, "channels")
     if (*place, "compared_bits") in report.faults():
-        return  # It is not a valid expression, which is reported, so there is no number of bits to compare.
+        return  # The number of compared bits is not a valid expression, which is already reported.
     layouts = {layout.name: layout for layout in biss.layouts}
     names = (*biss.channels.order, *biss.channels.compared)
     undefined_names = [name for name in names if name not in layouts]
     if undefined_names:
-        # Layouts with a problem have not been built.
+        # A layout with a problem was not built, so it would wrongly count as undefined.
         if not report.faults():
             known_names = join_words(map(quoted, layouts))
             message = f"there is no layout {quoted(undefined_names[0])} over BiSS; it has: {known_names}"
@@ -49,9 +50,10 @@ def check_channels(device: Device, report: DocumentReport) -> None:
 
 
 def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]:
-    """Yield too few channels, another first channel than the first layout, and channels that the frame cannot have.
+    """Yield problems with the order of the data channels in a frame.
 
-    These are listed twice, have no number of their own, or are carried as bytes.
+    A frame has at least two channels, and the first one must be the first layout of the interface. Each channel is
+    listed once, has a number of its own, and is not carried as bytes.
     """
     if len(layouts) < 2:
         yield ("order",), "a frame with several channels has at least two; list all of them, or remove 'channels'"
@@ -59,7 +61,7 @@ def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]
     if layouts[0] is not first_layout:
         name = quoted(layouts[0].name)
         first_name = quoted(first_layout.name)
-        message = f"{name} is the first channel of the frame, so it must be the first layout, but {first_name} is"
+        message = f"{name} is the first channel of the frame, but the first layout is {first_name}"
         yield ("order", 0), f"{message}; correct one of them"
     names_by_number: dict[int | None, str] = {}
     for index, layout in enumerate(layouts):
@@ -77,16 +79,16 @@ def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]
 
 
 def _question_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
-    """Yield channels whose bits depend on a question that the manual leaves open."""
+    """Yield a problem for each channel whose bits depend on a question that the manual leaves open."""
     for index, layout in enumerate(layouts):
         for alternative in device.alternatives_of(layout):
             name = quoted(layout.name)
             message = f"{name} depends on the question {quoted(alternative.name)}, which decoders of a whole frame"
-            yield ("order", index), f"{message} do not ask; remove 'channels', and decode each channel alone"
+            yield ("order", index), f"{message} do not ask; remove 'channels', and decode each channel separately"
 
 
 def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
-    """Yield the reason that not exactly one channel contains the position."""
+    """Yield a problem if none or several of the data channels contain the position."""
     names = [quoted(layout.name) for layout in layouts if device.sends_position(Biss.name, layout)]
     if not names:
         yield ("order",), "no channel of the frame contains the position; list the one that does"
@@ -96,7 +98,11 @@ def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
 
 
 def _comparison_problems(device: Device, channels: DataChannels, layouts: Mapping[str, Layout]) -> Iterator[_Problem]:
-    """Yield fields that cannot be compared, and a number of bits above their width."""
+    """Yield problems with the comparison of fields from different data channels.
+
+    The highest bits of an unsigned number in each channel are compared. There cannot be more of these bits than the
+    number has.
+    """
     has_fields = bool(channels.compared)
     has_bits = channels.compared_bits is not None
     if has_fields != has_bits:
@@ -117,7 +123,10 @@ def _comparison_problems(device: Device, channels: DataChannels, layouts: Mappin
 
 
 def _width_problems(device: Device, channels: DataChannels, layout: Layout, field_name: str) -> Iterator[_Problem]:
-    """Yield the first order code whose field lacks compared bits, or whose tolerance allows any two numbers."""
+    """Yield a problem for the first order code for which the numbers of two channels cannot be compared.
+
+    Either the field has fewer bits than are compared, or the tolerance is so large that any two numbers agree.
+    """
     if channels.compared_bits is None:
         return
     width = member_named(layout.fields, field_name, "field").width
@@ -126,10 +135,10 @@ def _width_problems(device: Device, channels: DataChannels, layout: Layout, fiel
         condition = values_text(variant.parameters, width, channels.compared_bits)
         field_bits = width.value(variant.parameters)
         if not 1 <= bits <= field_bits:
-            message = f"{bits} bits cannot be compared, since {quoted(field_name)} has {field_bits}{condition}"
+            message = f"{bits} bits cannot be compared, because {quoted(field_name)} has {field_bits}{condition}"
             yield ("compared_bits",), message
             return
-        # Numbers wrap around, so no two of them differ by more than half of their count.
+        # Numbers wrap around, so two numbers differ by at most half of their range.
         all_numbers_agree = 2 * channels.tolerance >= (1 << bits) - 1
         if all_numbers_agree:
             message = f"with a tolerance of {channels.tolerance}, any two numbers of {bits} bits agree{condition}"

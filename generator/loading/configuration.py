@@ -13,13 +13,13 @@ from pathlib import Path
 from types import MappingProxyType
 
 PYPROJECT = "pyproject.toml"
-#: Built-in targets, in the order in which they are listed and run. They run by default, registered ones only on
-#: request.
+#: Built-in targets, in the order in which they are listed and run. They run by default. Targets of other packages only
+#: run on request.
 BUILT_IN = ("python", "c", "biss", "docs", "browser", "masters")
 
 
 class Faulty(Exception):
-    """There are errors in the settings. ``files`` are the files with settings in one folder."""
+    """The settings contain errors. ``files`` are the files with settings in one folder."""
 
     def __init__(self, *files: Path) -> None:
         super().__init__(*map(str, files))
@@ -39,8 +39,10 @@ class FamilyFilter:
     grades: tuple[str, ...] = ()
 
     def accepts(self, family: str, grade: str) -> bool:
-        """Return True if a family with this grade meets both conditions."""
-        return (not self.families or family in self.families) and (not self.grades or grade in self.grades)
+        """Return whether a family meets both conditions. ``grade`` is the grade of its evidence."""
+        accepts_family = not self.families or family in self.families
+        accepts_grade = not self.grades or grade in self.grades
+        return accepts_family and accepts_grade
 
 
 #: The condition of each target with a condition, by the name of the target.
@@ -49,7 +51,7 @@ NO_FILTERS: FamilyFilters = MappingProxyType({})
 
 
 def filters_as_texts(filters: FamilyFilters) -> list[str]:
-    """Return the conditions as texts, for the key of a stored result."""
+    """Return the conditions as a list of texts, from which the key of a cached result is computed."""
     texts = []
     for target, family_filter in sorted(filters.items()):
         texts += [target, "families", *family_filter.families, "grades", *family_filter.grades, ""]
@@ -81,7 +83,7 @@ class Configuration:
 
 
 def exists(path: Path) -> bool:
-    """Return True if there is a value at a path."""
+    """Return whether there is a file, folder or link at a path. A path that is not valid does not exist."""
     with suppress(OSError, ValueError):
         return os.path.lexists(path)
     return False

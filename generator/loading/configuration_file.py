@@ -1,4 +1,4 @@
-"""Read a file with settings, and report its errors like those of a spec, also at their places in TOML."""
+"""Read a file with settings in YAML or TOML, and report its errors at their places, like the errors of a spec."""
 
 from __future__ import annotations
 
@@ -30,27 +30,25 @@ _VALUE_ENDS = ("\n", ",", "]", "}")
 
 
 def places_in(toml_text: str) -> SourceMark:
-    """Return the places of all keys and values in a text that is valid TOML.
+    """Return the line and column of each key and value in a text that is valid TOML, as a tree of marks.
 
-    A table has the place of its name in the header that begins it. A key written with escapes is not found.
+    The place of a table is its name in the header that begins it. Keys with escape sequences have no place.
     """
-    return _PlaceFinder(toml_text).document()
+    return _PlaceFinder(toml_text).mark_all()
 
 
 class _PlaceFinder:
-    """Reads the tokens of a text from the first to the last, and marks the places of keys and values."""
+    """Reads the tokens of a TOML text from the first to the last, and marks the places of keys and values."""
 
     def __init__(self, text: str) -> None:
         self._tokens = [token for token in _TOML_TOKEN.finditer(text) if token.lastgroup != "blank"]
         self._index = 0
         self._line_starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
-    def document(self) -> SourceMark:
-        """Return the mark of the whole text, whose children are the marks of all keys and values.
-
-        ``table`` is the mark of the table in the header above the current line.
-        """
+    def mark_all(self) -> SourceMark:
+        """Return the mark of the whole text, whose children are the marks of all keys and values."""
         root = SourceMark(line=1, column=1, key_line=1, key_column=1)
+        # The mark of the table that the header above the current line begins.
         table = root
         while self._next_token():
             if self._next_token() == "\n":
@@ -62,11 +60,11 @@ class _PlaceFinder:
         return root
 
     def _next_token(self) -> str:
-        """Return the text of the next token without reading it, or an empty string at the end."""
+        """Return the text of the next token without consuming it, or "" at the end of the text."""
         return self._tokens[self._index][0] if self._index < len(self._tokens) else ""
 
     def _place_of_token(self) -> tuple[int, int]:
-        """Return line and column of the next token, both from 1."""
+        """Return the line and the column of the next token, both counted from 1."""
         offset = self._tokens[self._index].start()
         line = bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
@@ -87,8 +85,8 @@ class _PlaceFinder:
     def _read_dotted_key(self, table: SourceMark) -> SourceMark:
         """Read a key, which can be dotted such as ``tool.codewheel``, and return the mark of its last name.
 
-        Each name has a mark below the mark of the name before it, and the first one below ``table``. An existing mark
-        keeps its place.
+        The first name gets a mark below ``table``, and each further name below the mark of the name before it. An
+        existing mark keeps its place.
         """
         mark = table
         while self._next_token() not in ("", "=", "]", "\n"):
@@ -102,7 +100,7 @@ class _PlaceFinder:
         return mark
 
     def _read_setting(self, table: SourceMark) -> None:
-        """Read a key, the equals sign and the value. The mark of the key then gets the place of the value."""
+        """Read a key, the equals sign and the value, and mark the place of the value in the mark of the key."""
         mark = self._read_dotted_key(table)
         self._index += 1  # The equals sign.
         if self._next_token():
@@ -110,7 +108,7 @@ class _PlaceFinder:
             self._read_value(mark)
 
     def _read_value(self, mark: SourceMark) -> None:
-        """Read a value. ``mark`` is the mark of its key, and gets children for the members of an array or a table."""
+        """Read a value. The mark of its key gets children for the members of an array or an inline table."""
         if self._next_token() == "[":
             self._read_array(mark)
         elif self._next_token() == "{":
@@ -120,7 +118,7 @@ class _PlaceFinder:
                 self._index += 1
 
     def _read_array(self, mark: SourceMark) -> None:
-        """Read an array. Each value in it has a mark below ``mark``, by its index."""
+        """Read an array, and mark each value in it below ``mark``, by its index."""
         self._index += 1
         self._skip_newlines()
         while self._next_token() not in ("", "]"):
@@ -131,7 +129,7 @@ class _PlaceFinder:
         self._index += 1
 
     def _read_inline_table(self, mark: SourceMark) -> None:
-        """Read a table such as ``{docs = "a"}``. Each key in it has a mark below ``mark``."""
+        """Read an inline table such as ``{docs = "a"}``, and mark each key in it below ``mark``."""
         self._index += 1
         self._skip_newlines()
         while self._next_token() not in ("", "}"):
@@ -177,7 +175,7 @@ def read_configuration(file: Path) -> Configuration | None:
         Faulty: There are errors in the settings.
     """
     report = ProblemReport()
-    # If there is an error, errors_in reads the file again, with places.
+    # If there is an error, ``errors_in`` reads the file again, with the places of errors.
     document = _read_settings(file, report, has_places=False)
     configuration = None if document is None else _build_configuration(file, document, report)
     if report:
@@ -188,13 +186,13 @@ def read_configuration(file: Path) -> Configuration | None:
 def errors_in(files: tuple[Path, ...]) -> ProblemReport:
     """Return a report with the errors in these files, which are next to each other.
 
-    If none of the files has an error, two files are an error themselves, because only one may have the settings.
+    If none of the files has an error, a second file is reported, because only one file may contain settings.
     """
     report = ProblemReport()
     for file in files:
         document = _read_settings(file, report)
         if document is not None:
-            # Called only for the errors that it reports.
+            # The result is not needed, only the errors that are reported.
             _build_configuration(file, document, report)
     if len(files) > 1 and not report:
         message = f"{PYPROJECT} next to it also has [tool.codewheel]; keep the settings in one of them"
@@ -205,9 +203,9 @@ def errors_in(files: tuple[Path, ...]) -> ProblemReport:
 def add_error(
     report: ProblemReport, file: Path, place: Place, rule: str, message: str, *, at_key: bool = False
 ) -> None:
-    """Add an error in a setting that was found later, such as in the name of a target.
+    """Report an error in a setting that was found after reading the file, for example in the name of a target.
 
-    The file is read again for the place of the setting. If that fails now, nothing is added.
+    The file is read again to find the place of the setting. If it can no longer be read, nothing is reported.
     """
     document = _read_settings(file, ProblemReport())
     if document is not None:
@@ -217,16 +215,19 @@ def add_error(
 def _read_settings(file: Path, report: ProblemReport, *, has_places: bool = True) -> Document | None:
     """Return the settings in a file as a document, or None if it contains none or cannot be read.
 
-    Without ``has_places``, a ``pyproject.toml`` is read in half the time, and all its keys have the place 1:1.
+    If ``has_places`` is false, a ``pyproject.toml`` is read in half the time, and all its keys have the place 1:1.
     """
-    return (
-        _yaml_document(file, report) if file.name == CONFIGURATION else _read_pyproject_table(file, report, has_places)
-    )
+    if file.name == CONFIGURATION:
+        return _read_yaml_settings(file, report)
+    return _read_pyproject_table(file, report, has_places=has_places)
 
 
-def _yaml_document(file: Path, report: ProblemReport) -> Document | None:
-    """Return a codewheel.yaml as a document. Its messages are about settings instead of specs."""
-    from ..language.read import read_document  # PyYAML takes longer to import than a frame to decode.
+def _read_yaml_settings(file: Path, report: ProblemReport) -> Document | None:
+    """Return a codewheel.yaml as a document, or None if it cannot be read.
+
+    Problems are reported with messages about settings instead of specs.
+    """
+    from ..language.read import read_document  # Importing PyYAML takes longer than decoding a frame.
 
     yaml_report = ProblemReport()
     document = read_document(file, yaml_report)
@@ -237,11 +238,11 @@ def _yaml_document(file: Path, report: ProblemReport) -> Document | None:
     return document
 
 
-def _read_pyproject_table(file: Path, report: ProblemReport, has_places: bool) -> Document | None:
-    """Return the table ``[tool.codewheel]`` of a pyproject.toml as a document, or None if there is none.
+def _read_pyproject_table(file: Path, report: ProblemReport, *, has_places: bool) -> Document | None:
+    """Return the table ``[tool.codewheel]`` of a pyproject.toml as a document.
 
-    Return None also if the file cannot be read, which is reported. If ``tool.codewheel`` is not a table, the document
-    contains it under the key ``codewheel``, which is then reported as unknown.
+    Return None if there is no such table, or if the file cannot be read, which is reported. If ``tool.codewheel`` is
+    not a table, the document contains it under the key ``codewheel``, which is later reported as unknown.
     """
     try:
         content = file.read_bytes()
@@ -265,14 +266,14 @@ def _read_pyproject_table(file: Path, report: ProblemReport, has_places: bool) -
     if not isinstance(section, dict):
         return Document(str(file), toml_lines, {"codewheel": section}, start_of_file)
     marks = places_in(toml_text) if has_places else start_of_file
-    # The marks of the section are below the marks of its two names.
+    # The marks of the settings are below the marks of "tool" and "codewheel".
     for name in ("tool", "codewheel"):
         marks = marks.children.get(name, start_of_file)
     return Document(str(file), toml_lines, section, marks)
 
 
 def _parse_toml(file: Path, toml_text: str, report: ProblemReport) -> dict[str, Any]:
-    """Return the data of a TOML file, or an empty map if it is not valid, which is reported."""
+    """Return the data of a TOML file. If it is not valid, report the error and return an empty map."""
     if sys.version_info >= (3, 11):
         import tomllib
     else:
@@ -282,34 +283,35 @@ def _parse_toml(file: Path, toml_text: str, report: ProblemReport) -> dict[str, 
         toml_data: dict[str, Any] = tomllib.loads(toml_text)
     except tomllib.TOMLDecodeError as error:
         line, column, message = _split_off_place(str(error), toml_text)
-        error_line = "".join(toml_text.splitlines()[line - 1 : line])  # Empty if the text has no such line.
+        lines = toml_text.splitlines()
+        error_line = lines[line - 1] if line <= len(lines) else ""
         report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
         return {}
     return toml_data
 
 
 def _split_off_place(message: str, toml_text: str) -> tuple[int, int, str]:
-    """Split a message of the TOML parser into line, column and the message without its place.
+    """Split a message of the TOML parser into the line, the column and the message without its place.
 
-    A message without a place, or one that gives the end of the document, is about the end of the text.
+    If the message contains no place, or "end of document", the place is the end of the text.
     """
     lines = toml_text.splitlines() or [""]
-    # The end of the text.
-    line = len(lines)
-    column = max(len(lines[-1]), 1)
+    last_line = len(lines)
+    last_column = max(len(lines[-1]), 1)
     place_in_message = _PLACE_IN_MESSAGE.search(message)
     if place_in_message is None:
-        return line, column, message
-    # Otherwise the message gives the end of the document.
-    if place_in_message[1] is not None:
-        line, column = int(place_in_message[1]), int(place_in_message[2])
-    return line, column, message[: place_in_message.start()]
+        return last_line, last_column, message
+    message_without_place = message[: place_in_message.start()]
+    is_end_of_document = place_in_message[1] is None
+    if is_end_of_document:
+        return last_line, last_column, message_without_place
+    return int(place_in_message[1]), int(place_in_message[2]), message_without_place
 
 
 def _build_configuration(file: Path, document: Document, report: ProblemReport) -> Configuration:
     """Return the settings in a document. Settings with errors are reported and left out.
 
-    Paths are relative to the folder of the file. Specs that do not exist are reported but stay in the result.
+    Paths are relative to the folder of the file. Specs that do not exist are reported, but remain in the settings.
     """
     settings = document.data
     _report_unknown_keys(document, (), settings, _SETTING_KEYS, report)
@@ -339,7 +341,7 @@ def _report_unknown_keys(
 
 
 def _text_at(document: Document, key: str, report: ProblemReport) -> str:
-    """Return a text of the settings, or an empty string if it is missing. Report a value that is not a text."""
+    """Return a text from the settings, or "" if there is none. A value that is not a text is reported."""
     value = document.data.get(key, "")
     if key in document.data and not _is_text(value):
         _report_wrong_type(document, (key,), "a text", _EXAMPLE_VALUES[key], report)
@@ -347,9 +349,9 @@ def _text_at(document: Document, key: str, report: ProblemReport) -> str:
 
 
 def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report: ProblemReport) -> tuple[str, ...]:
-    """Return a list of texts as a tuple. It is empty if the setting is missing, or has an error, which is reported.
+    """Return a list of texts from the settings as a tuple, or ``()`` if there is none.
 
-    ``table`` is the map that contains the last key of ``place``.
+    ``table`` is the map that contains the last key of ``place``. A value that is not a list of texts is reported.
     """
     key = str(place[-1])
     if key not in table:
@@ -362,14 +364,14 @@ def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report
 
 
 def _is_text(setting: Any) -> bool:
-    """Return True if a value is a text that is not empty."""
+    """Return whether a value is a text that is not empty."""
     return isinstance(setting, str) and bool(setting)
 
 
 def _family_filters(document: Document, report: ProblemReport) -> dict[str, FamilyFilter]:
-    """Return the families to which targets are restricted, by the name of the target: the setting ``only``.
+    """Return the setting ``only``: for some targets, a condition on the families that they generate.
 
-    The result is empty if there is no such setting, or if it is not a map with targets, which is reported.
+    The result is empty if there is no such setting, or if it is not a map of targets, which is reported.
     """
     if "only" not in document.data:
         return {}
@@ -381,9 +383,9 @@ def _family_filters(document: Document, report: ProblemReport) -> dict[str, Fami
 
 
 def _family_filter(document: Document, target: str, conditions: Any, report: ProblemReport) -> FamilyFilter:
-    """Return the condition of a target: the families and the grades for which it is generated.
+    """Return the condition of a target: the families and the grades of evidence for which it is generated.
 
-    ``conditions`` is the value in the file. Without a map, or with errors, the condition lacks the values concerned.
+    ``conditions`` is the value in the file. Values with errors are reported and left out.
     """
     place = ("only", target)
     if not isinstance(conditions, dict) or not conditions:
@@ -397,7 +399,7 @@ def _family_filter(document: Document, target: str, conditions: Any, report: Pro
 
 
 def _report_unknown_grades(document: Document, place: Place, grades: Iterable[str], report: ProblemReport) -> None:
-    """Report each grade that does not exist, with the grade that it misspells, or else all grades."""
+    """Report each grade that does not exist. The message suggests the grade that it misspells, or lists all grades."""
     from ..say.evidence import GRADES  # Settings without grades need no model.
 
     for index, grade in enumerate(grades):
@@ -416,13 +418,11 @@ def _report_wrong_type(
 ) -> None:
     """Report a value of the wrong type, with an example in the language of the file.
 
-    ``expected_type`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``. In
-    YAML it has no quotes.
+    ``expected_type`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``.
     """
-    if Path(document.file).name == PYPROJECT:
-        setting = f"{place[-1]} = {example}"
-    else:
-        # In YAML: without quotes, and with colons.
-        setting = f"{place[-1]} = {example}".replace(" = ", ": ").replace('"', "")
+    setting = f"{place[-1]} = {example}"
+    if Path(document.file).name != PYPROJECT:
+        # YAML has colons instead of equals signs, and needs no quotes.
+        setting = setting.replace(" = ", ": ").replace('"', "")
     name = ".".join(map(str, place))
     report.add("wrong-type", document, place, f"'{name}' must be {expected_type}, such as {setting}")

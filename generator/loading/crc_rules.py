@@ -1,10 +1,9 @@
-"""Checks of the CRCs at the end of a layout: place, width, covered fields, and that an order code has at most one."""
+"""Checks for CRCs in a layout: their place, width and covered fields, and that each order code has at most one."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from itertools import chain, pairwise
+from itertools import pairwise
 
 from ..language.problems import DocumentReport, join_words
 from ..model import INTERFACES, Constant, Crc, CrcValue, Device, Field, Layout, Unused
@@ -14,8 +13,12 @@ from .gaps import values_text
 
 
 def check_one_crc(layout: Layout, site: LayoutSite) -> None:
-    """Report a layout with several CRCs for the same order code. A CRC without bits is not sent."""
-    for parameters in site.sets:
+    """Report a layout that sends several CRCs for the same order code. A CRC with a width of 0 bits is not sent.
+
+    ``site`` is the place of the layout in the spec. ``site.parameter_sets`` contains the parameters of each order code
+    that has this layout.
+    """
+    for parameters in site.parameter_sets:
         sent_fields = [field for field in layout.crc_fields if field.width.value(parameters)]
         if len(sent_fields) > 1:
             first, second, *_ = sent_fields
@@ -27,44 +30,42 @@ def check_one_crc(layout: Layout, site: LayoutSite) -> None:
 
 
 def check_settings_of_crcs(device: Device, report: DocumentReport) -> None:
-    """Report a CRC whose width depends on a register without codes.
+    """Report a CRC whose width depends on a register that can hold any number between its limits.
 
-    Such a register may hold any number between its limits, but a CRC has either its width or no bits.
+    A CRC has either its full width or no bits, so a register that decides this must hold a code.
     """
     names_without_codes = {parameter.name for parameter in device.run_time_parameters if not parameter.by_code}
     for interface, layout in device.layouts():
         for field in layout.crc_fields:
-            limited_names_of_crc = names_without_codes & device.needed_parameters(field.width.parameters)
-            if limited_names_of_crc:
-                problem = f"the CRC '{field.name}' depends on the register value '{min(limited_names_of_crc)}'"
+            parameters_without_codes = names_without_codes & device.needed_parameters(field.width.parameters)
+            if parameters_without_codes:
+                problem = f"the CRC '{field.name}' depends on the register value '{min(parameters_without_codes)}'"
                 remedy = f"list its widths, 0 and {field.widest}, in 'by_code' of this parameter"
                 path = ("interfaces", interface.name, "layouts", layout.name, "fields", field.name)
                 report.add("width-mismatch", path, f"{problem}; {remedy}")
 
 
 def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: LayoutSite) -> None:
-    """Check the width of a CRC, that it ends the frame, and the fields that it covers.
+    """Check the width of a CRC, that it is the last field of the frame, and the fields that it covers.
 
-    Only other CRCs may follow it, because each order code has at most one. A frame of bits in bytes may have zeros
-    before it, and its CRC may not be whole bytes. Such a CRC must not change with these zeros, and its bits must be in
-    sending order.
+    Only other CRCs may follow it, because each order code has at most one. A bit frame that is carried in bytes can
+    begin with padding zeros. If the CRC or the bits before it are not whole bytes, these zeros must not change the CRC,
+    and its bits must be in transmission order.
     """
     crc = site.context.crcs.get(crc_value.crc)
     if crc is None:
         return
     _check_width(field, crc, site)
-    place_of_crc = layout.fields.index(field)
-    # The first of these is the CRC itself.
-    fields_from_crc = layout.fields[place_of_crc:]
-    if any(not isinstance(later_field.kind, CrcValue) for later_field in fields_from_crc):
+    index_of_crc = layout.fields.index(field)
+    fields_after_crc = layout.fields[index_of_crc + 1 :]
+    if any(not isinstance(later_field.kind, CrcValue) for later_field in fields_after_crc):
         problem = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
         if crc_value.of:
             problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
         site.report("crc-not-last", problem)
-    problems_of_fields = chain(
-        _yield_gap_in_fields(layout, crc_value, site), _yield_fields_left_out(layout, field, crc_value)
+    problem = _problem_of_covered_fields(layout, crc_value, site) or _problem_of_fields_left_out(
+        layout, field, crc_value
     )
-    problem = next(problems_of_fields, "")
     if problem:
         site.report("crc-of", problem, "crc_of")
     is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
@@ -77,9 +78,9 @@ def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: LayoutSit
 
 
 def _check_width(field: Field, crc: Crc, site: LayoutSite) -> None:
-    """Check that a CRC has its width, or no bits for order codes without it.
+    """Check that the field of a CRC has the width of the CRC, or no bits for order codes without a CRC.
 
-    In a register, it must always have its width.
+    In a register, the field must always have the full width.
     """
     if field.width.is_constant:
         if field.width != Expression(crc.width):
@@ -90,7 +91,7 @@ def _check_width(field: Field, crc: Crc, site: LayoutSite) -> None:
         message = f"'{field.name}' is a CRC in a register, so its width is {crc.width} for all order codes"
         site.report("width-mismatch", f"{message}, but 'bits' is {field.width.render()}; remove 'bits'")
         return
-    for parameters in site.sets:
+    for parameters in site.parameter_sets:
         width = field.width.value(parameters)
         if width not in (0, crc.width):
             message = f"'{field.name}' has {width} bits{values_text(parameters, field.width)}"
@@ -98,46 +99,50 @@ def _check_width(field: Field, crc: Crc, site: LayoutSite) -> None:
             site.report("width-mismatch", f"{message}, but the CRC '{crc.name}' has {crc.width} or none; {remedy}")
             return
     if field.widest == 0:
-        message = f"'{field.name}' has no bits, since '{field.width.render()}' is 0 for all order codes"
+        message = f"'{field.name}' has no bits, because '{field.width.render()}' is 0 for all order codes"
         remedy = f"remove the field, or give the parameter {crc.width} where it is sent"
         site.report("width-mismatch", f"{message}; {remedy}")
 
 
 def _is_plain(crc: Crc) -> bool:
-    """Return True if zeros before a frame do not change its CRC, and its bits are in the order sent."""
+    """Return whether zeros before a frame do not change its CRC, and the bits of the CRC are in transmission order."""
     return not crc.init and not crc.refin and not crc.refout
 
 
-def _yield_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue) -> Iterator[str]:
-    """Yield at most one problem: fields that a CRC with ``crc_of`` does not list, unless a note names them.
+def _problem_of_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue) -> str:
+    """Return a message if a CRC lists the fields that it covers in ``crc_of``, but leaves out some, or "".
 
-    Constants and unused bits need no mention. The note can belong to the layout or to the CRC.
+    A note of the layout or of the CRC can name the fields that the manual excludes. Constants and unused bits may be
+    left out.
     """
     if not crc_value.of:
-        return
+        return ""
     words_in_notes = re.findall(r"\w+", f"{layout.note} {crc.note}")
     mentioned_names = {crc.name, *crc_value.of, *words_in_notes}
     data_names = [field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused))]
     names_left_out = join_words(name for name in data_names if name not in mentioned_names)
-    if names_left_out:
-        remedy = f"add the missing fields to 'crc_of', or add a 'note' that the manual excludes {names_left_out}"
-        yield f"'{crc.name}' does not cover {names_left_out}; {remedy}"
+    if not names_left_out:
+        return ""
+    remedy = f"add the missing fields to 'crc_of', or add a 'note' that the manual excludes {names_left_out}"
+    return f"'{crc.name}' does not cover {names_left_out}; {remedy}"
 
 
-def _yield_gap_in_fields(layout: Layout, crc_value: CrcValue, site: LayoutSite) -> Iterator[str]:
-    """Yield at most one problem: the reason why the fields in ``crc_of`` are not adjacent bits at a fixed place."""
+def _problem_of_covered_fields(layout: Layout, crc_value: CrcValue, site: LayoutSite) -> str:
+    """Return why a CRC cannot cover the fields that it lists in ``crc_of``, or "".
+
+    They must be adjacent bits at a place that is the same for all order codes, in a frame that is not sent as bytes.
+    """
     if crc_value.of and layout.in_bytes:
         interface = INTERFACES[site.interface]
-        interface_text = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
-        yield f"{interface_text}, a CRC covers everything before it; remove 'crc_of'"
-        return
+        is_always_bytes = interface.carried_as == "bytes"
+        interface_text = f"over {interface.title}" if is_always_bytes else "with 'carried_as: bytes'"
+        return f"{interface_text}, a CRC covers everything before it; remove 'crc_of'"
     fields_by_name = {field.name: field for field in layout.fields}
     covered_fields = [fields_by_name[name] for name in crc_value.of if name in fields_by_name]
     for field in covered_fields:
         if not field.is_fixed:
-            yield f"'{field.name}' differs in place or width between order codes, so 'crc_of' cannot list it"
-            return
+            return f"'{field.name}' differs in place or width between order codes, so 'crc_of' cannot list it"
     for above, below in pairwise(covered_fields):
         if below.low + below.width != above.low:
-            yield f"'{above.name}' and '{below.name}' are not adjacent; list adjacent fields, in the order sent"
-            return
+            return f"'{above.name}' and '{below.name}' are not adjacent; list adjacent fields, in the order sent"
+    return ""

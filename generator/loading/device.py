@@ -1,7 +1,7 @@
 """Build the model from checked data.
 
-Problems that rules cannot see in the text are found here: bits that overlap, limits that do not fit, examples that
-contradict their layout. A part that cannot be built is reported and omitted, so that one run shows every problem.
+Building finds problems that are not visible in the text of a spec: bits that overlap, limits that do not fit, examples
+that contradict their layout. A part that cannot be built is reported and left out, so that one run shows every problem.
 """
 
 from __future__ import annotations
@@ -62,30 +62,32 @@ from .from_mapping import (
 from .interfaces import build_interfaces, build_measurement, check_spi_registers
 from .layouts import build_layout
 from .parameters import check_named_widths, check_reach, coded_values, held_in_registers, parameter_sets, too_much_work
-from .position_rules import check_measurements, check_position_widths
-from .procedure_limits import check_limits_in_procedures
+from .position_rules import check_measurements
+from .position_widths import check_position_widths
 from .repeated_facts import check_agreement
-from .request_rules import check_control_bytes, check_requests
+from .request_rules import check_control_bytes, check_limits_in_procedures, check_requests
 from .samples import sample_frames
 from .stated_lengths import check_stated_bits, check_stated_lengths
 from .unused_parameters import check_unused_parameters
 
 
 def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
-    """Return the family described by a checked device file, or None if an expression has no value or too many.
+    """Return the device that a checked spec describes, or None if an expression has no value or too many values.
 
-    Parts that could not be built are missing from the result. It can be used only if nothing was reported.
+    Parts that could not be built are left out of the device. It can only be used if nothing was reported.
     """
     definitions = _derived_expressions(raw_spec)
     order_code = code_grammar(raw_spec["order_code"])
     alternatives = tuple(_build_alternative(raw_alternative) for raw_alternative in raw_spec.get("alternatives", ()))
     default_answers: dict[str, int] = {}
     for alternative in alternatives:
-        default_answers |= alternative.answers[0].sets  # The first answer applies unless another one is chosen.
+        default_answers |= alternative.answers[0].sets  # The first answer applies by default.
     default_values = {**held_in_registers(raw_spec, report), **default_answers}
     variants = _list_variants(order_code, definitions, default_values)
     context = _build_context(raw_spec, report, definitions, variants, alternatives)
-    if too_much_work(raw_spec, context) or (variants and not check_reach(raw_spec, context, variants)):
+    if too_much_work(raw_spec, context):
+        return None
+    if variants and not check_reach(raw_spec, context, variants):
         return None
     check_only(raw_spec, variants, report)
     check_alarms(raw_spec, report)
@@ -113,7 +115,7 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
 
 
 def _content_hash(raw_spec: Raw) -> str:
-    """Return the start of the hash of a spec as loaded, without its comments and its spelling of values."""
+    """Return the first 8 digits of a hash of the values in a spec. Comments and formatting do not change it."""
     content = json.dumps(raw_spec, ensure_ascii=True, separators=(",", ":"))
     return hashlib.sha256(content.encode("ascii")).hexdigest()[:8]
 
@@ -125,7 +127,7 @@ def _build_context(
     variants: Sequence[Variant],
     alternatives: Sequence[Alternative],
 ) -> LayoutContext:
-    """Return the definitions that layouts may refer to, such as groups with their paths in the spec."""
+    """Return the definitions in a spec that layouts may refer to: field groups, CRCs, data IDs and parameters."""
     groups = {}
     for index, group in enumerate(raw_spec.get("field_groups", ())):
         groups[group["name"]] = (group, ("field_groups", index))
@@ -150,8 +152,8 @@ def _build_device_without_procedures(
     alternatives: tuple[Alternative, ...],
     context: LayoutContext,
 ) -> Device:
-    """Return the family without its procedures, which need the built device."""
-    # Interfaces come before registers, which determines the order of the reported problems.
+    """Return the device without its procedures, which can only be built when the rest of the device is complete."""
+    # Interfaces are built before registers, so that their problems are reported first.
     interfaces, registers = build_interfaces(raw_spec, context), _build_registers(raw_spec, context)
     parameters = raw_spec["parameters"].items()
     return build_part(
@@ -179,7 +181,7 @@ def _build_device_without_procedures(
 
 
 def _derived_expressions(raw_spec: Raw) -> Mapping[str, Expression]:
-    """Return the expressions of parameters derived from other parameters, by name, without invalid ones."""
+    """Return the expression of each parameter that is calculated from others, by name. Invalid ones are left out."""
     definitions = {}
     for name, parameter in raw_spec["parameters"].items():
         if "equals" not in parameter:
@@ -192,20 +194,20 @@ def _derived_expressions(raw_spec: Raw) -> Mapping[str, Expression]:
 
 
 def code_grammar(raw_spec: Raw) -> OrderCode:
-    """Return the grammar of order codes from its checked data."""
+    """Return the parts and spellings of order codes from the checked section ``order_code`` of a spec."""
     parts = tuple(_build_code_part(part) for part in raw_spec["parts"])
     spellings = tuple(_build_spelling(spelling) for spelling in raw_spec.get("also_written", ()))
     return build_part(OrderCode, raw_spec, parts=parts, also_written=spellings)
 
 
 def _build_code_part(raw_part: Raw) -> CodePart:
-    """Return a part of the order code with its values."""
+    """Return a part of the order code with its values. In the spec, a value without properties is empty."""
     values = tuple(_build_code_value(text, value or {}, raw_part) for text, value in raw_part["values"].items())
-    return build_part(CodePart, raw_part, values=values, open_only_with=_allowed_values(raw_part, "open_only_with"))
+    return build_part(CodePart, raw_part, values=values, open_only_with=_texts_by_part(raw_part, "open_only_with"))
 
 
 def _build_spelling(raw_spelling: Raw) -> Spelling:
-    """Return an alternative spelling of order codes, with the texts that represent values of a part."""
+    """Return an additional spelling of order codes, with its own texts for values of the parts."""
     spelled_values: list[SpelledValue] = []
     for part, values_by_text in raw_spelling.get("values", {}).items():
         spelled_values += [SpelledValue(part, text, value) for text, value in values_by_text.items()]
@@ -225,23 +227,29 @@ def _build_alternative(raw_alternative: Raw) -> Alternative:
 
 
 def _build_answer(name: str, raw_answer: Raw) -> Answer:
-    return Answer(name, raw_answer["meaning"], MappingProxyType(dict(raw_answer["sets"])), sources(raw_answer))
+    """Return an answer to a question that the manual leaves open, with the parameters that it sets."""
+    return Answer(
+        name=name,
+        meaning=raw_answer["meaning"],
+        sets=MappingProxyType(dict(raw_answer["sets"])),
+        source=sources(raw_answer),
+    )
 
 
 def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeValue:
     """Return a value of a part of the order code. ``text_in_code`` is its text in a label."""
-    allowed_values = _allowed_values(raw_value, "only_with")
     return build_part(
         CodeValue,
         raw_value,
         text=text_in_code,
-        only_with=allowed_values,
+        only_with=_texts_by_part(raw_value, "only_with"),
         supply=build_supply(raw_value, sources(raw_part)),
     )
 
 
-def _allowed_values(raw_value: Raw, key_of_values: str) -> Mapping[str, tuple[str, ...]]:
-    return MappingProxyType({name: tuple(values) for name, values in raw_value.get(key_of_values, {}).items()})
+def _texts_by_part(raw_value: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
+    """Return the texts of other parts of the order code with which a value is possible, by the name of the part."""
+    return MappingProxyType({part_name: tuple(texts) for part_name, texts in raw_value.get(key, {}).items()})
 
 
 def _list_variants(
@@ -249,7 +257,8 @@ def _list_variants(
 ) -> tuple[Variant, ...]:
     """Return every listed order code with its parameters.
 
-    ``default_values`` are the values of the parameters that order codes may leave to a register or an alternative.
+    ``default_values`` are the values of parameters that an order code does not set: the factory defaults of registers,
+    and the first answers to open questions.
     """
     if not order_code.parts:
         return ()
@@ -263,13 +272,17 @@ def _list_variants(
 
 
 def _build_parameter(name: str, raw_parameter: Raw, context: LayoutContext) -> Parameter:
-    """Return a parameter with its limits, from its codes if it has any, and its largest value over all order codes."""
+    """Return a parameter with its limits and its largest value over all order codes.
+
+    If a register holds the parameter as a code, the limits are the lowest and the highest value of the codes.
+    """
     codes = coded_values(raw_parameter)
     if codes:
         coded_numbers = raw_parameter["by_code"].values()
         raw_parameter = {**raw_parameter, "min": min(coded_numbers), "max": max(coded_numbers)}
-    all_values: list[int] = []  # 0 where a set lacks the parameter.
+    all_values: list[int] = []
     for sets_of_interface in context.parameter_sets.values():
+        # A parameter that an order code does not have counts as 0.
         all_values += [parameters.get(name, 0) for parameters in sets_of_interface]
     equals = context.definitions.get(name)
     return build_part(
@@ -279,17 +292,20 @@ def _build_parameter(name: str, raw_parameter: Raw, context: LayoutContext) -> P
 
 def _build_registers(raw_spec: Raw, context: LayoutContext) -> tuple[Register, ...]:
     """Return the registers whose layouts are valid."""
-    definitions = enumerate(raw_spec.get("registers", ()))
-    registers = (_build_register(definition, ("registers", index), context) for index, definition in definitions)
-    return tuple(register for register in registers if register is not None)
+    registers: list[Register] = []
+    for index, raw_register in enumerate(raw_spec.get("registers", ())):
+        register = _build_register(raw_register, ("registers", index), context)
+        if register is not None:
+            registers.append(register)
+    return tuple(registers)
 
 
 def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Register | None:
-    """Return a register, or None if its layout is not valid. A register without fields is one number."""
+    """Return a register, or None if its layout is not valid. A register without fields contains a single number."""
     interface = raw_register.get("interface", Biss.name)
     register_bits = 8 * raw_register["length"]
     only_field = {"name": raw_register["name"], "bits": register_bits}
-    raw_with_fields = {"fields": [only_field], **raw_register}  # Fields of the register take precedence.
+    raw_with_fields = {"fields": [only_field], **raw_register}  # If the register lists fields, these replace it.
     layout = build_layout(raw_with_fields, LayoutSite(path, context, interface), register_bits)
     if layout is None:
         return None
@@ -312,22 +328,24 @@ def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Re
 
 
 def _build_register_meaning(raw_meaning: Raw, context: LayoutContext) -> RegisterMeaning:
+    """Return one of several meanings of a register, with its limits."""
     return build_part(
         RegisterMeaning, raw_meaning, value=raw_meaning["is"], **context.expressions(raw_meaning, ("min", "max"))
     )
 
 
 def _check_limits(register: Register, path: Path, context: LayoutContext) -> None:
-    """Check that the limits fit their field, and that the default fits the limits and the named values.
+    """Check that the limits of a register fit into their field, and that its default is within them.
 
-    Only the first problem is reported, for the first order code that has it.
+    If the register has named values, the default must be one of them. Only the first problem is reported, for the first
+    order code that has it.
     """
     expressions = [register.min, register.max]
     for field in register.layout.fields:
         expressions += [field.low, field.width]
     depends_on_order_code = any(expression is not None and not expression.is_constant for expression in expressions)
     sets = context.parameter_sets.get(register.interface, ())
-    # Without such a dependency, the first order code represents all.
+    # If nothing depends on the order code, the first order code represents all.
     compared_sets = sets if depends_on_order_code else sets[:1]
     for parameters in compared_sets:
         placed = register.layout.place(parameters)
@@ -339,11 +357,11 @@ def _check_limits(register: Register, path: Path, context: LayoutContext) -> Non
 
 
 #: A problem of a register: the rule, the key with the problem, the message.
-_Wrong = tuple[str, str, str]
+_Problem = tuple[str, str, str]
 
 
 class _Limits(NamedTuple):
-    """The lowest and the highest value of a register as stored, and the number for which a stored zero stands."""
+    """The lowest and the highest value that a register stores, and the number that a stored zero represents."""
 
     low: int
     high: int
@@ -351,17 +369,21 @@ class _Limits(NamedTuple):
 
 
 def _limits_for_code(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
-    """Return the limits of a register for one order code. If the highest number is stored as 0, it is not ``high``."""
+    """Return the limits of a register for one order code.
+
+    Some registers store their highest number as 0, such as 256 in 8 bits. Then ``high`` is the number below it.
+    """
     bounded_field = placed.find_field(name_with_limits(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
     low, high = value_bounds(register, placed, (register.min, register.max), parameters)
-    if zero_means and high == zero_means:
-        high -= 1  # The highest number is stored as zero.
+    is_highest_stored_as_zero = zero_means > 0 and high == zero_means
+    if is_highest_stored_as_zero:
+        high -= 1
     return _Limits(low, high, zero_means)
 
 
-def _problem_of_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
-    """Return the first problem of the limits for an order code, or None."""
+def _problem_of_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Problem | None:
+    """Return the first problem with the limits of a register for one order code, or None."""
     lowest, highest = numbers_that_fit(register, placed)
     limits = _limits_for_code(register, placed, parameters)
     width_text = f"the {bounded_width(register, placed)} bits of '{register.limits_of}'"
@@ -374,20 +396,20 @@ def _problem_of_limits(register: Register, placed: PlacedLayout, parameters: Map
     return None
 
 
-def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
-    """Return the first problem of the default for an order code, or None."""
+def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Problem | None:
+    """Return the first problem with the default of a register for one order code, or None."""
     default = register.default
     if default is None:
         return None
     limits = _limits_for_code(register, placed, parameters)
     value = _number_within_limits(register, placed, default)
-    # A stored zero can represent another number.
-    meant_value = value or limits.zero_means
+    # A stored zero can represent a different number.
+    represented_value = value or limits.zero_means
     named_numbers = [named_value.value for named_value in register.values]
     register_bits = 8 * register.length
     if default >> register_bits:
         problem = f"{default:#x} does not fit into {register_bits} bits"
-    elif not limits.low <= meant_value <= max(limits.high, limits.zero_means):
+    elif not limits.low <= represented_value <= max(limits.high, limits.zero_means):
         problem = f"{value} is outside the limits {limits.low} to {limits.high}"
     elif named_numbers and default not in named_numbers and not register.clears_itself:
         problem = f"{default:#x} is not one of the values {', '.join(f'{number:#x}' for number in named_numbers)}"
@@ -397,7 +419,10 @@ def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Ma
 
 
 def _number_within_limits(register: Register, placed: PlacedLayout, default: int) -> int:
-    """Return the number in the default to which the limits apply, with its sign: a field, a join or the register."""
+    """Return the signed number in the default value of a register to which the limits apply.
+
+    The limits apply to a field, to a number that consists of several fields, or to the whole register.
+    """
     bounded_name, width = name_with_limits(register), bounded_width(register, placed)
     bounded_joins = [join for join in register.layout.joins if join.name == bounded_name]
     if bounded_joins:
@@ -408,6 +433,6 @@ def _number_within_limits(register: Register, placed: PlacedLayout, default: int
         mask = (1 << width) - 1
         number_without_sign = (default >> low_bit) & mask
     _, highest = numbers_that_fit(register, placed)
-    # Only a signed field holds bits that read as more than its highest number.
+    # Read without a sign, a negative number is larger than the highest number of a signed field.
     is_negative = number_without_sign > highest
     return number_without_sign - (1 << width) if is_negative else number_without_sign

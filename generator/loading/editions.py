@@ -1,7 +1,7 @@
-"""Editions of a manual: the family as it was before a revision, or with the published facts of a later one.
+"""Editions of a manual: the family as an older revision described it, or with the published facts of a later one.
 
-The spec transcribes one revision. Its ``editions`` are applied to it step by step: the changes ``before`` each revision
-on the way back to an older one, or the changes ``then`` on the way to a newer one.
+The spec transcribes one revision. The changes in ``editions`` lead from it to other revisions, step by step: the
+changes ``before`` each revision lead back to an older one, and the changes ``then`` lead to a newer one.
 """
 
 from __future__ import annotations
@@ -21,26 +21,26 @@ from .change_titles import change_title
 from .from_mapping import build_part
 from .overlays import Build, Family, errata_of, join_shortened, without_examples
 
-#: Largest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
+#: Highest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
 MOST_VALUES = 500_000
 _ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 Raw = Mapping[str, Any]
 
 
 class UnknownEdition(ValueError):
-    """No such edition. The message lists the existing editions."""
+    """There is no such edition. The message lists the existing editions."""
 
 
 def editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
-    """Return the editions that can be selected, oldest first, or none if the spec lists no changes.
+    """Return the editions of the manual that users can select, oldest first, or ``()`` if the spec lists no changes.
 
-    These are all revisions of the history, the revision that the spec transcribes, and revisions with changes.
+    These are all revisions in the manual's history, the revision that the spec transcribes, and later revisions.
     """
     editions_by_revision = {edition["revision"]: edition for edition in raw_spec.get("editions", ())}
     if not editions_by_revision:
         return ()
     manual = raw_spec["manual"]
-    # In the order of the history, then the transcribed revision, then the later revisions.
+    # The order is: the history, the transcribed revision, later revisions.
     dates_by_revision = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
     own_revision = manual["revision"]
     date_in_history = dates_by_revision.get(own_revision, "")
@@ -59,7 +59,7 @@ def _build_edition(definition: Raw, revision: str, date: str) -> ManualEdition:
 
 
 def revision_for(device: Device, wanted: str) -> str:
-    """Return the revision of an edition given by its revision, or by a date on which it was the latest.
+    """Return the revision that a user asked for, either by its name or by a date on which it was the latest.
 
     Raises:
         UnknownEdition: There is no such edition.
@@ -67,12 +67,12 @@ def revision_for(device: Device, wanted: str) -> str:
     revisions = [edition.revision for edition in device.editions] or [device.manual.revision]
     if wanted in revisions:
         return wanted
-    # A year does not determine which edition was the latest on a given day.
+    # Editions that are only dated by a year do not show which edition was the latest on a given day.
     dated_editions = [edition for edition in device.editions if _ISO_DATE.fullmatch(edition.date)]
     if not dated_editions or not _ISO_DATE.fullmatch(wanted):
         message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {join_words(revisions, 'or')}"
         raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
-    # Dates such as 2020-03-31 are in order as texts. The editions are oldest first, so the last one was the latest.
+    # Dates such as 2020-03-31 can be compared as texts. The editions are oldest first, so the last one was the latest.
     editions_so_far = [edition for edition in dated_editions if edition.date <= wanted]
     if not editions_so_far:
         first_edition = dated_editions[0]
@@ -82,17 +82,15 @@ def revision_for(device: Device, wanted: str) -> str:
 
 
 def edition_of(family: Family, revision: str, build: Build, report: ProblemReport) -> Family | None:
-    """Return the family in the edition of this revision, or None if it cannot be built.
-
-    Its problems are reported in the spec.
+    """Return a family as an edition of its manual describes it, or None if it cannot be built.
 
     Args:
-        family: The family as in its spec.
-        revision: One of its editions.
-        build: Builds the family of a document.
-        report: Receives changes that cannot be applied, and problems of the result.
+        family: The family as its spec describes it.
+        revision: The revision of the edition.
+        build: Builds the device of a document.
+        report: Receives changes that cannot be applied, and problems of the edition.
     """
-    # A change that fails may already be reported for a later edition, which has it too.
+    # A change that cannot be applied may already be reported, because later editions contain it too.
     report_of_changes = ProblemReport()
     layered_spec = LayeredSpec(family.document, report_of_changes)
     for index, key, name in _change_lists(family, revision):
@@ -100,7 +98,7 @@ def edition_of(family: Family, revision: str, build: Build, report: ProblemRepor
             [OverlayLayer(document=family.document, path=("editions", index, key), kind=LayerKind.EDITION, name=name)]
         )
     report.include(report_of_changes)
-    # Such as ``x_24_1_4`` for edition 1.4.
+    # For example ``x_24_1_4`` for edition 1.4.
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = layered_spec.document(name)
     document = replace(document, data={key: value for key, value in document.data.items() if key != "editions"})
@@ -110,7 +108,7 @@ def edition_of(family: Family, revision: str, build: Build, report: ProblemRepor
         _report_in_edition(inner_report, revision, report)
     if device is None:
         return None
-    # All order codes stay. What none of them uses is removed, such as values and examples that this edition lacks.
+    # This keeps all order codes, but removes values and examples that none of them uses in this edition.
     device = for_codes(device, {variant.code for variant in device.variants})
     date = next((edition.date for edition in family.device.editions if edition.revision == revision), "")
     device = replace(
@@ -128,7 +126,7 @@ def edition_of(family: Family, revision: str, build: Build, report: ProblemRepor
 
 
 def _report_in_edition(inner_report: ProblemReport, revision: str, report: ProblemReport) -> None:
-    """Report the problems of an edition at their places, except those that are in the report already."""
+    """Report the problems of an edition at their places in the spec, except problems that are already reported."""
     reported = set(report.problems)
     for problem in inner_report.problems:
         if problem not in reported:
@@ -138,23 +136,21 @@ def _report_in_edition(inner_report: ProblemReport, revision: str, report: Probl
 
 
 def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
-    """Yield the lists of changes that lead to a revision, in the order of application.
+    """Yield the lists of changes that lead from the revision that the spec transcribes to another one, in order.
 
-    Each is the index of an edition in the spec, the key of the list, and the name for outputs: ``(2, "before", "before
-    1.4")`` on the way back to an older revision, or ``(3, "then", "1.6")`` to a newer one.
+    Each list is given as the index of an edition in the spec, the key of the list, and its name in outputs: ``(2,
+    "before", "before 1.4")`` for an older revision, or ``(3, "then", "1.6")`` for a newer one.
     """
     oldest_first = [edition.revision for edition in family.device.editions]
-    # The revision that the spec transcribes, from which the changes lead to the wanted revision.
-    own_position = oldest_first.index(family.device.manual.revision)
+    transcribed_position = oldest_first.index(family.device.manual.revision)
     wanted_position = oldest_first.index(revision)
-    if wanted_position < own_position:
-        # Back from the transcribed revision, newest first: each step undoes what came with a revision.
-        # With 1.2, 1.3 and 1.4, the way from 1.4 to 1.2 undoes 1.4 and 1.3.
+    if wanted_position < transcribed_position:
+        # Each step back undoes the changes of one revision, newest first: from 1.4 to 1.2, undo 1.4, then 1.3.
         key = "before"
-        passed_revisions = list(reversed(oldest_first[wanted_position + 1 : own_position + 1]))
+        passed_revisions = list(reversed(oldest_first[wanted_position + 1 : transcribed_position + 1]))
     else:
         key = "then"
-        passed_revisions = oldest_first[own_position + 1 : wanted_position + 1]
+        passed_revisions = oldest_first[transcribed_position + 1 : wanted_position + 1]
     # The spec lists only editions with changes, in any order.
     raw_editions = family.document.data.get("editions", ())
     indices_in_spec = {edition["revision"]: index for index, edition in enumerate(raw_editions)}
@@ -168,13 +164,13 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
 
 
 def errata_of_other_editions(raw_spec: Raw) -> Iterator[Erratum]:
-    """Yield the changes of all other editions, as errata of the family of the spec."""
+    """Yield the changes of all other editions of the manual as errata, so that users of these editions see them."""
     for edition in raw_spec.get("editions", ()):
         revision = edition["revision"]
         for key, name in (("before", f"before {revision}"), ("then", revision)):
             for number, change in enumerate(edition.get(key, ()), 1):
                 kinds = [kind for kind in CHANGE_KINDS if kind in change]
-                # A change with no kind or several is reported when it is applied.
+                # A change without exactly one kind is reported when it is applied.
                 if len(kinds) == 1:
                     yield _edition_erratum(raw_spec, change, name, number, kinds[0])
 
@@ -191,10 +187,10 @@ def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: i
     """
     text_or_texts = change[kind_of_change]
     affected_texts = text_or_texts if isinstance(text_or_texts, list) else [text_or_texts]
-    # The text of 'also' is a sentence. Texts of other kinds are paths.
-    affected_paths = (
-        [] if kind_of_change == "also" else [_affected_path(raw_spec, path_text) for path_text in affected_texts]
-    )
+    affected_paths: list[str] = []
+    # The text of 'also' is a sentence. The texts of all other kinds are paths.
+    if kind_of_change != "also":
+        affected_paths = [_affected_path(raw_spec, path_text) for path_text in affected_texts]
     if kind_of_change == "remove":
         used = LEFT_OUT
     elif kind_of_change in ("unknown", "also"):
@@ -218,7 +214,7 @@ def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: i
 
 
 def _value_in_words(changed_value: object) -> str:
-    """Return a value of a spec in words, such as ``yes`` for true or ``width = 6, poly = 3`` for a map."""
+    """Return a value from a spec in words, such as ``yes`` for true or ``width = 6, poly = 3`` for a map."""
     match changed_value:
         case bool():
             return "yes" if changed_value else "no"
@@ -231,19 +227,19 @@ def _value_in_words(changed_value: object) -> str:
 
 
 def _affected_path(raw_spec: Raw, path_in_change: str) -> str:
-    """Return the path of a change as an erratum gives it.
+    """Return the path of a changed part in the notation of errata.
 
-    For an item that the change adds, it is the path of the part that exists and receives it.
+    If the change adds a part, this is the path of the existing part that it is added to.
     """
     try:
         path = resolve(raw_spec, path_in_change)
-    except MissingPath as missing_path:  # Added items do not exist yet.
+    except MissingPath as missing_path:  # The added part does not exist yet.
         path = missing_path.existing_path
     return as_affected(raw_spec, path)
 
 
 def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
-    """Report too many editions, editions in the wrong place, and labels, registers and runs that do not exist."""
+    """Report too many editions, duplicate or misplaced editions, and references to parts that do not exist."""
     count = len(device.editions)
     value_count = len(leaves(raw_spec))
     if count * value_count > MOST_VALUES:
@@ -266,31 +262,40 @@ def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> Non
 
 
 def _check_order(raw_spec: Raw, edition: Raw, path: Path, report: DocumentReport) -> None:
-    """Check that an edition has 'before' or 'then' according to its place in the history.
+    """Check that an edition has the key 'before' or 'then' according to its place in the manual's history.
 
-    ``before`` is for the revisions after the first, up to the one that the spec transcribes. ``then`` is for later
+    ``before`` is for revisions after the first, up to the revision that the spec transcribes. ``then`` is for later
     revisions.
     """
     history = [release["revision"] for release in raw_spec["manual"].get("history", ())]
-    own_revision = raw_spec["manual"]["revision"]
+    transcribed_revision = raw_spec["manual"]["revision"]
     # The history is oldest first. The first revision has no predecessor, so it cannot have 'before'.
-    up_to_own = history[: history.index(own_revision) + 1] if own_revision in history else [own_revision]
+    if transcribed_revision in history:
+        earlier_revisions = history[: history.index(transcribed_revision) + 1]
+        can_have_before = edition["revision"] in earlier_revisions[1:]
+    else:
+        # Another rule reports that the transcribed revision is not in the history.
+        earlier_revisions = [transcribed_revision]
+        can_have_before = edition["revision"] in history[1:]
     name = edition["revision"]
-    # A revision that is not in the history is reported elsewhere.
-    is_earlier = name in up_to_own[1:] or (own_revision not in history and name in history[1:])
-    if "before" in edition and not is_earlier:
+    if "before" in edition and not can_have_before:
         message = (
             f"{quoted(name)} can have 'before' only if it is in the history, after the first and not after"
-            f" {own_revision}"
+            f" {transcribed_revision}"
         )
         report.add("edition-order", (*path, "before"), message, at_key=True)
-    if "then" in edition and name in up_to_own:
-        message = f"{quoted(name)} is not after {own_revision}, which this file transcribes; use 'before' for it"
+    if "then" in edition and name in earlier_revisions:
+        message = (
+            f"{quoted(name)} is not after {transcribed_revision}, which this file transcribes; use 'before' for it"
+        )
         report.add("edition-order", (*path, "then"), message, at_key=True)
 
 
 def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -> None:
-    """Check that a test of an edition names a register and one of its runs, and has limits in order."""
+    """Check a test that shows by a register which edition applies: its register, its number and its limits.
+
+    The number is a field of the register, or a run of decimal digits in a field. ``min`` must not exceed ``max``.
+    """
     register = next((candidate for candidate in device.registers if candidate.name == test["register"]), None)
     if register is None:
         report.add("undefined-reference", (*path, "register"), f"there is no register {quoted(test['register'])}")
@@ -302,7 +307,7 @@ def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -
 
 
 def runs_of(register: Any) -> list[str]:
-    """Return the names of a register's fields, and of the runs of digits in these fields."""
+    """Return the names of a register's fields, and of the runs of decimal digits in them, such as year and week."""
     names = [field.name for field in register.layout.fields]
     for field in register.layout.fields:
         names += [run.name for run in getattr(field.kind, "runs", ())]

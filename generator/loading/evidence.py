@@ -1,4 +1,4 @@
-"""Evidence and history of a spec: placeholders, how often its facts were read, and its versions with their changes."""
+"""Evidence and history of a spec: its placeholders, the number of readings of each fact, and its released versions."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ RULE = "coverage-file"
 
 
 def read_counts(spec: Path, report: ProblemReport) -> TimesRead | None:
-    """Return the counts stored next to a spec, or None if there are none.
+    """Return how often the facts of a spec were read from the manual, from a file next to it, or None without a file.
 
-    A file with other content is reported as edited.
+    If the file does not contain such counts, it is reported as edited.
     """
     file = coverage_path(spec)
     if not file.is_file():
@@ -31,7 +31,7 @@ def read_counts(spec: Path, report: ProblemReport) -> TimesRead | None:
         has_expected_keys = set(counts) == set(expected_keys)
         if has_expected_keys and all(type(counts[name]) is int for name in expected_keys):
             return TimesRead(**counts)
-    except (OSError, ValueError, TypeError, RecursionError):  # TypeError: the content is not a map.
+    except (OSError, ValueError, TypeError, RecursionError):  # A TypeError means that the content is not a map.
         pass
     message = "the file was edited; write it again: codewheel check --coverage --write"
     report.add_at(str(file), 1, 1, RULE, message)
@@ -45,14 +45,15 @@ def counts_text(counts: TimesRead) -> str:
 
 #: The only grade of a spec that is still being filled in.
 _LOWEST_GRADE = "uncorroborated"
-_MOST_NAMES = 3
+#: Highest number of placeholders that a message names.
+_MAX_SHOWN_NAMES = 3
 
 
 def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> Device:
-    """Return the device with the names of its placeholders in its evidence. Report a grade that is too high.
+    """Return the device with its placeholders listed in its evidence, and report a grade that is too high.
 
-    A placeholder is a text of the template that was not replaced. A spec with a placeholder can only have the lowest
-    grade.
+    A placeholder is a text from the template for new specs that was not replaced. A spec with placeholders can only
+    have the lowest grade.
     """
     if not raw_spec.get("evidence"):
         return device
@@ -61,7 +62,8 @@ def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> 
         names.append("manufacturer.title")
     grade = device.evidence.grade
     if names and grade != _LOWEST_GRADE:
-        message = f"the grade '{grade}' allows no values left over from the template: {first_of(names, _MOST_NAMES)}"
+        names_text = first_of(names, _MAX_SHOWN_NAMES)
+        message = f"the grade '{grade}' allows no values left over from the template: {names_text}"
         remedy = f"replace each text with TODO, or write 'grade: {_LOWEST_GRADE}' until then"
         report.add("evidence-grade", ("evidence", "grade"), f"{message}; {remedy}")
     return replace(device, evidence=replace(device.evidence, placeholders=tuple(names)))
@@ -76,9 +78,9 @@ def history_beside(spec: Path) -> Path:
 
 
 def read_history(spec: Path, report: ProblemReport) -> tuple[Release, ...]:
-    """Return the versions stored next to a spec, newest first, or none if the file is missing.
+    """Return the released versions of a spec, newest first, from a file next to it, or ``()`` without a file.
 
-    A file with other content is reported as edited.
+    If the file does not contain such versions, it is reported as edited.
     """
     file = history_beside(spec)
     if not file.is_file():
@@ -96,10 +98,10 @@ def read_history(spec: Path, report: ProblemReport) -> tuple[Release, ...]:
 
 
 def _build_release(release_data: dict[str, object]) -> Release:
-    """Return a version from the data of the file.
+    """Return a released version from its data in the file.
 
     Raises:
-        TypeError: The changes or names are not lists, or have other members than in the model.
+        TypeError: The changes or names are not lists, or their members differ from the model.
         KeyError: There are no changes.
     """
     changes = release_data["changes"]
@@ -114,7 +116,7 @@ def _build_release(release_data: dict[str, object]) -> Release:
 
 
 def _has_only_texts(release: Release) -> bool:
-    """Return True if all members of a release and of its changes are texts."""
+    """Return whether all members of a released version and of its changes are texts."""
     texts: list[object] = [release.version, release.since, release.manual, *release.names]
     for change in release.changes:
         texts += asdict(change).values()
@@ -122,8 +124,9 @@ def _has_only_texts(release: Release) -> bool:
 
 
 def with_release(releases: Sequence[Release], release: Release) -> tuple[Release, ...]:
-    """Return the history with the version added first. An earlier record of the same version is replaced."""
-    return (release, *(earlier_release for earlier_release in releases if earlier_release.version != release.version))
+    """Return the history with a new version at its beginning. An earlier record of the same version is replaced."""
+    other_releases = [other_release for other_release in releases if other_release.version != release.version]
+    return (release, *other_releases)
 
 
 def history_text(releases: Sequence[Release]) -> str:

@@ -31,17 +31,18 @@ from .from_mapping import Raw, build_part
 from .valid_parts import valid_parts_so_far
 
 #: Key in an example that is wrong, such as ``("values", "position")``, and the message.
-Wrong = tuple[Path, str]
+ExampleError = tuple[Path, str]
 
 _EXAMPLES: Mapping[str, Callable[..., Example]] = {kind.kind: kind for kind in get_args(Example)}
 
 
 def build_examples(raw_spec: Raw) -> tuple[Example, ...]:
+    """Return the worked examples of a spec."""
     return tuple(map(_build_example, raw_spec.get("examples", ())))
 
 
 def _build_example(raw_example: Raw) -> Example:
-    """Return one example. Its sender is the encoder unless the spec has ``from``."""
+    """Return one worked example. The encoder is its sender unless the key ``from`` names another one."""
     members = {
         "sender": raw_example.get("from", "encoder"),
         **raw_example,
@@ -62,32 +63,33 @@ def check_examples(device: Device, report: DocumentReport) -> None:
 
 
 def _is_built(device: Device, example: Example) -> bool:
-    """Return True if the parts that the example names, and all interfaces, were built.
+    """Return whether all parts of the device that an example needs were built.
 
-    Parts that were not built have been reported.
+    These are the parts that it names, and all interfaces. Parts with problems are reported, but not built.
     """
     register_names = {register.name for register in device.registers}
+    layout_names = {layout.name for _, layout in device.layouts()}
     match example:
         case FrameExample():
-            is_complete = not example.layout or example.layout in {layout.name for _, layout in device.layouts()}
+            has_named_parts = example.layout in {"", *layout_names}
         case RegisterExample():
-            is_complete = example.register in register_names
+            has_named_parts = example.register in register_names
         case ProcedureExample():
             procedures = [procedure for procedure in device.procedures if procedure.name == example.procedure]
-            is_complete = any(procedure.registers <= register_names for procedure in procedures)
+            has_named_parts = any(procedure.registers <= register_names for procedure in procedures)
         case CrcExample() | MeasureExample():
-            is_complete = True
+            has_named_parts = True
         case _:
             assert_never(example)
-    # Without order codes, which have been reported then, only a CRC can be computed.
+    # Without order codes, only the example of a CRC can be computed.
     if not device.variants and not isinstance(example, CrcExample):
         return False
     built_interfaces = {interface.name for interface in device.interfaces}
-    return is_complete and all(variant.interface in built_interfaces for variant in device.variants)
+    return has_named_parts and all(variant.interface in built_interfaces for variant in device.variants)
 
 
-def _errors_of_example(device: Device, example: Example) -> list[Wrong]:
-    """Return the errors of an example. An unknown order code or an impossible value is one error of its own."""
+def _errors_of_example(device: Device, example: Example) -> list[ExampleError]:
+    """Return the errors in an example. An unknown order code or an impossible value is reported as the only error."""
     try:
         return list(_yield_errors(device, example))
     except UnknownOrderCode as reason:
@@ -97,9 +99,10 @@ def _errors_of_example(device: Device, example: Example) -> list[Wrong]:
 
 
 def example_variant(device: Device, example: Example) -> Variant:
-    """Return the order code of the example, or the first one of the family if it gives none.
+    """Return the order code of an example, or the first order code of the device if the example has none.
 
-    A frame example that gives one can also choose answers of alternatives. They replace parameters of the order code.
+    An example of a frame can also answer questions that the manual leaves open. The answers set parameters of the order
+    code.
 
     Raises:
         UnknownOrderCode: The family has no such order code.
@@ -107,15 +110,18 @@ def example_variant(device: Device, example: Example) -> Variant:
     if isinstance(example, CrcExample) or not example.order_code:
         return device.variants[0]
     listed_variants = [variant for variant in device.variants if variant.code == example.order_code]
-    # Other labels represent a listed code, for example in another spelling.
-    variant = listed_variants[0] if listed_variants else find_code(device, example.order_code).variant
+    if listed_variants:
+        variant = listed_variants[0]
+    else:
+        # The example may spell the order code differently, as on a label.
+        variant = find_code(device, example.order_code).variant
     if isinstance(example, FrameExample):
         return with_answers(device, variant, example.alternatives)
     return variant
 
 
-def _yield_errors(device: Device, example: Example) -> Iterator[Wrong]:
-    """Yield the errors of an example. Its kind determines what is computed and compared."""
+def _yield_errors(device: Device, example: Example) -> Iterator[ExampleError]:
+    """Yield the differences between an example from the manual and the results that the model computes."""
     match example:
         case FrameExample():
             yield from _check_frame(device, example)
@@ -134,8 +140,8 @@ def _yield_errors(device: Device, example: Example) -> Iterator[Wrong]:
             assert_never(example)
 
 
-def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Wrong]:
-    """Yield an error if the procedure, with the arguments of the example, does not produce the printed writes."""
+def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[ExampleError]:
+    """Yield an error if a procedure with the arguments of the example does not write the printed register values."""
     procedure = device.procedure(example.procedure)
     variant = example_variant(device, example)
     computed_writes = register_writes(device, procedure, variant, example.arguments)
@@ -144,20 +150,24 @@ def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Wron
         yield ("writes",), f"the writes are {computed_text}"
 
 
-def _check_measure(device: Device, example: MeasureExample) -> Iterator[Wrong]:
-    """Yield an error if the counts times the length of one count differ from the printed micrometres."""
+def _check_measure(device: Device, example: MeasureExample) -> Iterator[ExampleError]:
+    """Yield an error if the counts of the example, times the length of one count, differ from the printed length."""
     variant = example_variant(device, example)
     measurement = device.measurement_of(variant.interface)
     if measurement is None or measurement.step_um is None:
-        yield (), "the device does not measure a length in micrometres"
+        yield (), "the device does not measure a length in micrometers"
         return
-    micrometres = measurement.step_um.value(variant.parameters) * example.counts
-    if micrometres != example.micrometres:
-        yield ("micrometres",), f"{example.counts} counts are {micrometres} micrometres"
+    micrometers = measurement.step_um.value(variant.parameters) * example.counts
+    if micrometers != example.micrometres:
+        yield ("micrometres",), f"{example.counts} counts are {micrometers} micrometers"
 
 
-def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]:
-    """Yield an error for a wrong length, or else the errors of the decoded values, or else those of the identity."""
+def _check_register(device: Device, example: RegisterExample) -> Iterator[ExampleError]:
+    """Yield the errors in an example of a register's bytes.
+
+    The length is checked first, then the decoded values, and then the values that identify the encoder. Only the errors
+    of the first check that fails are yielded.
+    """
     register = device.register(example.register)
     variant = example_variant(device, example)
     if len(example.bytes) != register.length:
@@ -170,18 +180,25 @@ def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]
     yield from differences or _check_identity(register, decoded, variant)
 
 
-def _check_identity(register: Register, decoded: DecodedFrame, variant: Variant) -> Iterator[Wrong]:
-    """Yield the fields that differ from their ``equals``, the value by which a master identifies the encoder."""
+def _check_identity(register: Register, decoded: DecodedFrame, variant: Variant) -> Iterator[ExampleError]:
+    """Yield an error for each field of a register whose decoded value differs from its documented value ``equals``.
+
+    A master identifies the encoder by these values.
+    """
     for field in register.layout.fields:
         expected = field.documented(variant.parameters)
         value = decoded.values.get(field.name)
-        # Only like types compare: numbers with numbers, texts with texts. For a field without 'equals', this is None.
-        if type(expected) is type(value) and value != expected:
+        # A number is only compared with a number, and a text with a text. Without 'equals', ``expected`` is None.
+        has_same_type = type(expected) is type(value)
+        if has_same_type and value != expected:
             yield ("bytes",), f"'{field.name}' is {value}, but 'equals' is {expected} for {variant.code}"
 
 
-def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
-    """Yield the first kind of error: the sender, the reason to refuse the frame, its layout, or its values."""
+def _check_frame(device: Device, example: FrameExample) -> Iterator[ExampleError]:
+    """Yield the errors in an example of a frame, of the first kind that occurs.
+
+    The kinds are: the wrong sender, a frame that should be rejected but is not, a different layout, different values.
+    """
     sender = device.layout(example.layout).sender if example.layout else example.sender
     if sender != example.sender:
         yield ("from",), f"'{example.layout}' is sent by the {sender}; write 'from: {sender}'"
@@ -190,7 +207,7 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
     if example.refused:
         reported_kinds = sorted({problem.fault.value for problem in decoded.problems})
         if example.refused not in reported_kinds:
-            expected = f"it should be refused because of its {example.refused}"
+            expected = f"it should be rejected because of its {example.refused}"
             yield ("refused",), f"{expected}, but the decoder reports {', '.join(reported_kinds) or 'no error'}"
         return
     decoded_layout = decoded.layout.name if decoded.layout is not None else example.layout
@@ -200,15 +217,22 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
         yield from _check_decoded(device, decoded, example)
 
 
-def _check_decoded(device: Device, decoded: DecodedFrame, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Yield errors of the decoder, otherwise differences from printed values, otherwise from re-encoded values."""
+def _check_decoded(
+    device: Device, decoded: DecodedFrame, example: FrameExample | RegisterExample
+) -> Iterator[ExampleError]:
+    """Yield the errors in an example whose bytes were decoded.
+
+    These are the problems that the decoder reports. If there are none, they are the differences from the printed
+    values, and if there are none either, a difference between the printed bytes and the values encoded again.
+    """
     problems = decoded.problems
-    # Errors after a wrong length or CRC may only follow from it.
+    # A wrong length or CRC can cause further problems, which are not reported.
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):
         problems = problems[:1]
     if problems:
-        has_crc_error = decoded.crc is not None and not decoded.crc.ok
-        hint = _suggest_start(device, decoded.crc.name) if decoded.crc is not None and has_crc_error else ""
+        hint = ""
+        if decoded.crc is not None and not decoded.crc.ok:
+            hint = _suggest_start(device, decoded.crc.name)
         for problem in problems:
             yield _data_path(example), problem.message + hint
         return
@@ -217,10 +241,11 @@ def _check_decoded(device: Device, decoded: DecodedFrame, example: FrameExample 
 
 
 def _suggest_start(device: Device, crc_name: str) -> str:
-    """Return the text about a better start value, such as ``; with 'init: 0xff' in the CRC 'crc', it matches``.
+    """Return a suggestion for the start value of a CRC, such as ``; with 'init: 0xff' in the CRC 'crc', it matches``.
 
-    It is empty unless all examples of the CRC need the same start value, and the spec has another start value. A single
-    example always fits some start value, so with one example only all bits 0 and all bits 1 are suggested.
+    All examples of the CRC must need the same start value, and the spec must have a different one. Otherwise, the text
+    is "". A single example always matches some start value, so it only leads to a suggestion if all bits of that value
+    are 0 or all are 1.
     """
     crc = device.crc(crc_name)
     start_values: list[int] = []
@@ -236,17 +261,19 @@ def _suggest_start(device: Device, crc_name: str) -> str:
 
 
 def _needed_start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
-    """Yield the start value that the CRC needs for an example, or nothing if the example lacks the CRC."""
-    if crc.poly & 1 == 0:  # Without the last bit of the polynomial, a CRC does not determine its start value.
+    """Yield the start value with which a CRC matches an example, or nothing if the example does not contain the CRC."""
+    result_determines_start = crc.poly & 1 == 1
+    if not result_determines_start:
         return
     if isinstance(example, CrcExample) and example.crc == crc.name:
         yield init_for_result(crc, *bits_in_crc_order(crc, example.bytes), example.check)
     elif isinstance(example, FrameExample) and not example.refused:
-        if example.layout and example.layout not in {layout.name for _, layout in device.layouts()}:
-            return  # The layout has an error.
+        layout_names = {layout.name for _, layout in device.layouts()}
+        if example.layout and example.layout not in layout_names:
+            return  # The layout has an error, so it was not built.
         try:
             variant = example_variant(device, example)
-        except UnknownOrderCode:  # Reported for that example.
+        except UnknownOrderCode:  # This is reported when the example itself is checked.
             return
         decoded = decode_example(device, example, variant)
         if decoded.layout is not None and decoded.crc is not None and decoded.crc.name == crc.name:
@@ -263,18 +290,21 @@ def _data_path(example: Example) -> Path:
 
 
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> DecodedFrame:
-    """Decode the frame of an example with the layout that its bytes select, or else with the example's layout."""
+    """Decode the frame of an example, with the layout that its bytes select or with the layout that it names."""
     if example.bits:
         placed = device.layout(example.layout).place(variant.parameters)
         return decode_bits(device, placed, int(example.bits, 2), len(example.bits))
-    # A field in the bytes identifies the layout.
-    if not example.layout or example.layout in _selected_layouts(device, example.sender):
+    bytes_select_layout = not example.layout or example.layout in _selected_layouts(device, example.sender)
+    if bytes_select_layout:
         return decode_bytes(device, variant, example.sender, example.bytes)
     return decode_placed(device, device.layout(example.layout).place(variant.parameters), example.bytes)
 
 
 def _selected_layouts(device: Device, sender: str) -> set[str]:
-    """Return the layouts that the decoder can select by the bytes: all of a sender on interfaces with a selector."""
+    """Return the names of the sender's layouts that a decoder selects by the bytes of a frame.
+
+    These are all layouts of the interfaces on which a field, the selector, identifies the layout.
+    """
     layout_names: set[str] = set()
     for interface in device.interfaces:
         if any(layout.selector for layout in interface.layouts):
@@ -282,8 +312,8 @@ def _selected_layouts(device: Device, sender: str) -> set[str]:
     return layout_names
 
 
-def _compare_values(decoded: DecodedFrame, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Yield each printed value that the decoded frame lacks or contradicts."""
+def _compare_values(decoded: DecodedFrame, example: FrameExample | RegisterExample) -> Iterator[ExampleError]:
+    """Yield an error for each printed value that is not in the decoded frame, or differs there."""
     decoded_values = decoded.values
     for name, value in example.values.items():
         if name not in decoded_values:
@@ -292,12 +322,17 @@ def _compare_values(decoded: DecodedFrame, example: FrameExample | RegisterExamp
             yield ("values", name), f"{name} is {decoded_values[name]}, not {value}"
 
 
-def _check_encoding(device: Device, decoded: DecodedFrame, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Yield an error if encoding the decoded values again gives other bits. Unspecified bits may be any."""
+def _check_encoding(
+    device: Device, decoded: DecodedFrame, example: FrameExample | RegisterExample
+) -> Iterator[ExampleError]:
+    """Yield an error if the decoded values, encoded again, differ from the bits of the example.
+
+    Bits that the manual does not specify may have any value.
+    """
     if decoded.layout is None:
         return
     layout = decoded.layout.layout
-    # Joins, runs of digits and fields without data follow from the other fields, so they are not encoded.
+    # Joined numbers, runs of digits and fields without data follow from other fields, so they are not encoded.
     derived_names = {join.name for join in layout.joins}
     for field in layout.fields:
         derived_names.update(run.name for run in field.runs)
@@ -306,7 +341,7 @@ def _check_encoding(device: Device, decoded: DecodedFrame, example: FrameExample
     values_to_encode = {name: value for name, value in decoded.values.items() if name not in derived_names}
     encoded = encode(device, decoded.layout, values_to_encode)
     if layout.gaps == "unspecified":
-        # An encoder may return anything in these bits, and a write keeps them.
+        # An encoder may return any value in these bits, and a write keeps them.
         described_bits = 0
         for placed_field in decoded.layout.fields:
             described_bits |= ((1 << placed_field.width) - 1) << placed_field.low

@@ -1,4 +1,4 @@
-"""Check that facts for some order codes cover all order codes, and that no order code has two of a kind."""
+"""Check facts that only apply to some order codes: together, they must cover every order code exactly once."""
 
 from __future__ import annotations
 
@@ -18,28 +18,30 @@ from .from_mapping import Raw
 
 @dataclass(frozen=True, slots=True)
 class ExclusiveFacts:
-    """Facts of which an order code has only one, each with its path in the spec.
+    """Facts of one kind, such as clocks, of which each order code has at most one."""
 
-    ``noun`` names the fact with an article, such as ``a clock``. ``codes`` are the codes of the interface, whose name
-    in sentences is empty for facts of the device. If the fact ``is_needed``, each order code must have a fact. For
-    facts with ``other_rules``, these rules report two facts for all order codes.
-    """
-
+    #: The kind of the facts with an article, such as ``a clock``.
     noun: str
+    #: Each fact with its path in the spec.
     facts: Sequence[tuple[Path, Restricted]]
+    #: The order codes of the interface or of the device.
     codes: Sequence[str]
+    #: Short name of the interface, or "" for facts of the device.
     interface: str = ""
+    #: Whether each order code must have one of the facts.
     is_needed: bool = False
+    #: Whether other rules report two facts that both apply to all order codes.
     other_rules: bool = False
 
 
 def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
-    """Report order codes without a clock or time-out, with two facts of a kind, and facts that no order code has."""
+    """Report order codes without a clock or timeout, order codes with two facts of a kind, and unused facts."""
     if not device.variants:
         return
     for exclusive_facts in _all_exclusive_facts(raw_spec, device, report):
-        has_only = any(fact.only for _, fact in exclusive_facts.facts)
-        if has_only or not exclusive_facts.other_rules:
+        # ``only`` of a fact lists the order codes that it applies to. It is "" if the fact applies to all of them.
+        depend_on_code = any(fact.only for _, fact in exclusive_facts.facts)
+        if depend_on_code or not exclusive_facts.other_rules:
             _check_unused(exclusive_facts, report)
             _check_overlaps(exclusive_facts, report)
             _check_gaps(exclusive_facts, report)
@@ -62,25 +64,34 @@ def _codes_of(variants: Sequence[Variant]) -> list[str]:
 def _facts_of_interface(
     raw_interface: Raw, interface: Interface, codes: Sequence[str], report: DocumentReport
 ) -> Iterator[ExclusiveFacts]:
-    """Yield the clocks, the time-outs, the clock limits by cable length, and the timings by name."""
+    """Yield the facts of an interface of which an order code has only one.
+
+    These are clocks, timeouts, clock limits for the same cable length, and timings with the same name.
+    """
     path = ("interfaces", interface.name)
     if isinstance(interface, Clocked):
         clocks = _with_paths(raw_interface, (*path, "clock"), interface.clocks)
-        # If invalid entries were removed, an order code may only seem to lack a clock.
-        is_whole = (*path, "clock") not in report.document.kept_indices
-        yield ExclusiveFacts(noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_whole)
+        # If invalid entries were removed, an order code may only seem to have no clock.
+        is_complete = (*path, "clock") not in report.document.kept_indices
+        yield ExclusiveFacts(
+            noun="a clock", facts=clocks, codes=codes, interface=interface.short, is_needed=is_complete
+        )
     if isinstance(interface, Biss):
         timeouts = _with_paths(raw_interface, (*path, "timeout"), interface.timeouts)
-        is_needed = not has_erratum_at(report.document, *path, "timeout")
-        is_whole = (*path, "timeout") not in report.document.kept_indices
+        is_excused = has_erratum_at(report.document, *path, "timeout")
+        is_complete = (*path, "timeout") not in report.document.kept_indices
         yield ExclusiveFacts(
-            noun="a time-out", facts=timeouts, codes=codes, interface=interface.short, is_needed=is_needed and is_whole
+            noun="a timeout",
+            facts=timeouts,
+            codes=codes,
+            interface=interface.short,
+            is_needed=is_complete and not is_excused,
         )
     if isinstance(interface, Ssi):
         rows = _with_paths(raw_interface, (*path, "cable_lengths"), interface.cable_lengths)
         for length in dict.fromkeys(row.shorter_than_m for row in interface.cable_lengths):
-            are_of_length = [row.shorter_than_m == length for row in interface.cable_lengths]
-            rows_of_length = list(compress(rows, are_of_length))
+            have_length = [row.shorter_than_m == length for row in interface.cable_lengths]
+            rows_of_length = list(compress(rows, have_length))
             noun = f"a clock for cables shorter than {length} m"
             yield ExclusiveFacts(
                 noun=noun, facts=rows_of_length, codes=codes, interface=interface.short, other_rules=True
@@ -89,7 +100,7 @@ def _facts_of_interface(
 
 
 def _with_paths(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
-    """Return facts with their paths. A single one may be written without a list."""
+    """Return facts with their paths in the spec. A single fact may be written without a list."""
     key = path[-1]
     is_single = isinstance(raw.get(key), Mapping)
     if is_single:
@@ -105,7 +116,7 @@ class _Named(Restricted, Protocol):
 
 
 def _group_by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
-    """Yield the facts of each name that occurs several times. An order code may have none of these facts."""
+    """Yield the facts that share a name, for each such name. An order code has at most one of them."""
     facts_by_name: dict[str, list[tuple[Path, Restricted]]] = {}
     for index, fact in enumerate(facts):
         facts_by_name.setdefault(fact.name, []).append(((*path, index), fact))
@@ -116,8 +127,9 @@ def _group_by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequen
 
 def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
     """Report a fact that applies only to order codes of other interfaces."""
-    # Another edition has fewer order codes.
-    if report.document.family or not exclusive_facts.interface:
+    # Other editions of the manual may have fewer order codes, so their facts are not checked.
+    is_other_edition = bool(report.document.family)
+    if is_other_edition or not exclusive_facts.interface:
         return
     for path, fact in exclusive_facts.facts:
         if _is_reported((*path, "only"), report):
@@ -128,12 +140,12 @@ def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> No
 
 
 def _is_reported(path: Path, report: DocumentReport) -> bool:
-    """Return True if a problem at this place has been reported."""
+    """Return whether a problem at this place of the spec has been reported."""
     return report.document.original(path) in report.faults()
 
 
 def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
-    """Report a fact for an order code that already has a fact."""
+    """Report pairs of facts of a kind that apply to the same order code."""
     for (first_path, first), (path, fact) in combinations(exclusive_facts.facts, 2):
         common_codes = [code for code in exclusive_facts.codes if fits(first.only, code) and fits(fact.only, code)]
         if common_codes:
@@ -145,11 +157,11 @@ def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> 
 
 
 def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
-    """Report the order codes that have none of the facts, if each needs one."""
+    """Report the order codes that none of the facts applies to, if each order code needs one."""
     if not exclusive_facts.is_needed:
         return
     facts = [fact for _, fact in exclusive_facts.facts]
-    # A wrong pattern, which has been reported, was meant for some of the order codes without a fact.
+    # A wrong pattern has been reported. It was probably meant for the order codes without a fact.
     has_wrong_pattern = any(_is_reported((*path, "only"), report) for path, _ in exclusive_facts.facts)
     if not facts or has_wrong_pattern:
         return
@@ -159,15 +171,17 @@ def _check_gaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None
         noun = exclusive_facts.noun.removeprefix("a ")
         message = f"{_codes_text(codes_without)} {_has_or_have(codes_without)} no {noun}"
         remedy = "extend 'only', or add an entry for other order codes"
-        if noun == "time-out":
+        if noun == "timeout":
             remedy += ". If the manual gives none for them, add an erratum that affects interfaces.biss.timeout"
         report.add("only-gap", (*last_path, "only"), f"{message}; {remedy}")
 
 
 def _codes_text(codes: Sequence[str]) -> str:
-    """Return the first order code, and the number of other codes: ``the order code 'X-24' and 2 others``."""
-    others = f" and {count_with_unit(len(codes) - 1, 'other')}" if len(codes) > 1 else ""
-    return f"the order code {quoted(codes[0])}{others}"
+    """Return a text with the first order code and the number of the others: ``the order code 'X-24' and 2 others``."""
+    first_code = f"the order code {quoted(codes[0])}"
+    if len(codes) == 1:
+        return first_code
+    return f"{first_code} and {count_with_unit(len(codes) - 1, 'other')}"
 
 
 def _has_or_have(codes: Sequence[str]) -> str:

@@ -1,4 +1,4 @@
-"""The context of a layout, and the parts of a field that do not depend on its place."""
+"""The context in which layouts are built, and the parts of a field that do not depend on its place."""
 
 from __future__ import annotations
 
@@ -36,49 +36,54 @@ from .from_mapping import Raw, build_part
 
 @dataclass(frozen=True)
 class LayoutContext:
-    """Definitions that a layout may refer to.
-
-    ``groups`` has, by name, each group of fields and its path in the spec. ``definitions`` contains the expressions of
-    derived parameters. ``parameter_sets`` has, by interface, the parameters of its order codes, each set once.
-    ``data_ids`` contains the data IDs of each interface. ``only_while`` returns the parameter that is 0 for all order
-    codes except the codes in ``only``.
-    """
+    """Definitions in a spec that a layout may refer to."""
 
     report: DocumentReport
+    #: Each group of fields with its path in the spec, by name.
     groups: Mapping[str, tuple[Raw, Path]]
+    #: Expressions of the parameters that are calculated from others.
     definitions: Mapping[str, Expression]
+    #: Parameters of the order codes of each interface. Equal sets of parameters are listed once.
     parameter_sets: Mapping[str, Sequence[Mapping[str, int]]]
     crcs: Mapping[str, Crc]
+    #: Data IDs of each interface.
     data_ids: Mapping[str, tuple[DataId, ...]]
+    #: For the order codes in ``only``, returns the name of a parameter that is 0 for all other order codes.
     only_while: Callable[[str], str] = lambda only: ""
 
     def expression(self, text: int | str) -> Expression | None:
-        """Return an expression over parameters set by order codes, or None if it is not valid or has an unknown one."""
+        """Return an expression over parameters that order codes set.
+
+        Return None if the text is not a valid expression, or contains an unknown parameter.
+        """
         try:
             expression = Expression.parse(text).substitute(self.definitions)
         except ExpressionError:
-            return None  # reported by the rules on references and expressions
+            return None  # The rules on references and expressions report it.
         has_unknown_parameter = not self._known_parameters().issuperset(expression.parameters)
         return None if has_unknown_parameter else expression
 
     def _known_parameters(self) -> frozenset[str]:
-        """Return the names of the parameters. They are the same in all sets, so the first set has them all."""
+        """Return the names of all parameters. They are the same for all order codes."""
         for sets in self.parameter_sets.values():
             for parameters in sets:
                 return frozenset(parameters)
         return frozenset()
 
     def expressions(self, raw_part: Raw, keys: Iterable[str]) -> dict[str, Expression | None]:
-        """Return the expressions under these keys of a part of the spec, or None for missing and invalid ones."""
-        return {key: self.expression(raw_part[key]) if key in raw_part else None for key in keys}
+        """Return the expressions under these keys of a part of the spec. Missing and invalid ones are None."""
+        expressions: dict[str, Expression | None] = {}
+        for key in keys:
+            expressions[key] = self.expression(raw_part[key]) if key in raw_part else None
+        return expressions
 
 
 def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
-    """Return the verdict on the position while a flag is active, or None if it has none.
+    """Return the verdict on the position while a flag is active, or None if the flag does not affect the position.
 
-    It is the verdict in the spec, or else the interface's verdict for flags of this name.
+    The spec gives the verdict in ``makes_position``. Otherwise, the interface may define a verdict for flags with this
+    name, such as BiSS for ``error``.
     """
-    # Such as the verdict of nE over BiSS, whose name in specs is error.
     verdict_of_interface = INTERFACES[interface].flags.get(raw_field["name"], "")
     verdict_text = raw_field.get("makes_position", "") or verdict_of_interface
     return Verdict(verdict_text) if verdict_text else None
@@ -86,30 +91,37 @@ def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
 
 @dataclass(frozen=True)
 class LayoutSite:
-    """The site of a layout: its place in the spec, and the interface whose order codes it must support."""
+    """The place of a layout in the spec, and the interface whose order codes it must support."""
 
     path: Path
     context: LayoutContext
     interface: str
 
     @property
-    def sets(self) -> Sequence[Mapping[str, int]]:
-        """Parameter sets of the order codes of the interface."""
+    def parameter_sets(self) -> Sequence[Mapping[str, int]]:
+        """Parameters of the interface's order codes. Equal sets of parameters are listed once."""
         return self.context.parameter_sets.get(self.interface, ())
 
     def widest(self, width: Expression) -> int:
-        """Return the highest width over all order codes, or without order codes the constant part of the expression."""
-        return max((width.value(parameters) for parameters in self.sets), default=width.constant)
+        """Return the largest value of a width over all order codes.
+
+        Without order codes, this is the constant part of the expression.
+        """
+        widths = [width.value(parameters) for parameters in self.parameter_sets]
+        return max(widths, default=width.constant)
 
     def report(self, rule: str, message: str, *below: str | int) -> None:
-        """Add a problem of the layout, or of the place ``below`` in it."""
+        """Report a problem of the layout, or of the part at the path ``below`` in it."""
         self.context.report.add(rule, (*self.path, *below), message)
 
 
 def bit_range(bits_text: int | str) -> tuple[int, int] | None:
-    """Parse ``7:6`` as (7, 6) and ``5`` as (5, 5). Return None for any other text or a reversed range."""
+    """Return the highest and the lowest bit of a range: (7, 6) for ``7:6``, and (5, 5) for ``5``.
+
+    Return None for any other text and for a reversed range.
+    """
     high_text, _, low_text = str(bits_text).partition(":")
-    # Numbers of more than four digits are typos, and would give huge fields.
+    # A number with more than four digits is a typo, and would lead to a huge field.
     is_high_valid = high_text.isdecimal() and len(high_text) <= 4
     is_low_valid = not low_text or (low_text.isdecimal() and len(low_text) <= 4)
     if not is_high_valid or not is_low_valid:
@@ -120,12 +132,12 @@ def bit_range(bits_text: int | str) -> tuple[int, int] | None:
 
 
 def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int | str | None:
-    """Return the value of ``equals``: a text, a number, or an expression, which may depend on the order code.
+    """Return the documented value of a field, its key ``equals``: a text, a number or an expression.
 
-    Return None if there is none, or an expression that is not valid.
+    Return None if the field has no documented value, or if the expression is not valid.
     """
     expected = raw_field.get("equals")
-    # In a field with 'text', it is the text itself. In other fields, a string is an expression such as bits + 8.
+    # In a text field, the value is the text itself. In any other field, a string is an expression such as bits + 8.
     if isinstance(expected, str) and "text" not in raw_field:
         return context.expression(expected)
     return expected if isinstance(expected, (int, str)) else None
@@ -134,7 +146,7 @@ def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int |
 def zero_field(
     name: str, constant: Constant, low: Expression, width: Expression, site: LayoutSite, source: Sources
 ) -> Field:
-    """Return a field whose bits are always 0, such as padding or a gap. ``constant`` says which."""
+    """Return a field whose bits are always 0, such as padding or a gap. ``constant`` is its kind."""
     return Field(
         name=name,
         kind=constant,
@@ -147,7 +159,7 @@ def zero_field(
 
 
 def kind_of(raw_field: Raw, context: LayoutContext, interface: str, width: Expression) -> Kind:
-    """Return the kind of a field by its key. A field without such a key is a number."""
+    """Return the kind of a field, such as a flag or a CRC, which its keys determine. By default, it is a number."""
     if "constant" in raw_field:
         return Constant(raw_field["constant"])
     if "unused" in raw_field:
@@ -174,7 +186,7 @@ def kind_of(raw_field: Raw, context: LayoutContext, interface: str, width: Expre
 
 
 def _named_values(raw_field: Raw, width: Expression) -> tuple[Value, ...]:
-    """Return the named values of a field. With ``others``, all other values have names too."""
+    """Return the named values of a field. If the field has the key ``others``, all remaining values get names too."""
     values = build_values(raw_field)
     if "others" in raw_field:
         values += _name_reserved_numbers(values, width.constant)
@@ -182,14 +194,15 @@ def _named_values(raw_field: Raw, width: Expression) -> tuple[Value, ...]:
 
 
 def _build_flag(raw_field: Raw, context: LayoutContext, interface: str) -> Flag:
-    """Return a flag. ``makes_position_if`` has one entry, such as ``{encoder_follows_edition_2: not_usable}``.
+    """Return a flag from its definition in a spec.
 
-    Its key is the parameter that decides, and its value the verdict if this is 1. ``only`` becomes the parameter that
-    is 0 for other order codes.
+    ``makes_position_if`` maps a parameter to the verdict on the position that applies if the parameter is 1:
+    ``{encoder_follows_edition_2: not_usable}``. If the flag is only for some order codes, ``only_while`` of the result
+    is a parameter that is 0 for all others.
     """
     verdict_parameter = ""
     verdict_if_set = None
-    # There is one entry at most.
+    # The map has at most one entry.
     for parameter, verdict in raw_field.get("makes_position_if", {}).items():
         verdict_parameter = parameter
         verdict_if_set = Verdict(verdict)
@@ -205,23 +218,23 @@ def _build_flag(raw_field: Raw, context: LayoutContext, interface: str) -> Flag:
 
 
 def build_values(raw_field: Raw) -> tuple[Value, ...]:
-    """Return the named values in ``raw_field['values']``, in the order of the spec."""
+    """Return the named values of a field, in the order of the spec."""
     values = raw_field.get("values", {}).items()
     return tuple(build_part(Value, value, name=name, makes_position=_verdict_of_value(value)) for name, value in values)
 
 
 def _verdict_of_value(raw_value: Raw) -> Verdict | None:
-    """Return the verdict of a named value, or None if it has none."""
+    """Return the verdict on the position for a named value of a field, or None if the value does not affect it."""
     return Verdict(raw_value["makes_position"]) if "makes_position" in raw_value else None
 
 
 def build_combinations(raw_layout: Raw) -> tuple[Combination, ...]:
-    """Return the combinations of a layout in the order of the spec."""
+    """Return the combinations of field values that have a verdict of their own, in the order of the spec."""
     return tuple(map(_build_combination, raw_layout.get("combinations", ())))
 
 
 def _build_combination(raw_combination: Raw) -> Combination:
-    """Return a combination. Its conditions are texts such as ``warning.active``, of a field and a value."""
+    """Return a combination of field values with a verdict. Each condition is a text such as ``warning.active``."""
     conditions = tuple(f"{name}.{value}" for name, value in raw_combination["when"].items())
     return build_part(
         Combination, raw_combination, when=conditions, makes_position=Verdict(raw_combination["makes_position"])
@@ -255,13 +268,14 @@ def _value_of_data_id(data_id: DataId) -> Value:
 
 
 def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
-    """Return the runs of a decimal number, most significant first, each with the divisor that isolates it.
+    """Return the runs of digits in a decimal number, most significant first.
 
-    For two runs of three and two digits, the divisors are 100 and 1, and the moduli 1000 and 100.
+    A run is isolated by dividing by its divisor, and taking the result modulo its modulus. For runs of three and two
+    digits, the divisors are 100 and 1, and the moduli are 1000 and 100.
     """
     runs = []
     divisor = 1
-    # From the least significant run, so that the divisor grows by the digits of each.
+    # The divisor of a run depends on the digits after it, so the least significant run comes first.
     for run in reversed(digits):
         modulus = 10 ** run["digits"]
         runs.append(build_part(Digits, run, divisor=divisor, modulus=modulus))
@@ -270,12 +284,11 @@ def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
 
 
 def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice, ...]:
-    """Return the parts of a field in each byte of a frame of ``length`` bytes, or none if the order code moves them.
+    """Return the bits of a field in each byte of a frame of ``length`` bytes, beginning with its lowest bits.
 
-    They begin with the lowest bits of the field. Each consists of the byte, the lowest bit in that byte, a mask of as
-    many 1 bits as the part has bits, and the lowest bit in the field. In a frame of 3 bytes, 10 bits from bit 4 are 4
-    bits in the last byte, from its bit 4, and 6 bits in the byte before it. With ``low_first``, byte 0 has the lowest
-    bits of the frame, otherwise its last byte.
+    In a frame of 3 bytes, 10 bits from bit 4 are 4 bits in the last byte, from its bit 4, and 6 bits in the byte before
+    it. If ``low_first`` is true, byte 0 contains the lowest bits of the frame, and otherwise the last byte. The result
+    is empty if the place or width of the field depends on the order code.
     """
     width = field.width.constant if field.width.is_constant else 0
     # A padded field occupies its container: the bits of the field and zeros above them.
@@ -285,11 +298,11 @@ def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice,
     bit_slices = []
     bits_done = 0
     while bits_done < bits_with_padding:
-        # Places count from the lowest bit of the frame.
-        byte_above_lowest, low_bit_in_byte = divmod(field.low.constant + bits_done, 8)
+        # This byte index counts from the byte with the lowest bits of the frame.
+        index_from_lowest, low_bit_in_byte = divmod(field.low.constant + bits_done, 8)
         bits_left = bits_with_padding - bits_done
         bits_in_byte = min(8 - low_bit_in_byte, bits_left)
-        byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
+        byte = index_from_lowest if low_first else length - 1 - index_from_lowest
         mask = (1 << bits_in_byte) - 1
         bit_slices.append(BitSlice(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
         bits_done += bits_in_byte
@@ -297,7 +310,10 @@ def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice,
 
 
 def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: LayoutSite) -> list[Field]:
-    """Return the fields. In parity bits that cover a join, the fields of the join replace it."""
+    """Return the fields of a layout, with parity bits that cover individual fields.
+
+    In the spec, a parity bit can also cover a joined number, which consists of several fields, and constants.
+    """
     joins = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
     constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
     return [_resolve_parity(field, joins, constants, site) for field in fields]
@@ -306,10 +322,11 @@ def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: LayoutSit
 def _resolve_parity(
     field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: LayoutSite
 ) -> Field:
-    """Return the field. If it is a parity bit, joins in it are replaced by their fields, and constants are counted.
+    """Return a parity bit that covers individual fields with data. Any other field is returned unchanged.
 
-    An odd number of ones in the covered constants inverts the parity of the other fields. A parity bit of constants
-    only is a constant itself. A single covered field stays, even if it is constant.
+    A joined number that the parity bit covers is replaced by its fields. Covered constants are left out, and an odd
+    number of ones in them inverts the parity of the remaining fields. If only constants are covered, the parity bit is
+    itself a constant. A single covered field is kept even if it is constant.
     """
     parity = field.kind
     if not isinstance(parity, Parity):
@@ -321,11 +338,9 @@ def _resolve_parity(
             site.report("parity-of", message, "fields", field.name, "parity_of")
         covered_names += joins.get(name, (name,))
     constant_names = [name for name in covered_names if name in constants]
-    # A parity bit of one constant covers it like a data field.
     if len(covered_names) == 1:
         constant_names = []
     data_names = [name for name in covered_names if name not in constant_names]
-    # An odd number of ones in constants inverts the parity of the other fields.
     ones_in_constants = sum((constants[name] & parity.mask).bit_count() for name in constant_names)
     inverts_parity = ones_in_constants % 2 == 1
     is_odd = parity.odd != inverts_parity

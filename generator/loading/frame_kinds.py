@@ -1,4 +1,4 @@
-"""Checks of whole frames: that they can be distinguished, and verdicts of reserved bits and errata."""
+"""Checks for whole frames: whether they can be distinguished, and the verdicts of reserved bits and errata."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from .fields import LayoutSite
 from .from_mapping import Raw
 from .valid_parts import valid_parts_so_far
 
-#: Verdicts as errata write them, as regular expressions. A longer one comes before the one that it contains.
-_IN_WORDS = (
+#: Regular expressions for verdicts in the text of errata. A longer phrase comes before a phrase that it contains.
+_VERDICT_PATTERNS = (
     (Verdict.NOT_USABLE, r"not usable|unusable|not_usable"),
     (Verdict.USABLE_WITH_WARNING, r"usable,? with a warning|usable_with_warning"),
     (Verdict.UNKNOWN, r"(?:position|verdict|it) (?:is|becomes|stays) (?:then )?unknown"),
@@ -39,9 +39,10 @@ _IN_WORDS = (
 
 
 def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> Layout:
-    """Return the layout with UNKNOWN as the verdict of reserved bits, if no flag says whether the position is usable.
+    """Return a layout with UNKNOWN as the verdict of reserved bits, if no flag says whether the position is usable.
 
-    A warning cannot improve an unknown verdict, so ``raw_fields`` must not state that verdict.
+    Without such a flag, the verdict is always unknown. ``raw_fields``, the fields in the spec, must therefore not give
+    reserved bits the verdict "usable with a warning".
     """
     if layout.judges_position:
         return layout
@@ -50,7 +51,7 @@ def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Layou
 
 
 def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> None:
-    """Report reserved bits whose stated verdict is a warning."""
+    """Report reserved bits that the spec gives the verdict "usable with a warning"."""
     for index, field in enumerate(raw_fields):
         is_reserved = "unused" in field
         if is_reserved and field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
@@ -59,39 +60,43 @@ def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: Lay
 
 
 def check_errata(device: Device, report: DocumentReport) -> None:
-    """Check that errata about flags state only verdicts that decoders give.
+    """Check that errata about flags only state verdicts that decoders give.
 
-    The first wrong verdict in ``used`` is reported. An erratum that affects no flag or unused bit with a verdict is not
-    checked.
+    The first wrong verdict in the text ``used`` of an erratum is reported. An erratum that affects no flag or unused
+    bit with a verdict is not checked.
     """
-    if device.base:  # The family that this one is derived from has the same errata.
+    is_derived = bool(device.base)
+    if is_derived:  # The original family has the same errata, and is checked.
         return
     for erratum in device.errata:
         decoder_verdicts = set(_verdicts_of_affected_bits(device, erratum))
         wrong_verdicts = [verdict for verdict in _verdicts_in_text(erratum.used) if verdict not in decoder_verdicts]
         if not decoder_verdicts or not wrong_verdicts:
             continue
-        possible_verdicts = join_words(
-            (quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or"
-        )
+        verdict_texts = [quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts]
+        possible_verdicts = join_words(verdict_texts, "or")
         problem = f"'used' states the verdict {quoted(wrong_verdicts[0].value)}"
         message = f"{problem}, but for the affected bits, decoders give {possible_verdicts}; correct one of the two"
         report.add("erratum-verdict", ("errata", erratum.name, "used"), message)
 
 
 def _verdicts_in_text(text_of_erratum: str) -> Iterator[Verdict]:
-    """Yield the verdicts that a text names. Each is removed, so that "usable" is not found in "not usable"."""
+    """Yield the verdicts that a text names.
+
+    Each one that is found is removed from the text, so that "usable" is not found in "not usable".
+    """
     remaining_text = " ".join(text_of_erratum.split())
-    for verdict, pattern in _IN_WORDS:
+    for verdict, pattern in _VERDICT_PATTERNS:
         remaining_text, count = re.subn(pattern, "", remaining_text)
         if count:
             yield verdict
 
 
 def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Verdict]:
-    """Yield the verdicts on frames with the bits that an erratum affects, each active and all inactive.
+    """Yield the verdicts that decoders can give because of the flags and unused bits that an erratum affects.
 
-    If a frame does not say whether the position is usable, its verdict is at best unknown.
+    These are the verdicts for each active bit, and the verdict if all bits are inactive. A frame without a flag that
+    says whether the position is usable has at best the verdict UNKNOWN.
     """
     for interface in device.interfaces:
         for layout in interface.layouts:
@@ -105,8 +110,8 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
             if layout.judges_position:
                 yield from verdicts
                 yield Verdict.USABLE
-                # Some order codes lack the bits that say so.
-                if not layout.judging_bits.is_constant:
+                depends_on_order_code = not layout.judging_bits.is_constant
+                if depends_on_order_code:
                     yield Verdict.UNKNOWN
             else:
                 yield from map(_at_best_unknown, verdicts)
@@ -114,9 +119,9 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
 
 
 def _is_affected(field: Field, layout_path: str, erratum: Erratum) -> bool:
-    """Return True if an erratum affects a field of the layout at ``layout_path``, or all its fields.
+    """Return whether an erratum affects a field: directly, or because it affects the whole layout or field group.
 
-    A field of a group is also affected through the group.
+    ``layout_path`` is the path of the layout that contains the field.
     """
     places_with_field = [layout_path]
     if field.group:
@@ -128,33 +133,39 @@ def _is_affected(field: Field, layout_path: str, erratum: Erratum) -> bool:
 
 
 def _verdicts_of_field(field: Field) -> Iterator[Verdict]:
-    """Yield the verdicts while a flag or unused bit is active.
+    """Yield all verdicts on the position that a flag or unused bit can lead to while it is active.
 
-    A flag has its verdict, the verdict of another answer of an alternative, and the verdict for other order codes if
-    only some of them explain it.
+    ``makes_position`` is its own verdict. A flag can also have ``verdict_if_set``, the verdict for a different answer
+    to a question that the manual leaves open. If the manual explains the flag only for some order codes, the verdict
+    for all others is added.
     """
     kind = field.kind
     if isinstance(kind, (Flag, Unused)) and kind.makes_position is not None:
         yield kind.makes_position
-    if isinstance(kind, Flag) and kind.verdict_if_set is not None:
+    if not isinstance(kind, Flag):
+        return
+    if kind.verdict_if_set is not None:
         yield kind.verdict_if_set
-    is_only_for_some_codes = isinstance(kind, Flag) and kind.only_while != ""
+    is_only_for_some_codes = kind.only_while != ""
     if is_only_for_some_codes:
-        unexplained = field.unexplained.kind
-        if isinstance(unexplained, Flag) and unexplained.makes_position is not None:
-            yield unexplained.makes_position
+        kind_for_other_codes = field.unexplained.kind
+        if isinstance(kind_for_other_codes, Flag) and kind_for_other_codes.makes_position is not None:
+            yield kind_for_other_codes.makes_position
 
 
 def _at_best_unknown(verdict: Verdict) -> Verdict:
-    """Return the verdict on a frame that does not say whether the position is usable."""
+    """Return the verdict of an active flag in a frame that does not say whether the position is usable.
+
+    NOT_USABLE remains. Any other verdict becomes UNKNOWN.
+    """
     return verdict if verdict is Verdict.NOT_USABLE else Verdict.UNKNOWN
 
 
 def check_frame_kinds(device: Device, report: DocumentReport) -> None:
-    """Report numbers and positions that do not distinguish frames of different layouts.
+    """Report frames of different layouts that decoders cannot distinguish.
 
-    A number must not have the place of a constant of another frame or of the request. Over RS-485, only the request
-    distinguishes the frames of the encoder.
+    A number must not be at the place of a constant in a different frame or in the request, because it can have the
+    value of the constant. Over RS-485, the request determines the layout of the reply.
     """
     if not valid_parts_so_far(report).has_frames:
         return
@@ -168,9 +179,9 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
 
 
 def _check_verdicts_without_position(device: Device, report: DocumentReport) -> None:
-    """Report the first flag with a verdict on the position if no SSI word sends the position.
+    """Report the first flag with a verdict on the position if no SSI word contains the position.
 
-    An SSI encoder has no other frames. Decoders give no verdict for them, so the flag would have no effect.
+    Decoders give no verdict on words without a position, so the flag has no effect.
     """
     ssi = device.find_interface(Ssi)
     if ssi is None or any(device.sends_position(ssi.name, layout) for layout in ssi.layouts):
@@ -188,7 +199,10 @@ def _check_verdicts_without_position(device: Device, report: DocumentReport) -> 
 
 
 def _check_numbers(device: Device, interface: Interface, report: DocumentReport) -> None:
-    """Report the first number in each layout with the position that is a constant in another frame of the encoder."""
+    """Report numbers in frames with the position that are constants in a different frame of the encoder.
+
+    Decoders cannot distinguish the two frames. Only the first number of each layout is reported.
+    """
     frames = [layout for layout in interface.layouts if layout.sender == "encoder"]
     for layout in frames:
         if not device.sends_position(interface.name, layout):
@@ -205,20 +219,22 @@ def _check_numbers(device: Device, interface: Interface, report: DocumentReport)
 
 
 def _field_path(interface: Interface, layout: Layout, field: Field) -> Path:
-    """Return the path of a field in the spec, which may be in a group."""
+    """Return the path in the spec of a field, which is in the layout or in a field group that the layout uses."""
     if field.group:
         return ("field_groups", field.group, "fields", field.name)
     return ("interfaces", interface.name, "layouts", layout.name, "fields", field.name)
 
 
 def _check_positions(device: Device, interface: Interface, report: DocumentReport) -> None:
-    """Report the first two frames with the position that nothing distinguishes, unless the second layout has a note.
+    """Report the first two SSI or BiSS frames with the position that decoders cannot distinguish.
 
-    The note should say how a master knows the frames. No request selects a frame over SSI and BiSS, so decoders would
-    take each frame as the first layout.
+    No request selects a frame over SSI and BiSS, so decoders would decode every frame with the first layout. Frames are
+    not reported if the second layout has a note, which should say how a master selects the frame.
     """
+    if not isinstance(interface, (Biss, Ssi)):
+        return
     frames = [layout for layout in interface.layouts if device.sends_position(interface.name, layout)]
-    for first, second in combinations(frames if isinstance(interface, (Biss, Ssi)) else (), 2):
+    for first, second in combinations(frames, 2):
         if second.note or first.channel != second.channel or _are_distinguished(first, second):
             continue
         message = (
@@ -234,9 +250,10 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
 
 
 def _are_distinguished(layout: Layout, other_layout: Layout) -> bool:
-    """Return True if a selector or a constant of the same name distinguishes two frames.
+    """Return whether decoders can distinguish the frames of two layouts.
 
-    A selector of the first layout is enough: decoders use this layout only for its values.
+    Either the first layout has a selector, a field whose values select this layout, or the layouts have constants with
+    the same name and different values.
     """
     if layout.selector:
         return True
@@ -251,9 +268,10 @@ def _constants_by_name(layout: Layout) -> dict[str, int]:
 
 
 def _check_replies(interface: Interface, positions: frozenset[str], report: DocumentReport) -> None:
-    """Report a number in a reply that is a constant in each of its requests, so that any other reply would decode.
+    """Report numbers in replies that should be constants, because they are constants in all requests for the reply.
 
-    A request for a position may name its command like the position, so the names in ``positions`` are not checked.
+    A number would accept the reply to a different request. Fields in ``positions`` are not checked, because a request
+    for the position may give its command the same name.
     """
     if not isinstance(interface, (Rs485, Spi)):
         return
@@ -262,18 +280,21 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
         request_names = [exchange.request for exchange in interface.exchanges if exchange.reply == reply.name]
         requests = [layouts[name] for name in request_names if name in layouts]
         for field in reply.fields:
-            constant = _common_constant(requests, field.name)  # None without requests.
+            constant = _common_constant(requests, field.name)
             if isinstance(field.kind, Number) and constant is not None and field.name not in positions:
                 message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{requests[0].name}'"
-                where_to_give = " in each layout, instead of in the group" if field.group else ""
+                place_of_fix = " in each layout, instead of in the group" if field.group else ""
                 remedy = (
-                    f"the reply to another request would decode; give this field the same 'constant'{where_to_give}"
+                    f"the reply to a different request would decode; give this field the same 'constant'{place_of_fix}"
                 )
                 report.add("frame-kind", _field_path(interface, reply, field), f"{message}, so {remedy}")
 
 
 def _common_constant(requests: Sequence[Layout], field_name: str) -> int | None:
-    """Return the constant value of a field in all requests that contain it, or None if there is none."""
+    """Return the constant value that a field has in all requests that contain it.
+
+    Return None if it is not a constant in one of them, if the constants differ, or if no request contains it.
+    """
     constants: set[int] = set()
     for request in requests:
         for field in request.fields:
@@ -286,16 +307,17 @@ def _common_constant(requests: Sequence[Layout], field_name: str) -> int | None:
 
 
 def _has_constant(layout: Layout, names: set[str]) -> bool:
-    """Return True if the layout has a constant with one of these names."""
+    """Return whether a layout has a constant with one of these names."""
     return any(isinstance(field.kind, Constant) and field.name in names for field in layout.fields)
 
 
 def _ambiguous_numbers(
     device: Device, interface: Interface, layout: Layout, other_layouts: list[Layout]
 ) -> Iterator[tuple[Field, Layout, int]]:
-    """Yield numbers that are a constant with the same name, place and width in a frame of the same length.
+    """Yield each number of a layout that is a constant in a different frame of the same length.
 
-    Each number comes with the layout of that frame and the value of the constant.
+    The name, the place and the width of the two fields are the same. The number is yielded with the other layout and
+    the value of the constant.
     """
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)

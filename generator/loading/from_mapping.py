@@ -1,4 +1,4 @@
-"""Build the parts of the model that take their members from the spec by name, procedures, and lists of order codes."""
+"""Build parts of the model whose members have the names of keys in the spec, procedures, and lists of order codes."""
 
 from __future__ import annotations
 
@@ -40,16 +40,17 @@ T = TypeVar("T")
 _SOURCE_PATTERN = re.compile(
     r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$"
 )
-#: Empty values by type. None represents any other type.
+#: Empty values by type. For any other type, the empty value is None.
 _EMPTY_VALUES: Mapping[Any, Any] = MappingProxyType(
     {str: "", int: 0, bool: False, tuple: (), Mapping: MappingProxyType({})}
 )
 
 
 def parse_sources(cited_text: str) -> Sources:
-    """Parse sources such as ``6.4 p.35; it: 6.4 p.36``: a section, a page, and before them the key of another document.
+    """Return the citations in a text such as ``6.4 p.35; it: 6.4 p.36``.
 
-    A page range such as ``p.14-15`` belongs to the section.
+    Each citation has a section and a page. The key of a document, such as ``it``, can precede them. By default, they
+    are in the manual. A range of pages, such as ``p.14-15``, is part of the section.
     """
     parsed = []
     for source_text in cited_text.split(";"):
@@ -62,37 +63,38 @@ def parse_sources(cited_text: str) -> Sources:
 
 
 def sources(raw_part: Raw, source_key: str = "source") -> Sources:
-    """Return the sources under a key of a part of the spec, or none if it has no such key."""
+    """Return the citations under a key of a part of the spec, or ``()`` if it has no such key."""
     return parse_sources(raw_part[source_key]) if source_key in raw_part else ()
 
 
 def build_part(part_class: Callable[..., T], raw: Raw, /, **values: Any) -> T:
-    """Return a ``part_class`` whose members have the values in ``values``, or else the values in ``raw``.
+    """Return a part of the model, an object of ``part_class``, from its definition in a spec.
 
-    Other members have their default, otherwise an empty value: no text, 0, false, or None if the type allows it. Nested
-    parts of the model, and lists of them, are filled in the same way.
+    A member has the value in ``values``, or else the value under its name in ``raw``. Other members have their default,
+    or an empty value: no text, 0, false, or None if the type allows it. Inner parts and lists of them are built in the
+    same way.
     """
-    for name, hint, has_default in _members_with_types(part_class):
+    for name, member_type, has_default in _members_with_types(part_class):
         if name in values:
             continue
-        if hint == Sources:
+        if member_type == Sources:
             values[name] = sources(raw, name)
         elif name in raw:
-            values[name] = _convert_to_type(hint, raw[name])
+            values[name] = _convert_to_type(member_type, raw[name])
         elif not has_default:
-            container_or_type = get_origin(hint) or hint
-            values[name] = _EMPTY_VALUES.get(container_or_type)  # None if the type is not in the map.
+            container_or_type = get_origin(member_type) or member_type
+            values[name] = _EMPTY_VALUES.get(container_or_type)
     return part_class(**values)
 
 
 def records(part_class: Callable[..., T], raw: Raw, key: str) -> tuple[T, ...]:
-    """Return a ``part_class`` for each definition that ``raw`` lists under ``key``."""
+    """Return the parts of the model that a part of the spec lists under ``key``, as objects of ``part_class``."""
     return tuple(build_part(part_class, definition) for definition in raw.get(key, ()))
 
 
 @cache
 def _members_with_types(part_class: Any) -> list[tuple[str, Any, bool]]:
-    """Return the members of a class, each as its name, its type, and True if it has a default."""
+    """Return the members of a class of the model: for each, its name, its type, and whether it has a default."""
     # Names are resolved in the module, so that a member called 'bytes' does not hide the type.
     hints = get_type_hints(part_class, localns={})
     return [(member.name, hints[member.name], _has_default(member)) for member in fields(part_class)]
@@ -103,9 +105,10 @@ def _has_default(member: Field[Any]) -> bool:
 
 
 def _convert_to_type(member_type: Any, raw_value: Any) -> Any:
-    """Return a value of a spec as ``member_type``, such as ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``.
+    """Return a value from a spec as a member of type ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``, for example.
 
-    A map becomes an object if the type, or the first type in it, is a class of the model. Other values stay.
+    A map becomes an object if the type, or the first type in it, is a class of the model. Other values are returned as
+    they are.
     """
     type_arguments = get_args(member_type)
     inner_type = type_arguments[0] if type_arguments else member_type
@@ -117,12 +120,12 @@ def _convert_to_type(member_type: Any, raw_value: Any) -> Any:
 
 
 def _convert_map(part_class: Any, raw_value: Any) -> Any:
-    """Return a map of the spec as an object of a class, and any other value as it is."""
+    """Return a map from the spec as an object of ``part_class``, and any other value as it is."""
     return build_part(part_class, raw_value) if isinstance(raw_value, Mapping) else raw_value
 
 
 def build_manufacturer(raw_manufacturer: Raw) -> Manufacturer:
-    """Return the manufacturer described by a checked manufacturer file."""
+    """Return the manufacturer that a checked manufacturer's file describes."""
     name = raw_manufacturer["manufacturer"]
     return build_part(
         Manufacturer, {"python_package": f"{name}_encoders", "version": "0.0.0", **raw_manufacturer, "name": name}
@@ -132,7 +135,7 @@ def build_manufacturer(raw_manufacturer: Raw) -> Manufacturer:
 def build_supply(raw_owner: Raw, inherited: Sources = ()) -> Supply | None:
     """Return the supply of a device or of a value of its order code, or None if it has none.
 
-    Without its own source, it has the source of ``raw_owner``, or else ``inherited``, the source of the parent.
+    A supply without a citation has the citation of ``raw_owner``, or else ``inherited``, the citation of its parent.
     """
     if "supply" not in raw_owner:
         return None
@@ -146,9 +149,9 @@ def build_table(raw_table: Raw) -> Table:
 
 
 def only_while(only: str, variants: Sequence[Variant], parameters: Collection[str]) -> str:
-    """Return the first parameter that is 0 for all order codes except the codes in ``only``, and not 0 for these.
+    """Return the first parameter that is not 0 for the order codes in ``only``, and 0 for all others, or "".
 
-    Return an empty string if there is none.
+    ``only`` is a list of patterns of order codes, such as ``X-24..., X-17-A``.
     """
     for name in parameters:
         if _is_nonzero_only_for(name, only, variants):
@@ -157,29 +160,32 @@ def only_while(only: str, variants: Sequence[Variant], parameters: Collection[st
 
 
 def _is_nonzero_only_for(parameter: str, only: str, variants: Sequence[Variant]) -> bool:
-    """Return True if a parameter is not 0 for exactly the order codes of ``only``."""
+    """Return whether a parameter is not 0 for the order codes in ``only``, and 0 for all others."""
     return all((variant.parameters.get(parameter, 0) != 0) == fits(only, variant.code) for variant in variants)
 
 
 def set_parameters(raw_spec: Raw) -> list[str]:
-    """Return the parameters that order codes set."""
+    """Return the names of the parameters that order codes set, not a formula, a register or an answer of the user."""
     derived_keys = {"equals", "read_from", "alternative"}
     return [name for name, definition in raw_spec["parameters"].items() if derived_keys.isdisjoint(definition)]
 
 
 def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
-    """Report an ``only`` with a pattern that no order code matches, and one of a flag that no parameter distinguishes.
+    """Check each ``only`` in a spec, the list of patterns for the order codes that a fact applies to.
 
-    In another edition, an ``only`` is reported only if no order code matches any of its patterns.
+    An order code must match each pattern. In other editions of the manual, which may have fewer order codes, one
+    matching pattern is enough. If the fact is a flag, a parameter must be 0 for all other order codes.
     """
     if not variants:
         return
     for path, owner in _mappings_with_only(raw_spec, ()):
         only = owner["only"]
         unmatched = _unmatched_patterns(only, variants)
-        is_faulty = bool(unmatched)
-        if report.document.family:  # Other editions have fewer order codes, and the same lists of patterns.
+        is_other_edition = bool(report.document.family)
+        if is_other_edition:
             is_faulty = not any(fits(only, variant.code) for variant in variants)
+        else:
+            is_faulty = bool(unmatched)
         if is_faulty:
             example_code = variants[0].code
             message = f"no order code of the family matches {quoted(unmatched[0])}"
@@ -193,7 +199,7 @@ def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentRepor
 
 
 def parameters_of_flags(raw_spec: Raw, variants: Sequence[Variant]) -> Iterator[str]:
-    """Yield the parameter that distinguishes the order codes of each flag with ``only``."""
+    """Yield, for each flag that only applies to some order codes, the parameter that is 0 for all other codes."""
     names_set_by_codes = set_parameters(raw_spec)
     for _, owner in _mappings_with_only(raw_spec, ()):
         if "active" in owner:
@@ -201,13 +207,13 @@ def parameters_of_flags(raw_spec: Raw, variants: Sequence[Variant]) -> Iterator[
 
 
 def _unmatched_patterns(only: str, variants: Sequence[Variant]) -> list[str]:
-    """Return the patterns of ``only``, which commas separate, that no order code matches."""
+    """Return the patterns in ``only`` that no order code matches. Commas separate the patterns."""
     patterns = [pattern.strip() for pattern in only.split(",")]
     return [pattern for pattern in patterns if not any(fits(pattern, variant.code) for variant in variants)]
 
 
 def check_alarms(raw_spec: Raw, report: DocumentReport) -> None:
-    """Report an alarm with a different ``only`` than its flag in a register or group."""
+    """Report an alarm that applies to different order codes than its flag in a register or field group."""
     spec = WrittenSpec(dict(raw_spec))
     for alarm in spec.alarms:
         owner = owner_of_alarm(spec, alarm)
@@ -225,16 +231,17 @@ def check_alarms(raw_spec: Raw, report: DocumentReport) -> None:
 
 
 def _codes_in_words(only: str) -> str:
+    """Return the order codes that a fact applies to, in words. ``only`` is "" if it applies to all of them."""
     return f"the order codes {quoted(only)}" if only else "all order codes"
 
 
 def _mappings_with_only(raw_value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
-    """Yield the mappings that have an ``only``, at any depth, each with its path."""
+    """Yield the path and the content of each map in a spec that has the key ``only``, at any depth."""
     if isinstance(raw_value, Mapping):
         if isinstance(raw_value.get("only"), str):
             yield path, raw_value
         for key, member in raw_value.items():
-            if key not in ("also_written", "names"):  # below these are texts of labels and of languages
+            if key not in ("also_written", "names"):  # The keys below these are texts on labels and languages.
                 yield from _mappings_with_only(member, (*path, key))
     elif isinstance(raw_value, (list, tuple)):
         for index, member in enumerate(raw_value):
@@ -246,7 +253,7 @@ def build_procedures(raw_spec: Raw, device: Device) -> tuple[Procedure, ...]:
 
 
 def _build_procedure(raw_procedure: Raw, device: Device) -> Procedure:
-    """Return a procedure. Steps without a source have its source, and ``do`` selects the function for a step."""
+    """Return a procedure with its arguments and steps. A step without a citation has the citation of the procedure."""
     arguments = [
         build_part(Argument, argument, meant_as=argument.get("as", ""))
         for argument in raw_procedure.get("arguments", ())
@@ -259,10 +266,10 @@ def _build_procedure(raw_procedure: Raw, device: Device) -> Procedure:
 
 
 def _build_write_step(raw_step: Raw, source: Sources, device: Device) -> Step:
-    """Return a write step. It sets one field if it names one, otherwise a whole register.
+    """Return a step that writes a field, if it names one, or a whole register.
 
-    The value is the name of a value of that field, or of the only field of the register. Any other name is an argument
-    of the procedure, and the step has no number.
+    ``value`` names a value of that field, or of the only field of the register. Any other name is an argument of the
+    procedure, and the number of the step is then None.
     """
     register_name, field_name = raw_step.get("register", ""), raw_step.get("field", "")
     value_name = raw_step.get("value", "")
@@ -295,11 +302,14 @@ def _build_wait_step(raw_step: Raw, source: Sources, device: Device) -> Step:
 
 
 def _build_send_step(raw_step: Raw, source: Sources, device: Device) -> Step:
-    """Return a send step. The request is one byte, the control field of the data ID, or empty without this data ID."""
+    """Return a step that sends a request over RS-485: one byte, the control field of a data ID.
+
+    The request is empty if the device does not have this data ID.
+    """
     interface = device.find_interface(Rs485)
     data_ids = interface.data_ids if interface is not None else ()
     controls = [data_id.control for data_id in data_ids if data_id.name == raw_step.get("data_id")]
-    request = bytes(controls[:1])  # Empty if there is no such data ID.
+    request = bytes(controls[:1])
     pause_us = raw_step.get("every_at_least_us", 0)
     return build_part(SendStep, raw_step, source=source, request=request, microseconds=pause_us)
 

@@ -1,4 +1,4 @@
-"""Bits of a layout without a field: their content, zeros in their place, and the order of fields by place."""
+"""Bits of a layout that belong to no field: their content, zeros in their place, and the order of fields by place."""
 
 from __future__ import annotations
 
@@ -14,36 +14,37 @@ ZERO = Expression(0)
 
 
 def bits_text(high: int, low: int) -> str:
+    """Return a range of bits as text: ``bits 7:4``, or ``bit 7`` for a single bit."""
     return f"bits {high}:{low}" if high != low else f"bit {low}"
 
 
 def values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
-    """Return text such as `` with singleturn_bits = 17`` for the relevant parameters."""
+    """Return the values of the parameters in some expressions as text: `` with singleturn_bits = 17``, or ""."""
     names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
     values = ", ".join(f"{name} = {parameters[name]}" for name in names)
     return f" with {values}" if values else ""
 
 
 def with_places(fields: Sequence[Field], site: LayoutSite) -> list[Field]:
-    """Return the fields sorted by place, lowest first.
+    """Return the fields sorted by their place in the layout, lowest first.
 
-    The place is the sum of the lowest bits over all order codes, because widths differ between them. Of fields at the
-    same place, those without bits come first.
+    Places differ between order codes, so the fields are sorted by the sum of their lowest bits over all order codes. If
+    the sums are equal, the field with fewer bits comes first.
     """
 
     def place_over_all_codes(field: Field) -> tuple[int, int]:
-        sum_of_lows = sum(field.low.value(parameters) for parameters in site.sets)
-        sum_of_widths = sum(field.width.value(parameters) for parameters in site.sets)
+        sum_of_lows = sum(field.low.value(parameters) for parameters in site.parameter_sets)
+        sum_of_widths = sum(field.width.value(parameters) for parameters in site.parameter_sets)
         return sum_of_lows, sum_of_widths
 
     return sorted(fields, key=place_over_all_codes)
 
 
 def content_of_gaps(raw_layout: Raw, context: LayoutContext) -> str:
-    """Return the content of bits without a field: ``zero``, ``unspecified``, or an empty string if undefined.
+    """Return the content of the bits that belong to no field: ``zero``, ``unspecified``, or "" if it is not defined.
 
-    It is the content in the layout, or else in the first group in it that defines one. In a frame, only a group can
-    have such bits.
+    The layout defines it under the key ``other_bits``, or else the first group of fields in the layout does. In a
+    frame, only a group can have such bits.
     """
     layout_and_groups = [raw_layout]
     for field in raw_layout.get("fields", ()):
@@ -58,7 +59,7 @@ def content_of_gaps(raw_layout: Raw, context: LayoutContext) -> str:
 
 
 class _Gap(NamedTuple):
-    """Bits without a field, with the fields below and above.
+    """Bits that belong to no field, with the fields below and above.
 
     ``below`` is None at the lowest bit of the layout, and ``above`` is None at the highest.
     """
@@ -70,33 +71,33 @@ class _Gap(NamedTuple):
 
 
 def _find_gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
-    """Yield each gap below, between and above fields, from the lowest up.
+    """Yield each gap below, between and above the fields of a layout, beginning with the lowest.
 
     ``fields`` are sorted by place, and ``bits`` is the width of the layout. A gap may have no bits for some order
-    codes. Its width is negative if the field above begins below the end of the other one.
+    codes. Its width is negative if the field above it begins below the end of the field below it.
     """
-    end_of_last = ZERO
-    last_field = None
+    end_of_field_below = ZERO
+    field_below = None
     for field in fields:
-        width = field.low - end_of_last
+        width = field.low - end_of_field_below
         if width != ZERO:
-            yield _Gap(below=last_field, above=field, low=end_of_last, width=width)
-        end_of_last = field.low + field.width
-        last_field = field
-    width_above = bits - end_of_last
+            yield _Gap(below=field_below, above=field, low=end_of_field_below, width=width)
+        end_of_field_below = field.low + field.width
+        field_below = field
+    width_above = bits - end_of_field_below
     if width_above != ZERO:
-        yield _Gap(below=last_field, above=None, low=end_of_last, width=width_above)
+        yield _Gap(below=field_below, above=None, low=end_of_field_below, width=width_above)
 
 
 def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: LayoutSite) -> bool:
-    """Return True if every bit has a field, or if ``gaps`` defines the remaining bits.
+    """Return whether every bit of a layout belongs to a field, for all order codes, and report the first gap if not.
 
-    Report the first gap otherwise.
+    ``gaps`` is the content of bits that belong to no field. If the spec defines it, such bits are allowed.
     """
     if gaps:
         return True
-    for parameters in site.sets:
-        # Without the fields that this order code lacks.
+    for parameters in site.parameter_sets:
+        # A field with a width of 0 does not exist for this order code.
         present_fields = [field for field in fields if field.width.value(parameters)]
         present_fields.sort(key=lambda field: field.low.value(parameters))
         starts = [*(field.low for field in present_fields), bits]
@@ -114,15 +115,15 @@ def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str,
 
 
 def in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], Expression]:
-    """Return the fields of a frame of bits with zeros above them that fill the first byte, and the new width.
+    """Return the fields of a bit frame with zeros above them that fill the first byte, and the width of the result.
 
-    Fields without a constant width in total are returned as they are.
+    If the width of the frame depends on the order code, the fields are returned as they are.
     """
-    # A remainder in Python is not negative: 3 bits are missing after 13, and none after 16.
+    # In Python, the remainder is not negative: 3 bits are missing after 13, and none after 16.
     missing_bits = -bits.constant % 8 if bits.is_constant else 0
     if not missing_bits or not fields:
         return fields, bits
-    # Fields begin with the lowest, and the highest is sent first.
+    # The fields begin with the lowest one. The highest one is sent first.
     first_sent = fields[-1]
     width = Expression(missing_bits)
     zeros = Field(
@@ -145,19 +146,21 @@ def _name_of_zeros(below: Field | None, above: Field | None) -> str:
 
 
 def with_zeros(fields: Sequence[Field], bits: Expression, site: LayoutSite) -> list[Field] | None:
-    """Return the fields with a constant zero field in every gap, or None if the order of fields changes."""
+    """Return the fields of a layout with a field of zeros in every gap.
+
+    If the order of the fields differs between order codes, this is reported, and the result is None.
+    """
     zero = Constant(fills_gap=True)
     zero_fields = []
     for gap in _find_gaps(fields, bits):
-        for parameters in site.sets:
-            # A field begins below the end of the one before it.
+        for parameters in site.parameter_sets:
             is_reversed = gap.width.value(parameters) < 0
             if is_reversed and gap.below is not None and gap.above is not None:
                 condition = values_text(parameters, gap.low, gap.width)
                 problem = f"'{gap.above.name}' is not above '{gap.below.name}'{condition}"
                 site.report("bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change")
                 return None
-        neighbour = gap.above or gap.below or fields[0]
+        neighbor = gap.above or gap.below or fields[0]
         name = _name_of_zeros(gap.below, gap.above)
-        zero_fields.append(zero_field(name, zero, gap.low, gap.width, site, neighbour.source))
+        zero_fields.append(zero_field(name, zero, gap.low, gap.width, site, neighbor.source))
     return with_places([*fields, *zero_fields], site)

@@ -13,14 +13,18 @@ from ..order_codes.parameters import run_time_names
 
 
 class KeyProblem(NamedTuple):
-    """A problem of one key of a measurement or of ``gray``. Without a key, the problem is about ``gray`` itself."""
+    """A problem with one key of ``gray``. If the key is "", the problem is about ``gray`` itself."""
 
     key: str
     message: str
 
 
 def check_gray_positions(device: Device, report: DocumentReport) -> None:
-    """Report a position in Gray code that lacks the excess for its counts per turn, or has an impossible excess."""
+    """Report positions in Gray code whose excess does not match their counts per turn.
+
+    If the counts per turn are not a power of two, the encoder adds a number, the excess, before it encodes the
+    position: 76 for 360 counts in 9 bits.
+    """
     names_at_run_time = run_time_names(device)
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
@@ -31,21 +35,26 @@ def check_gray_positions(device: Device, report: DocumentReport) -> None:
                 problem = _problem_of_counts(layout, measurement, variants)
             if problem is not None:
                 path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
-                # A problem without a key is about 'gray' itself.
-                place = (*path, problem.key) if problem.key else path
-                report.add("gray-excess", place, problem.message, at_key=not problem.key)
+                is_about_gray = not problem.key
+                place = path if is_about_gray else (*path, problem.key)
+                report.add("gray-excess", place, problem.message, at_key=is_about_gray)
 
 
-def _gray_variants(device: Device, interface: Interface, layout: Layout, switched: Collection[str]) -> list[Variant]:
-    """Return the order codes whose position is in Gray code, or can be if a register switches it."""
+def _gray_variants(
+    device: Device, interface: Interface, layout: Layout, names_at_run_time: Collection[str]
+) -> list[Variant]:
+    """Return the order codes whose position is in Gray code, or can be if a register decides it.
+
+    ``gray_when`` is the parameter that decides it. ``names_at_run_time`` are the parameters that registers determine.
+    """
     variants = device.variants_over(interface.name)
-    if layout.gray_when in switched:
+    if layout.gray_when in names_at_run_time:
         return list(variants)
     return [variant for variant in variants if layout.place(variant.parameters).gray]
 
 
 def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
-    """Return True if the lowest field of the measured position is in Gray code, and counts within a turn."""
+    """Return whether a frame of the encoder sends the lowest bits of the position within a turn in Gray code."""
     if layout.sender != "encoder" or measurement.counts_per_turn is None:
         return False
     if not layout.gray_of or measurement.of not in layout.member_names:
@@ -55,7 +64,7 @@ def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
 
 
 def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
-    """Return True if the number in Gray code is the whole position, one unsigned field, with ``turns: 1``."""
+    """Return whether the number in Gray code is the whole position within one turn, in one unsigned field."""
     names = layout.names_in(layout.gray_of)
     is_position = names == layout.names_in(measurement.of)
     if len(names) != 1 or not is_position or measurement.turns != Expression(1):
@@ -65,11 +74,12 @@ def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
 
 
 def _reason_against_excess(
-    layout: Layout, measurement: Measurement | None, switched: Collection[str]
+    layout: Layout, measurement: Measurement | None, names_at_run_time: Collection[str]
 ) -> KeyProblem | None:
-    """Return the key and the message if the layout has an ``excess`` that cannot be checked, otherwise None.
+    """Return why a layout with Gray code cannot have the ``excess`` in the spec, or None if it can or has none.
 
-    ``switched`` are the parameters that depend on a register.
+    An excess is only for a position within one turn that starts at 0. It must not depend on a parameter in
+    ``names_at_run_time``, which registers determine.
     """
     if layout.gray_excess is None:
         return None
@@ -82,9 +92,9 @@ def _reason_against_excess(
     names = set(layout.gray_excess.parameters)
     if measurement.counts_per_turn is not None:
         names.update(measurement.counts_per_turn.parameters)
-    names_at_run_time = sorted(names.intersection(switched))
-    if names_at_run_time:
-        problem = f"'{names_at_run_time[0]}' depends on a register, but the excess of an order code is fixed"
+    variable_names = sorted(names.intersection(names_at_run_time))
+    if variable_names:
+        problem = f"'{variable_names[0]}' depends on a register, but the excess of an order code is fixed"
         return KeyProblem(
             "excess", f"{problem}; leave 'gray' and 'measurement' out, and convert the position in your program"
         )
@@ -92,45 +102,47 @@ def _reason_against_excess(
 
 
 def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Sequence[Variant]) -> KeyProblem | None:
-    """Return the key and the message for the first order code without the excess that its counts per turn need."""
+    """Return the problem with the first order code whose excess does not match its counts per turn, or None.
+
+    The codes in use are in the middle of all Gray codes, so half of the unused codes come before them. For 360 counts
+    in 9 bits, the excess is (512 - 360) / 2 = 76.
+    """
     assert measurement.counts_per_turn is not None
     counts_by_code = {variant.code: measurement.counts_per_turn.value(variant.parameters) for variant in variants}
+    has_common_counts = len(set(counts_by_code.values())) == 1
     for variant in variants:
         counts = counts_by_code[variant.code]
+        if counts < 1:  # This is reported elsewhere.
+            continue
         bits = (counts - 1).bit_length()
-        # The codes in use are in the middle of all codes, so half of the others come before them: for 360 counts in
-        # 9 bits, (512 - 360) / 2 = 76.
-        excess = ((1 << bits) - counts) // 2
-        stated = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
+        correct_excess = ((1 << bits) - counts) // 2
+        stated_excess = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
         is_odd = counts > 1 and counts & 1 == 1
-        # Counts below 1 are reported elsewhere. With an even number and the right excess, nothing is wrong.
-        if counts < 1 or (stated == excess and not is_odd):
+        if stated_excess == correct_excess and not is_odd:
             continue
         needs_excess = not is_power_of_two(counts)
         if needs_excess and (is_odd or not _is_position_alone(layout, measurement)):
             return KeyProblem("", _no_excess_message(layout, variant, counts))
-        formula = f"(2^{bits} - {counts}) / 2 = {excess}"
+        formula = f"(2^{bits} - {counts}) / 2 = {correct_excess}"
         if layout.gray_excess is not None:
-            return KeyProblem(
-                "excess", f"'excess' is {stated} for {variant.code}; for {counts} counts per turn, it is {formula}"
-            )
-        remedy = f"write 'excess: {excess}' in 'gray'"
-        if len(set(counts_by_code.values())) > 1:
-            remedy = (
-                f"write 'excess: PARAMETER' in 'gray', which is {excess} for this order code and 0 for a power of two"
-            )
-        return KeyProblem(
-            "", f"{_counts_text(layout, variant, counts)}, so it is sent in Gray excess, {formula}; {remedy}"
-        )
+            message = f"'excess' is {stated_excess} for {variant.code}; for {counts} counts per turn, it is {formula}"
+            return KeyProblem("excess", message)
+        remedy = f"write 'excess: {correct_excess}' in 'gray'"
+        if not has_common_counts:
+            values = f"{correct_excess} for this order code and 0 for a power of two"
+            remedy = f"write 'excess: PARAMETER' in 'gray', which is {values}"
+        message = f"{_counts_text(layout, variant, counts)}, so it is sent in Gray excess, {formula}; {remedy}"
+        return KeyProblem("", message)
     return None
 
 
 def _counts_text(layout: Layout, variant: Variant, counts: int) -> str:
+    """Return the beginning of a message about counts per turn that are not a power of two."""
     return f"'{layout.gray_of}' has {counts} counts per turn for {variant.code}, not a power of two"
 
 
 def _no_excess_message(layout: Layout, variant: Variant, counts: int) -> str:
-    """Return the message about counts that are not a power of two in Gray code, and cannot have an excess."""
+    """Return the message for a position in Gray code whose counts are not a power of two and cannot have an excess."""
     reason = "and Gray excess is only for the position within a turn, in one unsigned field"
     if counts & 1:
         reason = "and an odd number of counts cannot be sent in Gray excess"

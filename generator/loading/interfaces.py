@@ -1,6 +1,6 @@
 """Build interfaces from checked data, with one function for each kind.
 
-Missing required keys have already been reported. Stand-ins replace them, so that the rest can be checked.
+Missing required keys have already been reported. Defaults replace them, so that the other keys can be checked.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def build_interfaces(raw_spec: Raw, context: LayoutContext) -> tuple[Interface, 
 
 
 def _build_interface(name: str, raw_interface: Raw, context: LayoutContext) -> Interface:
-    """Return an interface with its valid layouts. Others have been reported."""
+    """Return an interface with its valid layouts. Layouts with problems are reported and left out."""
     layouts: list[Layout] = []
     for index, definition in enumerate(raw_interface["layouts"]):
         layout = build_layout(definition, LayoutSite(("interfaces", name, "layouts", index), context, name))
@@ -54,12 +54,12 @@ def _build_interface(name: str, raw_interface: Raw, context: LayoutContext) -> I
     return build_part(kind, raw_interface, layouts=tuple(layouts), measurement=measurement, **members_of_kind)
 
 
-#: Least and highest number of bits in an SPI word.
+#: Lowest and highest number of bits in an SPI word.
 _SPI_WORD_BITS = (8, 64)
 
 
 class _Word(NamedTuple):
-    """An exchange as in the spec, and the bits of its words, or None if they are not valid.
+    """An SPI exchange from the spec, and the number of bits in its words, or None if this is not valid.
 
     The exchange is empty for a layout that no exchange uses.
     """
@@ -69,10 +69,10 @@ class _Word(NamedTuple):
 
 
 def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: LayoutSite) -> None:
-    """Check that words have a possible number of bits for every order code, and that their layouts have as many.
+    """Check that SPI words have a possible number of bits for every order code, and that their layouts have as many.
 
-    ``word_bits`` of an exchange replaces ``word_bits`` of the interface. If several layouts agree on another number
-    than all words, ``word_bits`` is reported once, instead of each layout.
+    ``word_bits`` of an exchange replaces ``word_bits`` of the interface. If several layouts all have the same number of
+    bits, but ``word_bits`` is different, ``word_bits`` is the mistake, and is reported once.
     """
     default_bits = _checked_word_bits(raw_interface, site)
     words: list[_Word] = []
@@ -81,22 +81,22 @@ def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: LayoutSite
         if "word_bits" in exchange:
             bits = _checked_word_bits(exchange, site, "exchanges", index)
         words.append(_Word(exchange, bits))
-    all_have_default = default_bits is not None and all(word.bits == default_bits for word in words)
+    words_have_default_bits = all(word.bits == default_bits for word in words)
     layout_widths = {layout.bits for layout in layouts}
-    if all_have_default and len(layouts) > 1 and len(layout_widths) == 1:
-        # Several layouts that agree with each other: 'word_bits' is the mistake, and is reported once.
-        if default_bits is not None and default_bits not in layout_widths:
+    layouts_agree = len(layouts) > 1 and len(layout_widths) == 1
+    if default_bits is not None and words_have_default_bits and layouts_agree:
+        if default_bits not in layout_widths:
             message = f"'word_bits' is {default_bits.render()}, but every layout has {layouts[0].bits.render()} bits"
             site.report("width-mismatch", f"{message}; correct 'word_bits' or the fields", "word_bits")
         return
     for layout in layouts:
         words_of_layout = [word for word in words if layout.name in (word.exchange["request"], word.exchange["reply"])]
-        # A layout without an exchange is compared with the number of the interface.
+        # A layout that no exchange uses is compared with ``word_bits`` of the interface.
         _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], site)
 
 
 def _check_word_bits(layout: Layout, words: Sequence[_Word], site: LayoutSite) -> None:
-    """Report the first exchange whose word does not have as many bits as a layout that it uses."""
+    """Report the first SPI exchange that uses a layout, but whose words have a different number of bits."""
     mismatches = [word for word in words if word.bits is not None and not word.bits.has_value_of(layout.bits)]
     if not mismatches:
         return
@@ -113,7 +113,7 @@ def _check_word_bits(layout: Layout, words: Sequence[_Word], site: LayoutSite) -
 
 
 def _checked_word_bits(raw: Raw, site: LayoutSite, *below: str | int) -> Expression | None:
-    """Return ``word_bits`` of an interface or exchange, and check its range for every order code.
+    """Return ``word_bits`` of an SPI interface or exchange, after checking its range for every order code.
 
     Return None for an invalid expression. ``below`` is the path of the exchange in the interface.
     """
@@ -121,7 +121,7 @@ def _checked_word_bits(raw: Raw, site: LayoutSite, *below: str | int) -> Express
     bits = site.context.expression(raw.get("word_bits", low))
     if bits is None:
         return None
-    numbers_of_bits = sorted({bits.value(parameters) for parameters in site.sets})
+    numbers_of_bits = sorted({bits.value(parameters) for parameters in site.parameter_sets})
     impossible_numbers = [length for length in numbers_of_bits if not low <= length <= high]
     if impossible_numbers:
         message = f"a word has {impossible_numbers[0]} bits, but {low} to {high} are possible"
@@ -130,7 +130,7 @@ def _checked_word_bits(raw: Raw, site: LayoutSite, *below: str | int) -> Express
 
 
 def build_measurement(raw_owner: Raw, context: LayoutContext) -> Measurement | None:
-    """Return the measurement of a device or of one of its interfaces."""
+    """Return the description of the position, such as its counts per turn, of a device or interface, or None."""
     if "measurement" not in raw_owner:
         return None
     definition = raw_owner["measurement"]
@@ -139,24 +139,27 @@ def build_measurement(raw_owner: Raw, context: LayoutContext) -> Measurement | N
 
 
 def _build_clocks(raw_interface: Raw) -> tuple[Clock, ...]:
-    """Return the clocks of an interface: one for all order codes, or several with disjoint order codes."""
-    return tuple(map(_build_clock, _one_or_more(raw_interface.get("clock", {}))))
+    """Return the clocks of an interface: one for all order codes, or several that each apply to some order codes."""
+    return tuple(map(_build_clock, _as_list(raw_interface.get("clock", {}))))
 
 
 def _build_clock(raw_clock: Raw) -> Clock:
-    """Return a clock. The clocks in use are one number or a list in the spec, and sorted here."""
+    """Return a clock with its limits. The frequencies known to be in use are one number or a list in the spec."""
     used_hz = raw_clock.get("used_hz", ())
     clocks_in_use = tuple(sorted(used_hz)) if isinstance(used_hz, Sequence) else (used_hz,)
     return build_part(Clock, raw_clock, used_hz=clocks_in_use)
 
 
-def _one_or_more(raw_or_list: Raw | Sequence[Raw]) -> Sequence[Raw]:
-    """Return the parts under a key that holds one part or a list of them."""
+def _as_list(raw_or_list: Raw | Sequence[Raw]) -> Sequence[Raw]:
+    """Return the value of a key that can contain one part or a list of parts, as a list."""
     return [raw_or_list] if isinstance(raw_or_list, Mapping) else raw_or_list
 
 
 def _members_of_ssi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
-    """Return the members of an SSI interface that differ from the spec, by name. Its source is their default."""
+    """Return the members of an SSI interface that are not copied from the spec, by name.
+
+    Members without a citation have the citation of the interface.
+    """
     source = sources(raw_interface)
     output_code = None
     if raw_interface.get("output_code"):
@@ -174,9 +177,9 @@ def _members_of_ssi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, 
 
 
 def _members_of_biss(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
-    """Return the members of a BiSS interface that differ from the spec, by name."""
+    """Return the members of a BiSS interface that are not copied from the spec, by name."""
     control = raw_interface.get("control_data", {})
-    timeouts = _one_or_more(raw_interface.get("timeout", ()))
+    timeouts = _as_list(raw_interface.get("timeout", ()))
     return {
         "clocks": _build_clocks(raw_interface),
         "timeouts": tuple(build_part(Timeout, timeout) for timeout in timeouts),
@@ -189,7 +192,7 @@ def _members_of_biss(raw_interface: Raw, context: LayoutContext) -> Mapping[str,
 
 
 def _build_channels(raw_interface: Raw, context: LayoutContext) -> DataChannels | None:
-    """Return the data channels that one frame carries, or None if the spec does not list them."""
+    """Return the data channels that one BiSS frame carries, or None if the spec does not list them."""
     if "channels" not in raw_interface:
         return None
     raw_channels = raw_interface["channels"]
@@ -199,7 +202,7 @@ def _build_channels(raw_interface: Raw, context: LayoutContext) -> DataChannels 
 
 
 def _members_of_rs485(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
-    """Return the members of an RS-485 interface that differ from the spec, by name."""
+    """Return the members of an RS-485 interface that are not copied from the spec, by name."""
     return {
         "port": build_part(Port, {**_PORT_DEFAULTS, **raw_interface.get("port", {})}),
         "exchanges": _build_exchanges(raw_interface, context),
@@ -207,7 +210,7 @@ def _members_of_rs485(raw_interface: Raw, context: LayoutContext) -> Mapping[str
 
 
 def _members_of_spi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, Any]:
-    """Return the members of an SPI interface that differ from the spec, by name."""
+    """Return the members of an SPI interface that are not copied from the spec, by name."""
     bits = context.expression(raw_interface.get("word_bits", _SPI_WORD_BITS[0]))
     return {
         "clocks": _build_clocks(raw_interface),
@@ -224,23 +227,26 @@ def _build_exchanges(raw_interface: Raw, context: LayoutContext) -> tuple[Exchan
 
 
 def _build_exchange(raw_exchange: Raw, source: str, context: LayoutContext) -> Exchange:
-    """Return an exchange. ``source`` is the source of the interface, for an exchange without its own."""
+    """Return an exchange of a request and a reply. ``source`` is the citation of an exchange without its own."""
     word_bits = context.expression(raw_exchange["word_bits"]) if "word_bits" in raw_exchange else None
     return build_part(Exchange, {"source": source, **raw_exchange}, word_bits=word_bits)
 
 
-#: Settings of a port that the manual does not give.
+#: Settings of a serial port if the manual does not give them.
 _PORT_DEFAULTS = {"data_bits": 8, "parity": "none", "stop_bits": 1, "flow_control": "none"}
-#: Functions that build the members of an interface which differ from the spec.
+#: Functions that build the members of an interface that are not copied from the spec.
 _INTERFACES = {"ssi": _members_of_ssi, "biss": _members_of_biss, "rs485": _members_of_rs485, "spi": _members_of_spi}
 
 
 def _build_control_field(raw_field: Raw, parent: Raw, context: LayoutContext) -> ControlField:
-    """Return a field of the control frame. Without ``bits``, a CRC has its own width, and another field one bit."""
-    is_known_crc = raw_field.get("crc") in context.crcs
-    default_bits = context.crcs[raw_field["crc"]].width if is_known_crc else 1
+    """Return a field of the BiSS control frame.
+
+    If the spec does not give its number of bits, a CRC has the width of the CRC, and any other field has one bit.
+    """
+    crc = context.crcs.get(raw_field.get("crc", ""))
+    default_bits = crc.width if crc is not None else 1
     bits = raw_field.get("bits", default_bits)
-    if not isinstance(bits, int):  # Already reported: the control frame has fixed widths.
+    if not isinstance(bits, int):  # This is already reported, because the control frame has fixed widths.
         bits = 0
     source = sources(raw_field) or sources(parent)
     return build_part(ControlField, raw_field, bits=bits, values=build_values(raw_field), source=source)
@@ -251,9 +257,9 @@ _REGISTER_VALUE_FIELD = "data"
 
 
 def check_spi_registers(device: Device, report: DocumentReport) -> None:
-    """Report a register whose length differs from its value in a frame that reads or writes it, for any order code.
+    """Report each SPI register whose length does not match its value in the frames that read or write it.
 
-    The value is the field ``data``. Only the first difference of each register is reported.
+    The value is in the field ``data`` of the frames. Only the first mismatch of each register is reported.
     """
     interface = device.find_interface(Spi)
     if interface is None or not valid_parts_so_far(report).has_frames:
@@ -272,7 +278,7 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
 
 
 def _frames_with_register(interface: Spi, register: Register) -> Iterator[str]:
-    """Yield the names of the requests and replies that carry the value of a register, if it can be read or written."""
+    """Yield the names of the SPI requests and replies that can carry the value of a register."""
     for exchange in interface.exchanges:
         reads_register = exchange.purpose == "read" and register.readable
         writes_register = exchange.purpose == "write" and register.writable
@@ -282,7 +288,7 @@ def _frames_with_register(interface: Spi, register: Register) -> Iterator[str]:
 
 
 def _widths_of_value(device: Device, interface: Spi, frame_names: Collection[str]) -> Iterator[tuple[str, int]]:
-    """Yield the name of each of these frames with the width of its value, for each order code that has the value."""
+    """Yield the name of each of these frames, and the width of the register value in it for each order code."""
     for layout in interface.layouts:
         if layout.name not in frame_names:
             continue

@@ -1,4 +1,4 @@
-"""Checks of a layout with placed fields: lengths, values that cannot occur, joined numbers and parity bits."""
+"""Checks for a layout with placed fields: lengths, values that cannot occur, joined numbers and parity bits."""
 
 from __future__ import annotations
 
@@ -32,39 +32,41 @@ from .gaps import values_text
 
 
 def check_joined(layout: Layout, site: LayoutSite, low_byte_first: bool) -> None:
-    """Check the joined numbers, parity bits and Gray code of a layout. Each number is reported once.
+    """Check the joined numbers, parity bits and Gray code of a layout.
 
-    If a layout that is carried as bits sends the low byte first, joins put its bytes in order.
+    A joined number consists of several fields. In a bit frame with the low byte first, joined numbers are the only way
+    to put the bytes of a number in order.
     """
     low_first = low_byte_first and not layout.in_bytes
-    faulty = _check_joins(layout, site, low_first)
+    joins_with_problems = _check_joins(layout, site, low_first)
     if low_first:
         _check_bytes(layout, site)
     _check_parities(layout, site)
-    if layout.gray_of and layout.gray_of not in faulty:
+    if layout.gray_of and layout.gray_of not in joins_with_problems:
         _check_gray(layout, site)
 
 
 def _check_joins(layout: Layout, site: LayoutSite, low_first: bool) -> set[str]:
-    """Check that joined numbers contain plain bits, no field twice and, in a word, fields in sending order.
+    """Check all joined numbers of a layout, and return the names of those with a problem.
 
-    With ``low_first``, that order is reversed. Return the names of the joins with a problem.
+    A joined number consists of plain bits, and contains each field once. In a bit frame, its fields are listed in
+    transmission order, or in reverse order if ``low_first`` is true.
     """
     fields_by_name = {field.name: field for field in layout.fields}
-    faulty: set[str] = set()
+    joins_with_problems: set[str] = set()
     for join in layout.joins:
         problems_before = len(site.context.report)
         _check_parts_of_join(join, fields_by_name, site)
-        # Bytes may come in any order, but the bits of a word are sent from the highest to the lowest.
+        # Bytes may be sent in any order, but the bits of a word are sent from the highest to the lowest.
         if not layout.in_bytes:
             _check_order_of_join(join, fields_by_name, layout, site, low_first)
         if len(site.context.report) > problems_before:
-            faulty.add(join.name)
-    return faulty
+            joins_with_problems.add(join.name)
+    return joins_with_problems
 
 
 def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: LayoutSite) -> None:
-    """Check that a joined number contains plain bits, and no field twice."""
+    """Check that a joined number consists of plain bits, and contains each field once."""
     for index, name in enumerate(join.fields):
         if name in join.fields[:index]:
             site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
@@ -80,15 +82,15 @@ def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: LayoutSi
 def _check_order_of_join(
     join: Join, fields: Mapping[str, Field], layout: Layout, site: LayoutSite, low_first: bool
 ) -> None:
-    """Check that each field of a joined number is sent before the next one, or after it with ``low_first``.
+    """Check that each field of a joined number is sent before the next one, or after it if ``low_first`` is true.
 
-    A field sent earlier has higher bits in the layout.
+    A field that is sent earlier has higher bits in the layout.
     """
-    different_neighbours = []
+    different_neighbors = []
     for above, below in pairwise(join.fields):
         if above != below and above in fields and below in fields:
-            different_neighbours.append((above, below))
-    for index, (above, below) in enumerate(different_neighbours, 1):
+            different_neighbors.append((above, below))
+    for index, (above, below) in enumerate(different_neighbors, 1):
         must_be_lower, must_be_higher = (above, below) if low_first else (below, above)
         if _is_above(fields[must_be_lower], fields[must_be_higher], site):
             problem = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
@@ -106,7 +108,10 @@ def _remedy_for_order(low_first: bool, site: LayoutSite) -> str:
 
 
 def _check_bytes(layout: Layout, site: LayoutSite) -> None:
-    """Check that no number in a word has more than 8 bits, because then the low byte of each number comes first."""
+    """Check that no field of a word that is sent with the low byte first has more than 8 bits.
+
+    A wider number must be described as several fields, one for each byte.
+    """
     for field in layout.fields:
         # Byte order has no effect on unused bits and zeros.
         is_number = not isinstance(field.kind, Unused) and not _is_zeros(field.kind)
@@ -116,15 +121,12 @@ def _check_bytes(layout: Layout, site: LayoutSite) -> None:
 
 
 def _is_zeros(kind: Kind) -> bool:
-    """Return whether a field always consists of zeros."""
+    """Return whether a field of this kind always consists of zeros."""
     return isinstance(kind, Constant) and kind.value == 0
 
 
 def _check_parities(layout: Layout, site: LayoutSite) -> None:
-    """Check that parity bits cover data fields, each at most once.
-
-    Fields without data are allowed too, except those that are computed: CRCs and parity bits.
-    """
+    """Check that parity bits cover each field at most once, and no computed field: a CRC or another parity bit."""
     fields_by_name = {field.name: field for field in layout.fields}
     for field in layout.fields:
         if not isinstance(field.kind, Parity):
@@ -138,18 +140,18 @@ def _check_parities(layout: Layout, site: LayoutSite) -> None:
             elif is_computed:
                 problem = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
                 site.report("parity-of", problem, "fields", field.name, "parity_of")
-        # Bits of a field count from 0, so only a field of two bits or more has a bit with an odd number.
+        # The bits of a field count from 0, so only a field with at least two bits has a bit with an odd number.
         covers_odd_bits = any(fields_by_name[name].widest > 1 for name in covered_names if name in fields_by_name)
         if field.kind.over == "odd_bits" and not covers_odd_bits:
-            problem = f"'{field.name}' covers no bit, since no covered field has a bit 1; write 'over: even_bits'"
+            problem = f"'{field.name}' covers no bit, because no covered field has a bit 1; write 'over: even_bits'"
             site.report("parity-of", problem, "fields", field.name, "parity_of")
 
 
 def _obstacle_to_join(kind: Kind) -> str:
-    """Return the reason that a joined number cannot contain a field of this kind, and the remedy. Empty if it can.
+    """Return the reason a joined number cannot contain a field of this kind, or "" if it can.
 
-    The two are separated by a semicolon: ``which is signed; remove 'signed'``. Not every reason has a remedy. A
-    joined number consists of bits as sent, so a part with a different value would contradict it.
+    A joined number consists of bits as they are sent, so a field that converts its bits would contradict it. A remedy
+    may follow the reason after a semicolon: ``which is signed; remove 'signed'``.
     """
     if kind.is_joinable:
         return ""
@@ -157,18 +159,19 @@ def _obstacle_to_join(kind: Kind) -> str:
         return "which is active low"
     if not isinstance(kind, Number):
         return "which is not a number; define it with 'bits' and no kind"
-    # Only these three kinds make a number differ from its bits.
+    # A number differs from its bits for only three reasons.
     if kind.digit_code:
         return "whose digits are sent separately; remove 'digit_code'"
-    return "which is signed; remove 'signed'" if kind.signed else "which has 'zero_means'; remove 'zero_means'"
+    if kind.signed:
+        return "which is signed; remove 'signed'"
+    return "which has 'zero_means'; remove 'zero_means'"
 
 
 def _check_gray(layout: Layout, site: LayoutSite) -> None:
-    """Check that a number in Gray code has several bits, contiguous while it is in this code.
+    """Check that a number in Gray code consists of several adjacent bits.
 
-    The bits of the number can include a flag.
-
-    Also check that the parameter that turns Gray code on is 0 or 1 for all order codes.
+    The bits can include a flag. Also check that the parameter ``gray_when``, which turns Gray code on, is 0 or 1 for
+    all order codes.
     """
     coded_names = layout.names_in(layout.gray_of)
     fields_by_name = {field.name: field for field in layout.fields}
@@ -181,12 +184,13 @@ def _check_gray(layout: Layout, site: LayoutSite) -> None:
         problem = f"'{coded_fields[0].name}' has one bit"
     if problem:
         site.report("gray-of", f"{problem}; only a number of several bits can be in Gray code", "gray", "of")
-    switch_values = {parameters[layout.gray_when] for parameters in site.sets if layout.gray_when in parameters}
+    sets_with_switch = [parameters for parameters in site.parameter_sets if layout.gray_when in parameters]
+    switch_values = {parameters[layout.gray_when] for parameters in sets_with_switch}
     if not switch_values <= {0, 1}:
         message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         site.report("gray-of", message, "gray", "when")
     # Without such a parameter, the number is always in Gray code.
-    sets_with_gray_code = [parameters for parameters in site.sets if parameters.get(layout.gray_when, 1)]
+    sets_with_gray_code = [parameters for parameters in site.parameter_sets if parameters.get(layout.gray_when, 1)]
     for above, below in pairwise(coded_fields):
         if not _are_adjacent(above, below, sets_with_gray_code):
             message = (
@@ -198,14 +202,14 @@ def _check_gray(layout: Layout, site: LayoutSite) -> None:
 
 
 def _are_adjacent(above: Field, below: Field, parameter_sets: Iterable[Mapping[str, int]]) -> bool:
-    """Return True if the field above begins where the field below ends, with each set of parameters."""
+    """Return whether the field above begins where the field below ends, with the parameters of each order code."""
     end_below = below.low + below.width
     return all(end_below.value(parameters) == above.low.value(parameters) for parameters in parameter_sets)
 
 
 def _is_above(upper: Field, lower: Field, site: LayoutSite) -> bool:
-    """Return True if ``upper`` is above ``lower`` for an order code that has both fields."""
-    for parameters in site.sets:
+    """Return whether ``upper`` is above ``lower`` for an order code that has both fields."""
+    for parameters in site.parameter_sets:
         has_both = upper.width.value(parameters) and lower.width.value(parameters)
         if has_both and upper.low.value(parameters) > lower.low.value(parameters):
             return True
@@ -219,12 +223,26 @@ LARGEST_BYTES = 128
 
 
 def check_layout(layout: Layout, site: LayoutSite, low_byte_first: bool) -> bool:
-    """Return True if a layout is valid with the parameters of every order code, otherwise report why.
+    """Return whether a layout is valid with the parameters of every order code, and report why if it is not.
 
-    ``low_byte_first`` is true if the spec says so, also for a layout that is carried as bits.
+    ``site`` is the place of the layout in the spec. ``low_byte_first`` is true if the spec says so for this layout.
     """
     problems_before = len(site.context.report)
-    # A register is not sent as such. Frame limits do not apply to its layout.
+    _check_length(layout, site)
+    for field in layout.fields:
+        _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
+    check_one_crc(layout, site)
+    _check_selected_values(layout, site)
+    if layout.unused and "unused" in layout.member_names:
+        message = "decoded frames use the name 'unused' for all unused bits; rename the field"
+        site.report("duplicate-name", message, "fields", "unused")
+    check_joined(layout, site, low_byte_first)
+    return len(site.context.report) == problems_before
+
+
+def _check_length(layout: Layout, site: LayoutSite) -> None:
+    """Check the number of bits in a layout: whole bytes if it is carried as bytes, and not more than the maximum."""
+    # A register is not sent by itself, so the limits for frames do not apply to it.
     is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
         message = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
@@ -241,40 +259,36 @@ def check_layout(layout: Layout, site: LayoutSite, low_byte_first: bool) -> bool
     if layout.in_bytes and is_sent_as_bits and layout.widest > LARGEST_BYTES:
         sent_bits = layout.sent_bits.constant
         site.report("too-long", f"'{layout.name}' has {sent_bits} bits; the maximum is {LARGEST_BYTES}")
-    for field in layout.fields:
-        _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
-    check_one_crc(layout, site)
+
+
+def _check_selected_values(layout: Layout, site: LayoutSite) -> None:
+    """Check that the values that select a layout exist in its selector, the field that distinguishes frames."""
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
     named_numbers = [value.value for value in selector.values] if selector is not None else []
-    for selected_value in layout.selects:
-        # A selector without named values can be any number.
-        if named_numbers and selected_value not in named_numbers:
-            site.report("undefined-reference", f"'{layout.selector}' has no value {selected_value}", "when")
-    if layout.unused and "unused" in layout.member_names:
-        message = "decoded frames use the name 'unused' for all unused bits; rename the field"
-        site.report("duplicate-name", message, "fields", "unused")
-    check_joined(layout, site, low_byte_first)
-    return len(site.context.report) == problems_before
+    for selecting_value in layout.selects:
+        # A selector without named values can have any number.
+        if named_numbers and selecting_value not in named_numbers:
+            site.report("undefined-reference", f"'{layout.selector}' has no value {selecting_value}", "when")
 
 
 def _remedy_for_long_frames(layout: Layout) -> str:
-    """Return the end of the message about a frame of bits that is too long: how to write it in bytes.
+    """Return the end of the message about a bit frame that is too long.
 
-    A longer frame can be carried as bytes instead of one number, but then all order codes must have the same length.
+    A longer frame can be carried as bytes instead of one number if its length is the same for all order codes.
     """
     if layout.bits.is_constant:
         return f", or {LARGEST_BYTES} with 'carried_as: bytes'"
     condition = "if the frame has the same length for all order codes"
-    remedy = "write the order codes of each length in a spec of their own"
+    remedy = "write the order codes of each length in a separate spec"
     return f", or {LARGEST_BYTES} with 'carried_as: bytes' {condition}; {remedy}"
 
 
 def _check_field(layout: Layout, field: Field, site: LayoutSite) -> None:
-    """Check a field by its kind. Only texts and zeros that fill bits without content can have more than 64 bits."""
+    """Check a field by its kind. Only texts and zeros that fill unused places can have more than 64 bits."""
     kind = field.kind
     bits = field.widest
-    is_zeros = field.padding_of or field.fills_gap or field.fills_byte
-    if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_zeros:
+    is_filling = field.padding_of or field.fills_gap or field.fills_byte
+    if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_filling:
         site.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
     match kind:
         case Number():
@@ -298,9 +312,9 @@ def _check_field(layout: Layout, field: Field, site: LayoutSite) -> None:
 
 
 def _check_number(layout: Layout, field: Field, number: Number, site: LayoutSite) -> None:
-    """Check that a power of two has bits for every order code: without bits, it would be 0.
+    """Check a number whose value is a power of two, or whose decimal digits are sent separately.
 
-    A number whose digits are sent separately is checked by ``_problem_of_digits``.
+    A power of two must have bits for every order code, because a number without bits is 0.
     """
     if number.power_of_two:
         _check_absent(field, "0 is not a power of two; remove 'power_of_two'", site)
@@ -311,7 +325,7 @@ def _check_number(layout: Layout, field: Field, number: Number, site: LayoutSite
 
 
 def _problem_of_digits(layout: Layout, field: Field, site: LayoutSite) -> str:
-    """Return the reason that the digits of a field cannot be sent separately, and the fix. Empty if they can."""
+    """Return the reason the decimal digits of a field cannot be sent separately, with a fix, or "" if they can."""
     fix = "leave 'digit_code' out, and convert the number in your program"
     if site.path[0] == "registers" or site.interface == Biss.name:
         return f"is in a register or over BiSS, where numbers are binary; {fix}"
@@ -327,20 +341,20 @@ def _problem_of_digits(layout: Layout, field: Field, site: LayoutSite) -> str:
 
 
 def _check_decimal(field: Field, decimal: Decimal, site: LayoutSite) -> None:
-    """Check that all decimal numbers with these digits fit into the bits of the field."""
+    """Check that every decimal number with these digits fits into the bits of the field."""
     if decimal.limit > 1 << field.widest:
         site.report("value-too-wide", f"{decimal.digits} decimal digits do not fit into {field.widest} bits")
 
 
 def _check_text(field: Field, site: LayoutSite) -> None:
-    """Check that a text fills its bits: whole bytes, and as many as ``equals`` has characters if it is given."""
+    """Check that a text field has whole bytes, and as many as its documented text ``equals`` has characters."""
     fills_bits = not isinstance(field.equals, str) or 8 * len(field.equals) == field.widest
     if field.widest % 8 or not fills_bits:
         site.report("width-mismatch", f"the text of '{field.name}' does not fill its {field.widest} bits")
 
 
 def _check_one_bit(field: Field, kind_text: str, site: LayoutSite) -> None:
-    """Check that a flag or parity bit has one bit. In a frame, it can have none for some order codes."""
+    """Check that a flag or parity bit has exactly one bit, or, in a frame, no bit for some order codes."""
     subject = f"'{field.name}' is a {kind_text}"
     if field.width.is_constant:
         if field.width != Expression(1):
@@ -352,20 +366,20 @@ def _check_one_bit(field: Field, kind_text: str, site: LayoutSite) -> None:
         )
         site.report("width-mismatch", f"{message}; remove 'bits'")
         return
-    for parameters in site.sets:
+    for parameters in site.parameter_sets:
         width = field.width.value(parameters)
         if width > 1:
             message = f"{subject}, so it has one bit or none, but it has {width}{values_text(parameters, field.width)}"
             site.report("width-mismatch", f"{message}; use a parameter that is 0 or 1")
             return
     if field.widest == 0:
-        message = f"'{field.name}' has no bits, since '{field.width.render()}' is 0 for all order codes"
+        message = f"'{field.name}' has no bits, because '{field.width.render()}' is 0 for all order codes"
         remedy = "remove the field, or give the parameter 1 where it is sent, or 'max: 1' if it is read from a register"
         site.report("width-mismatch", f"{message}; {remedy}")
 
 
 def _check_choice(field: Field, choice: Choice, site: LayoutSite) -> None:
-    """Check that all named values fit into the field, and that one of them is 0 if an order code lacks the field."""
+    """Check that all named values fit into the field. If an order code lacks the field, one of them must be 0."""
     # If the width is constant, the rules on the text have already checked it.
     if not field.width.is_constant:
         for value in choice.values:
@@ -383,8 +397,8 @@ def _check_fixed(field: Field, fixed: Constant | Unused, site: LayoutSite) -> No
 
     If an order code lacks the field, a constant must be 0.
     """
-    widths = [field.width.value(parameters) for parameters in site.sets]
-    # An order code with width 0 lacks the field.
+    widths = [field.width.value(parameters) for parameters in site.parameter_sets]
+    # An order code with a width of 0 does not have the field.
     narrowest = min((width for width in widths if width), default=field.widest)
     if not field.width.is_constant and fixed.value >> narrowest:
         key = "unused" if isinstance(fixed, Unused) else "constant"
@@ -396,12 +410,12 @@ def _check_fixed(field: Field, fixed: Constant | Unused, site: LayoutSite) -> No
 
 
 def _check_absent(field: Field, reason: str, site: LayoutSite) -> None:
-    """Report a field that has no bits for some order code, unless there is none.
+    """Report a field that has no bits for an order code, although its kind does not allow 0.
 
-    Such a field reads as 0. If the kind does not allow 0, all frames of this order code would be rejected. ``reason``
-    says why 0 is not allowed, and may have a remedy.
+    A field without bits reads as 0, so all frames of this order code would be rejected. ``reason`` says why 0 is not
+    allowed.
     """
-    for parameters in site.sets:
+    for parameters in site.parameter_sets:
         if field.width.value(parameters) == 0:
             parameter_texts = ", ".join(f"{name} = {parameters[name]}" for name in field.width.parameters)
             message = f"'{field.name}' has no bits with {parameter_texts} and reads as 0, but {reason}"

@@ -1,7 +1,7 @@
 """Build a layout with a position for every bit from the fields listed in a spec.
 
-Fields are listed in sending order, or each is placed by bit number. Widths may depend on parameters, so positions are
-expressions. Overlaps and negative widths are found with the parameters of every order code.
+Fields are listed in transmission order, or each is placed by bit number. Widths may depend on parameters, so positions
+are expressions. Overlaps and negative widths are found with the parameters of every order code.
 """
 
 from __future__ import annotations
@@ -41,35 +41,36 @@ from .gaps import (
 from .layout_rules import check_layout
 
 #: More bits than any frame has. Without this limit, a typo could take hours to process.
-_MOST_BITS = 100_000
+_MAX_BITS = 100_000
 
 
 @dataclass(frozen=True)
 class UnplacedItem:
-    """A field or a group of a layout in progress: its data and path in the spec, and its place.
+    """A field, or a whole group of fields, whose place in the layout may not be known yet."""
 
-    ``group`` is the name of the group that the field comes from, or an empty string. ``span`` is the width with
-    padding. ``low`` is the lowest bit, in the group for a field of a group, otherwise in the layout. The ``raw`` of an
-    item for a whole group has only the key ``group``, with the items of its fields.
-    """
-
+    #: Definition in the spec. For a whole group, this has only the key ``group``, with the items of its fields.
     raw: Raw
     path: Path
+    #: Name of the group that the field comes from, or "".
     group: str
     width: Expression
+    #: Width with padding.
     span: Expression
+    #: Lowest bit: in the group for a field of a group, and otherwise in the layout.
     low: Expression = ZERO
 
 
 def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) -> Layout | None:
-    """Build the layout described by ``raw_layout``, or report why it is not valid and return None.
+    """Return the layout of a frame or register in a spec, or report why it is not valid and return None.
 
     Args:
-        raw_layout: A layout or register whose ``fields`` have passed the schema.
-        site: The place and interface of the layout.
-        total: The number of bits if given (a register) instead of summed up (a frame).
+        raw_layout: The frame or register. Its ``fields`` have passed the schema.
+        site: The place of the layout in the spec, and its interface.
+        total: The number of bits in a register. For a frame, it is None, because the fields determine it.
     """
-    byte_order = _byte_order(raw_layout, "bytes" if total is not None else INTERFACES[site.interface].carried_as)
+    is_frame = total is None
+    default_carrier = INTERFACES[site.interface].carried_as if is_frame else "bytes"
+    byte_order = _byte_order(raw_layout, default_carrier)
     low_first = byte_order == "low_byte_first"
     items_and_bits = _place_items(raw_layout, site, total, low_first)
     if items_and_bits is None:
@@ -79,33 +80,35 @@ def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) ->
     fields = _with_gap_fields(items, bits, gaps, site)
     if fields is None:
         return None
-    if byte_order == "high_byte_first" and total is None and INTERFACES[site.interface].carried_as == "bits":
-        # A frame of bytes on an interface that sends bits: zeros fill its first byte.
+    if byte_order == "high_byte_first" and is_frame and INTERFACES[site.interface].carried_as == "bits":
+        # The interface sends bits, but the frame is carried as bytes, so zeros fill its first byte.
         fields, bits = in_whole_bytes(fields, bits)
     if byte_order:
         length = site.widest(bits) // 8
         fields = [replace(field, bit_slices=bit_slices_of(field, length, low_first)) for field in fields]
     fields = with_joins_covered(raw_layout, fields, site)
-    layout = _build_layout(
-        raw_layout, site, byte_order, bits, _sort_for_sending(fields, low_first and total is None), gaps
-    )
+    if not (is_frame and low_first):
+        # The lowest bits come first in ``fields``, but last in transmission order.
+        fields = fields[::-1]
+    layout = _build_layout(raw_layout, site, byte_order, bits, fields, gaps)
     # A layout that is carried as bits can also send the low byte first.
-    if not check_layout(layout, site, raw_layout.get("byte_order") == "low_byte_first"):
+    is_low_byte_first = raw_layout.get("byte_order") == "low_byte_first"
+    if not check_layout(layout, site, is_low_byte_first):
         return None
-    return with_unknown_verdicts(layout, raw_layout["fields"], site) if total is None else layout
+    return with_unknown_verdicts(layout, raw_layout["fields"], site) if is_frame else layout
 
 
 def _build_layout(
     raw_layout: Raw, site: LayoutSite, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str
 ) -> Layout:
-    """Return the layout with these fields, in sending order.
+    """Return the layout with these fields, which are in transmission order.
 
-    ``gaps`` is the content of bits without a field: ``zero``, ``unspecified`` or an empty string.
+    ``gaps`` is the content of the bits that belong to no field: ``zero``, ``unspecified`` or "".
     """
     gray = raw_layout.get("gray", {})
     selector = ""
     selects = ()
-    # At most one entry: the field that identifies the layout, and its values.
+    # ``when`` has at most one entry: the field that identifies the layout, and the values that select it.
     for name, values in raw_layout.get("when", {}).items():
         selector = name
         selects = tuple(values)
@@ -131,7 +134,10 @@ def _build_layout(
 
 
 def _joins_of_fields(raw_layout: Raw, fields: Sequence[Field]) -> Iterator[Join]:
-    """Yield the joined numbers of a layout, except those of a field that does not exist, which are reported."""
+    """Yield the joined numbers of a layout, each of which consists of several fields.
+
+    A joined number with a field that does not exist is reported elsewhere, and left out.
+    """
     field_names = {field.name for field in fields}
     for name, members in raw_layout.get("join", {}).items():
         if field_names.issuperset(members):
@@ -148,28 +154,31 @@ def _build_position_range(raw_layout: Raw, context: LayoutContext) -> LayoutRang
 
 
 def _byte_order(raw_layout: Raw, carried_as: str) -> str:
-    """Return the order of the bytes, or an empty string if the layout is carried as bits.
+    """Return the order of the bytes, ``high_byte_first`` or ``low_byte_first``, or "" if the layout is carried as bits.
 
-    ``carried_as``, ``bytes`` or ``bits``, applies if ``raw_layout`` has no such key.
+    ``carried_as``, either ``bytes`` or ``bits``, applies if the layout does not specify it.
     """
-    in_bytes = raw_layout.get("carried_as", carried_as) == "bytes"
-    order: str = raw_layout.get("byte_order", "high_byte_first") if in_bytes else ""
+    if raw_layout.get("carried_as", carried_as) == "bits":
+        return ""
+    order: str = raw_layout.get("byte_order", "high_byte_first")
     return order
 
 
 def _place_items(
     raw_layout: Raw, site: LayoutSite, total: int | None, low_first: bool
 ) -> tuple[list[UnplacedItem], Expression] | None:
-    """Return the items with their places and the width of the layout, or None if they do not fit, which is reported.
+    """Return the fields of a layout with their places, and the width of the layout.
 
-    If one item gives its place, all are placed by bit number, otherwise in sending order. Then the fields of a register
-    must have its ``total`` bits together. ``low_first`` is true if the lowest byte is sent first.
+    If one field states its place, all are placed by bit number. Otherwise, they are in transmission order, and must
+    fill the ``total`` bits of a register. ``low_first`` is true if the lowest byte is sent first. If the fields are not
+    valid or do not fit, this is reported, and the result is None.
     """
     items = _build_items(raw_layout.get("fields", ()), (*site.path, "fields"), site.context, low_first)
     if items is None:
         return None
     if any(_is_placed(field_item.raw) for field_item in items if not field_item.group):
-        bits = Expression(total if total is not None else _highest_used_bit(items, site) + 1)
+        layout_bits = _highest_used_bit(items, site) + 1 if total is None else total
+        bits = Expression(layout_bits)
     else:
         items, bits = _place_in_sequence(items, low_first)
         if total is not None and not _check_total_width(bits, total, site):
@@ -180,12 +189,14 @@ def _place_items(
 def _with_gap_fields(
     items: Sequence[UnplacedItem], bits: Expression, gaps: str, site: LayoutSite
 ) -> list[Field] | None:
-    """Return the fields from the lowest up, or None after a report.
+    """Return the fields of a layout, beginning with the lowest, or report a problem and return None.
 
-    If ``gaps`` is ``zero``, each gap has a field of zeros, and no order code may change the order of fields. If
-    ``gaps`` is empty, every bit must have a field.
+    ``gaps`` is the content of the bits that belong to no field. If it is ``zero``, each gap gets a field of zeros, and
+    the order of the fields must be the same for all order codes. If it is "", there must be no such bits.
     """
-    fields = [field for field_item in items for field in _build_fields(field_item, site)]
+    fields: list[Field] = []
+    for field_item in items:
+        fields += _build_fields(field_item, site)
     fields = with_places(fields, site)
     if not check_all_bits_covered(fields, bits, gaps, site):
         return None
@@ -195,17 +206,20 @@ def _with_gap_fields(
 def _build_items(
     raw_fields: Sequence[Raw], path: Path, context: LayoutContext, low_first: bool
 ) -> list[UnplacedItem] | None:
-    """Return the fields and groups as items, or None if a field or group is not valid, which is reported elsewhere."""
+    """Return the fields and groups of a layout without their places, unless they state them.
+
+    If one of them is not valid, this is reported elsewhere, and the result is None.
+    """
     items = [_build_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
     valid_items = [field_item for field_item in items if field_item is not None]
     return valid_items if len(valid_items) == len(items) else None
 
 
 def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> UnplacedItem | None:
-    """Return a field or group as an item, or None if it is not valid.
+    """Return a field or a whole group of fields, with its width, or None if it is not valid.
 
-    If the field gives its own place, the item has it. Otherwise its place is 0 until ``_place_in_sequence`` sets it.
-    The span is the number of bits that the item takes in the sequence: its width, or ``padded_to`` bits if padded.
+    If the field states its place, the result contains it. Otherwise, the place is 0 until it is known. The span is the
+    number of bits that the field occupies: its width, or ``padded_to`` bits.
     """
     if "use" in raw_field:
         return _build_group_item(raw_field, path, context, low_first)
@@ -220,7 +234,7 @@ def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: b
 
 
 def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> UnplacedItem | None:
-    """Return the item for the use of a group, or None if there is no such group or the group is not valid."""
+    """Return a whole group of fields that a layout uses, or None if there is no such group or it is not valid."""
     if raw_field["use"] not in context.groups:
         return None
     group, group_path = context.groups[raw_field["use"]]
@@ -232,11 +246,11 @@ def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_fi
 
 
 def _build_items_of_group(group: Raw, path: Path, context: LayoutContext, low_first: bool) -> list[UnplacedItem] | None:
-    """Return the fields of a group as items, placed from bit 0 of the group, or None if they are not valid.
+    """Return the fields of a group with their places in the group, or None if they are not valid.
 
-    Fields in sending order must have the number of bits that the group gives.
+    Fields that are listed in transmission order must have as many bits as the group states.
     """
-    # A field without a source has the source of the group.
+    # A field without a citation has the citation of the group.
     raw_fields = [{"source": group["source"], **raw} for raw in group["fields"]]
     group_items = _build_items(raw_fields, (*path, "fields"), context, low_first)
     if group_items is None:
@@ -254,19 +268,19 @@ def _build_items_of_group(group: Raw, path: Path, context: LayoutContext, low_fi
 
 
 def _is_placed(raw_field: Raw) -> bool:
-    """Return True if a field states its own place, for example with ``at``."""
+    """Return whether a field states its own place, for example with ``at``."""
     return any(key in raw_field for key in PLACES)
 
 
 def _width_of_field(raw_field: Raw, context: LayoutContext) -> Expression | None:
-    """Return the width of a field: ``bits``, the range in ``at``, the width of its CRC, or 1 for flags and parity bits.
+    """Return the width of a field, or None if it has no valid one.
 
-    Return None if it has none of these, or no valid one.
+    It is given by ``bits`` or the range in ``at``. A CRC has its own width, and flags and parity bits have one bit.
     """
     if "bits" in raw_field:
         return context.expression(raw_field["bits"])
     if "at" in raw_field:
-        # _lowest_bit_of_field reports a range that is not valid.
+        # A range that is not valid is reported when the lowest bit is determined.
         high, low = bit_range(raw_field["at"]) or (0, 0)
         return Expression(high - low + 1)
     if "crc" in raw_field and raw_field["crc"] in context.crcs:
@@ -275,7 +289,7 @@ def _width_of_field(raw_field: Raw, context: LayoutContext) -> Expression | None
 
 
 def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context: LayoutContext) -> Expression | None:
-    """Return the lowest bit of a field from ``low_bit``, ``top_bit`` or ``at``, or None if it is not valid."""
+    """Return the lowest bit of a field, which ``low_bit``, ``top_bit`` or ``at`` determines, or None if not valid."""
     if "low_bit" in raw_field:
         return context.expression(raw_field["low_bit"])
     if "top_bit" in raw_field:
@@ -293,9 +307,9 @@ def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context:
 
 
 def _place_in_sequence(items: Sequence[UnplacedItem], low_first: bool) -> tuple[list[UnplacedItem], Expression]:
-    """Return the items placed one after the other, in sending order as before, and their total width.
+    """Return the fields placed next to each other, and their total width. They are and stay in transmission order.
 
-    The item sent last begins at bit 0, or the item sent first with ``low_first``.
+    The field that is sent last begins at bit 0, or, if ``low_first`` is true, the field that is sent first.
     """
     from_lowest = list(items) if low_first else list(reversed(items))
     placed_items = []
@@ -308,7 +322,7 @@ def _place_in_sequence(items: Sequence[UnplacedItem], low_first: bool) -> tuple[
 
 
 def _expand_groups(items: Iterable[UnplacedItem]) -> Iterable[UnplacedItem]:
-    """Yield the items with groups expanded, each at its place in the layout."""
+    """Yield individual fields at their places in the layout. A group is replaced by its fields."""
     for field_item in items:
         if "group" not in field_item.raw:
             yield field_item
@@ -318,13 +332,13 @@ def _expand_groups(items: Iterable[UnplacedItem]) -> Iterable[UnplacedItem]:
 
 
 def _highest_used_bit(items: Sequence[UnplacedItem], site: LayoutSite) -> int:
-    """Return the highest bit that an item uses with any parameters."""
+    """Return the highest bit that a field uses for any order code."""
     return max(site.widest(field_item.low + field_item.span) for field_item in _expand_groups(items)) - 1
 
 
 def _check_total_width(bits: Expression, total: int, site: LayoutSite) -> bool:
-    """Return True if the fields of a register have ``total`` bits together for every order code, otherwise report."""
-    for parameters in site.sets:
+    """Return whether the fields of a register have ``total`` bits for every order code, and report if not."""
+    for parameters in site.parameter_sets:
         field_bits = bits.value(parameters)
         if field_bits != total:
             message = f"the fields have {field_bits} bits{values_text(parameters, bits)}, but the register has {total}"
@@ -334,31 +348,32 @@ def _check_total_width(bits: Expression, total: int, site: LayoutSite) -> bool:
 
 
 def _check_items_fit(items: Sequence[UnplacedItem], bits: Expression, site: LayoutSite) -> bool:
-    """Return True if every field has a valid width, is inside the layout and overlaps no other field.
+    """Return whether every field has a valid width, is inside the layout and overlaps no other field.
 
-    Report the problems of the first parameters for which this is not true. ``bits`` is the width of the layout.
+    If not, report the problems for the first order code. ``bits`` is the width of the layout.
     """
     field_items = list(_expand_groups(items))
-    for parameters in site.sets:  # The parameters of each order code, such as {"position_bits": 24}.
+    for parameters in site.parameter_sets:  # The parameters of each order code, such as {"position_bits": 24}.
         total = bits.value(parameters)
-        if total > _MOST_BITS:
-            message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MOST_BITS}"
+        if total > _MAX_BITS:
+            message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MAX_BITS}"
             site.report("too-long", message)
             return False
-        # _check_fit reports the problems.
         if not _check_fit(field_items, total, parameters, site):
             return False
     return True
 
 
-def _check_fit(flat: Sequence[UnplacedItem], total: int, parameters: Mapping[str, int], site: LayoutSite) -> bool:
-    """Return True if the fields fit into ``total`` bits with these parameters, otherwise report why not.
+def _check_fit(
+    field_items: Sequence[UnplacedItem], total: int, parameters: Mapping[str, int], site: LayoutSite
+) -> bool:
+    """Return whether the fields fit into ``total`` bits with the parameters of an order code, and report if not.
 
     Each overlap of two fields is reported, but only the first field with an invalid width or place.
     """
     has_overlap = False
     occupied: list[tuple[range, UnplacedItem]] = []
-    for field_item in flat:
+    for field_item in field_items:
         width = field_item.width.value(parameters)
         low = field_item.low.value(parameters)
         bits = range(low, low + field_item.span.value(parameters))
@@ -368,8 +383,7 @@ def _check_fit(flat: Sequence[UnplacedItem], total: int, parameters: Mapping[str
             rule, message = problem
             site.context.report.add(rule, field_item.path, message)
             return False
-        # A field that this order code lacks overlaps nothing.
-        if width == 0:
+        if width == 0:  # This order code does not have the field.
             continue
         for other_bits, other_item in occupied:
             lowest_common = max(bits.start, other_bits.start)
@@ -386,9 +400,9 @@ def _check_fit(flat: Sequence[UnplacedItem], total: int, parameters: Mapping[str
 def _range_problem(
     field_item: UnplacedItem, width: int, bits: range, total: int, condition: str
 ) -> tuple[str, str] | None:
-    """Return the rule and the message if a field has an invalid width or is outside the layout, otherwise None.
+    """Return the rule and the message if a field has an invalid width or is outside the layout, or None.
 
-    ``bits`` are the bits of the field with its padding. ``condition`` is the text about the parameters, such as `` with
+    ``bits`` are the bits of the field with its padding. ``condition`` is a text on the parameters, such as `` with
     spare_bits = 3``.
     """
     name = field_item.raw.get("name", "")
@@ -403,7 +417,7 @@ def _range_problem(
 
 
 def _build_fields(field_item: UnplacedItem, site: LayoutSite) -> Iterable[Field]:
-    """Yield the fields of an item: the field, also its padding if it has one, or all fields of a group."""
+    """Yield a field and its padding, if it has any, or all fields of a group."""
     for expanded_item in _expand_groups([field_item]):
         raw = expanded_item.raw
         width = expanded_item.width
@@ -429,8 +443,3 @@ def _build_fields(field_item: UnplacedItem, site: LayoutSite) -> Iterable[Field]
             yield zero_field(
                 f"{raw['name']}_padding", padding, expanded_item.low + width, padding_bits, site, sources(raw)
             )
-
-
-def _sort_for_sending(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
-    """Return fields that begin with the lowest in sending order: highest first, unless the low byte is sent first."""
-    return fields if low_first else list(reversed(fields))

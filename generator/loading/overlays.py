@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
@@ -22,9 +22,9 @@ from ..order_codes.reduction import for_codes
 from .change_titles import change_title
 from .from_mapping import build_part
 
-#: Largest number of places named in one sentence.
-_MOST_NAMED = 8
-#: Characters of a name that the name of an erratum cannot have.
+#: Highest number of places that are named in one sentence.
+_MAX_NAMES = 8
+#: Characters that the name of an erratum cannot contain.
 _NOT_IN_NAMES = re.compile(r"[^a-z0-9]+")
 
 #: Function that builds the family of a document and adds its problems to the report.
@@ -33,26 +33,25 @@ Build = Callable[[Document, ProblemReport], Device | None]
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """A device with its spec, and the names of all files that it comes from, including its manufacturer's.
-
-    ``plain`` is the same family without its overlays. ``content`` is the content of all files on which the device
-    depends, for the key of a result. It is empty for a family with overlays, and if a file changed while it was read.
-    """
+    """A device with its spec, and the names of all files that it comes from, including its manufacturer's file."""
 
     device: Device
     document: Document
     files: frozenset[str]
+    #: The same family without its overlays, or None if it has none.
     plain: Family | None = None
+    #: Content of all files on which the device depends, from which the key of a cached result is computed. It is empty
+    #: for a family with overlays, and if a file changed while it was read.
     content: Sequence[bytes | str] = ()
 
 
 def is_overlay(document: Document) -> bool:
-    """Return True if the document has a key that only overlays have."""
+    """Return whether a document is an overlay, which changes the spec of a family. Only overlays have these keys."""
     return "overlay" in document.data or "changes" in document.data
 
 
 def overlays_beside(documents: Iterable[Document]) -> list[Path]:
-    """Return the files next to specs that are their overlays by name, such as ``FAMILY.overlay.yaml``."""
+    """Return the files next to specs that are overlays by their names, such as ``FAMILY.overlay.yaml``."""
     overlays: list[Path] = []
     for document in documents:
         spec = Path(document.file)
@@ -62,43 +61,40 @@ def overlays_beside(documents: Iterable[Document]) -> list[Path]:
 
 
 def _is_overlay_of(path: Path, spec: Path) -> bool:
-    """Return True if a file is an overlay of a spec by its name."""
+    """Return whether a file is an overlay of a spec by its name, such as ``FAMILY.overlay.yaml``."""
     return path.suffix == spec.suffix and path.stem.endswith(SUFFIX) and path.stem.startswith(f"{spec.stem}.")
 
 
 def apply_overlays(
     families: Sequence[Family], overlays: Sequence[Document], build: Build, report: ProblemReport
 ) -> list[Family]:
-    """Return the families with their overlays applied, and those that overlays add, sorted by name.
+    """Return the families with their overlays applied, and the families that overlays add, sorted by name.
 
-    Valid overlays without ``applies_to`` are corrections. The corrected family replaces the plain one. The overlays for
-    a special model add one family, to which the corrections apply too.
+    Overlays without ``applies_to`` are corrections for the whole family. The corrected family replaces the original.
+    Overlays for a special model add a family, to which the corrections also apply.
 
     Args:
-        families: The families of the plain specs.
-        overlays: The overlays, in the order of application.
+        families: The families without overlays.
+        overlays: The overlays, in the order in which they are applied.
         build: Builds the family of a document.
         report: Receives the problems of overlays and of their results.
     """
-    # Overlays that are not valid are reported here, and not applied.
+    # Overlays that are not valid are reported, and not applied.
     valid_overlays = [overlay for overlay in overlays if check_overlay(overlay, report)]
     families_by_name = {family.device.name: family for family in families}
-    for overlay in valid_overlays:
-        if overlay.data["of"] not in families_by_name:
-            hint = suggest_word(overlay.data["of"], families_by_name) or "; codewheel list shows the families"
-            message = f"there is no family {quoted(overlay.data['of'])} among the specs that were read{hint}"
-            report.add("undefined-reference", overlay, ("of",), message)
-    _refuse_same_names(valid_overlays, report)
+    _report_unknown_families(valid_overlays, families_by_name, report)
+    _report_repeated_names(valid_overlays, report)
     resulting_families: list[Family] = []
     for name, family in families_by_name.items():
-        # Together with the files of all its corrections, a family counts as faulty if one of them has a problem. So a
-        # family with only some of its corrections, or none, is not mistaken for the corrected family.
+        # The files of a family include those of all its corrections. If one of them has a problem, the family counts as
+        # faulty, so that a family without all of its corrections is not used.
         files_of_corrections = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
         family_with_files = replace(family, files=family.files | files_of_corrections)
         overlays_of_family = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
         corrections = [overlay for overlay in overlays_of_family if "applies_to" not in overlay.data]
-        # None if there is no correction, or if the corrected family could not be built.
-        corrected_family = _apply_overlays(family_with_files, corrections, "", build, report) if corrections else None
+        corrected_family = None
+        if corrections:
+            corrected_family = _apply_overlays(family_with_files, corrections, "", build, report)
         resulting_families.append(corrected_family or family_with_files)
         for special_family in _special_families(family_with_files, overlays_of_family, corrections, build, report):
             special = special_family.device.name.removeprefix(f"{name}_")
@@ -107,13 +103,24 @@ def apply_overlays(
     return sorted(resulting_families, key=lambda family: family.device.name)
 
 
+def _report_unknown_families(
+    overlays: Iterable[Document], families_by_name: Mapping[str, Family], report: ProblemReport
+) -> None:
+    """Report each overlay for a family that is not among the families that were read."""
+    for overlay in overlays:
+        if overlay.data["of"] not in families_by_name:
+            hint = suggest_word(overlay.data["of"], families_by_name) or "; codewheel list shows the families"
+            message = f"there is no family {quoted(overlay.data['of'])} among the specs that were read{hint}"
+            report.add("undefined-reference", overlay, ("of",), message)
+
+
 def _is_correction_of(family_name: str, overlay: Document) -> bool:
-    """Return True if an overlay, valid or not, is for the whole family of this name."""
+    """Return whether an overlay, valid or not, corrects a whole family."""
     return "applies_to" not in overlay.data and overlay.data.get("of") == family_name
 
 
 def _is_for_special_model(family_name: str, special: str, overlay: Document) -> bool:
-    """Return True if an overlay, valid or not, is for the special model of the family of this name."""
+    """Return whether an overlay, valid or not, is for a special model of a family."""
     applies_to = overlay.data.get("applies_to")
     has_special = isinstance(applies_to, dict) and str(applies_to.get("special")).lower() == special
     return has_special and overlay.data.get("of") == family_name
@@ -136,7 +143,7 @@ def _special_families(
             yield special_family
 
 
-def _refuse_same_names(overlays: Sequence[Document], report: ProblemReport) -> None:
+def _report_repeated_names(overlays: Sequence[Document], report: ProblemReport) -> None:
     """Report each overlay with the name of an earlier overlay."""
     first_overlays: dict[str, Document] = {}
     for overlay in overlays:
@@ -154,20 +161,19 @@ def _layer_of(overlay: Document) -> OverlayLayer:
 def _apply_overlays(
     family: Family, overlays: Sequence[Document], special: str, build: Build, report: ProblemReport
 ) -> Family | None:
-    """Return the family that results from applying overlays to another, or None if it cannot be built.
+    """Return the family that results from applying overlays to a family, or None if it cannot be built.
 
-    ``special`` is the special model, such as ``S123``, or empty if the overlays replace the family itself. The errata
-    of the result are the errata of the spec, of its editions, and of the applied changes. The counts of readings and
-    the releases come from the family.
+    ``special`` is the special model, such as ``S123``, or "" if the overlays correct the family itself. Each applied
+    change is added to the errata of the family.
     """
     layered_spec = LayeredSpec(family.document, report)
     problems_before = len(report)
     layered_spec.apply([_layer_of(overlay) for overlay in overlays])
-    name_of_special = f"{family.device.name}_{special.lower()}" if special else ""  # Such as x_24_s123.
+    name_of_special = f"{family.device.name}_{special.lower()}" if special else ""  # For example x_24_s123.
     document = layered_spec.document(name_of_special)
     inner_report = ProblemReport()
     device = build(document, inner_report)
-    # After a change that failed, problems of the result would only follow from it.
+    # If a change could not be applied, problems of the result may only follow from it.
     if len(report) == problems_before:
         _report_in_overlay(inner_report, family.document, overlays[-1], report)
     if device is None:
@@ -196,51 +202,59 @@ def _build_overlay(document: Document) -> Overlay:
 
 
 def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
-    """Yield the applied changes as errata, in the order of application.
+    """Yield the changes of overlays and editions that were applied to a spec as errata, in the order of application.
 
-    In an overlay, each change is one erratum. In an edition, the changes of all places that one entry of its list names
-    are one erratum.
+    In an overlay, each change is one erratum. In an edition, a change can name several places, and all of them are one
+    erratum.
     """
     errata_counts: Counter[str] = Counter()
-    for _, changes_together in groupby(applied_changes, key=_reported_together):
-        changes = list(changes_together)
-        first_change = changes[0]
-        kind = first_change.layer.kind.value
-        name = first_change.layer.name
-        errata_counts[name] += 1
-        # The entry in the spec or overlay, which all these changes have in common.
-        definition = {"severity": "wrong_data", **first_change.raw}
-        stated_facts: dict[str, object] = {
-            key: definition[key] for key in ("severity", "why", "source") if key in definition
-        }
-        new_values = join_shortened([change.now for change in changes if change.now]) or LEFT_OUT
-        former_texts = without_examples([change.was for change in changes])
-        affected_paths: list[str] = []
-        for change in changes:
-            affected_paths += change.affects
-        yield build_part(
-            Erratum,
-            stated_facts,  # The schema reports the rest.
-            name=f"{_NOT_IN_NAMES.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
-            title=change_title(_layer_words(kind, name), former_texts),
-            printed=join_shortened(former_texts),
-            used=new_values if first_change.is_known else NOT_KNOWN,
-            status="settled" if first_change.is_known else "open",
-            affects=tuple(dict.fromkeys(affected_paths)),
-            **{kind: name},
-        )
+    for _, changes_of_erratum in groupby(applied_changes, key=_erratum_key):
+        changes = list(changes_of_erratum)
+        layer_name = changes[0].layer.name
+        errata_counts[layer_name] += 1
+        yield _erratum_of_changes(changes, errata_counts[layer_name])
+
+
+def _erratum_of_changes(changes: Sequence[AppliedChange], number: int) -> Erratum:
+    """Return changes that one entry in a spec or overlay makes as an erratum with this number."""
+    first_change = changes[0]
+    kind = first_change.layer.kind.value
+    name = first_change.layer.name
+    definition = {"severity": "wrong_data", **first_change.raw}
+    # The schema reports keys that are missing.
+    stated_facts: dict[str, object] = {}
+    for key in ("severity", "why", "source"):
+        if key in definition:
+            stated_facts[key] = definition[key]
+    new_values = join_shortened([change.now for change in changes if change.now]) or LEFT_OUT
+    former_texts = without_examples([change.was for change in changes])
+    affected_paths: list[str] = []
+    for change in changes:
+        affected_paths += change.affects
+    name_of_layer = _NOT_IN_NAMES.sub("_", f"{kind}_{name}".removeprefix("overlay_"))
+    return build_part(
+        Erratum,
+        stated_facts,
+        name=f"{name_of_layer}_{number}",
+        title=change_title(_layer_words(kind, name), former_texts),
+        printed=join_shortened(former_texts),
+        used=new_values if first_change.is_known else NOT_KNOWN,
+        status="settled" if first_change.is_known else "open",
+        affects=tuple(dict.fromkeys(affected_paths)),
+        **{kind: name},
+    )
 
 
 def _layer_words(layer_kind: str, layer_name: str) -> str:
-    """Return the overlay or the edition with the change in words. ``layer_kind`` is the value of its ``LayerKind``."""
+    """Return an overlay or an edition of the manual in words, for the title of an erratum."""
     is_overlay = layer_kind == LayerKind.OVERLAY.value
     return layer_in_words(layer_name, "") if is_overlay else layer_in_words("", layer_name)
 
 
-def _reported_together(change: AppliedChange) -> tuple[str, str, object]:
-    """Return the key under which changes are reported as one erratum.
+def _erratum_key(change: AppliedChange) -> tuple[str, str, object]:
+    """Return a key that is equal for changes that are reported as one erratum.
 
-    In an edition, it is the entry in the list of changes. In an overlay, this is the change itself.
+    In an edition, these are the changes of one entry in its list. In an overlay, each change is an erratum.
     """
     layer = change.layer
     if layer.kind is LayerKind.EDITION:
@@ -249,20 +263,20 @@ def _reported_together(change: AppliedChange) -> tuple[str, str, object]:
 
 
 def without_examples(names: Sequence[str]) -> Sequence[str]:
-    """Return the names except names of examples, or all names if there are only examples."""
+    """Return the names of changed places except examples, or all names if there are only examples."""
     return [name for name in names if not name.startswith("examples.")] or names
 
 
 def join_shortened(names: Sequence[str]) -> str:
-    """Return the names as text, each once, such as ``a, b`` for two names.
+    """Return the names as text, each once, such as ``a, b``.
 
-    Of more than nine names, only the first eight are listed, followed by the number of remaining names: ``and 3 more``.
+    If there are more than nine names, the text lists the first eight and the number of the others: ``and 3 more``.
     """
     unique_names = list(dict.fromkeys(names))
-    omitted = len(unique_names) - _MOST_NAMED
-    if omitted < 2:  # "and 1 more" is as long as the name.
+    omitted_count = len(unique_names) - _MAX_NAMES
+    if omitted_count < 2:  # "and 1 more" is as long as a name.
         return ", ".join(unique_names)
-    return f"{', '.join(unique_names[:_MOST_NAMED])} and {omitted} more"
+    return f"{', '.join(unique_names[:_MAX_NAMES])} and {omitted_count} more"
 
 
 def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report: ProblemReport) -> Device:
@@ -283,10 +297,10 @@ def _reduce_to_listed_codes(device: Device, overlays: Sequence[Document], report
 
 
 def _report_in_overlay(inner_report: ProblemReport, spec: Document, overlay: Document, report: ProblemReport) -> None:
-    """Report the problems of the resulting family that the spec itself does not have.
+    """Report the problems that only occur after applying an overlay to a spec.
 
-    Those in the spec are reported at the name of the overlay, with their place in the spec as part of the message.
-    Others are reported where they are.
+    Problems in the spec are reported at the name of the overlay, with their place in the spec as part of the message.
+    Other problems are reported at their own places.
     """
     reported = set(report.problems)
     for problem in inner_report.problems:

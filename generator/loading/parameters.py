@@ -1,4 +1,4 @@
-"""Parameters: parameters in registers at run time, the sets that order codes combine, and checks of expressions."""
+"""Parameters that registers hold at run time, the sets of parameters to support, and checks for expressions."""
 
 from __future__ import annotations
 
@@ -28,40 +28,48 @@ _KEYS_OF_PROSE = frozenset(("meaning", "note", "source", "title", "printed_name"
 def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report a parameter such as ``position_bits`` that differs from the width of ``position`` in a frame.
 
-    Only a parameter with ``equals`` that the spec uses nowhere is checked. If another fact uses it, that fact would
-    show a mistake in its formula.
+    Only parameters with a formula (``equals``) that nothing in the spec uses are checked. If another fact uses the
+    parameter, a mistake in its formula shows there.
     """
     if is_second(report.document.file):
         return
-    if report.document.family:  # An older edition may lack what uses a parameter.
+    if report.document.family:  # In an older edition, the facts that use a parameter may be missing.
         return
     used_words = set(_used_words(raw_spec))
     for parameter in device.parameters:
-        is_checked = parameter.equals is not None and parameter.name.endswith(_BITS_ENDING)
-        if not is_checked or parameter.name in used_words:
+        is_calculated_width = parameter.equals is not None and parameter.name.endswith(_BITS_ENDING)
+        if not is_calculated_width or parameter.name in used_words:
             continue
-        frames = ((interface, layout) for interface in device.interfaces for layout in interface.layouts)
-        problems = (_describe_difference(device, parameter, interface, layout) for interface, layout in frames)
-        problem = next(filter(None, problems), "")
+        problem = _first_difference(device, parameter)
         if problem:
             remedy = "correct 'equals', or rename the parameter if it is a different number"
             report.add("parameter-width", ("parameters", parameter.name, "equals"), f"{problem}; {remedy}")
 
 
+def _first_difference(device: Device, parameter: Parameter) -> str:
+    """Return how a parameter differs from the width of the number of its name in the first such frame, or ""."""
+    for interface in device.interfaces:
+        for layout in interface.layouts:
+            difference = _describe_difference(device, parameter, interface, layout)
+            if difference:
+                return difference
+    return ""
+
+
 def _used_words(raw_spec: Raw) -> Iterator[str]:
     """Yield every word of a spec that may refer to a parameter: in an expression, a condition or a key."""
     for path, value in leaves(raw_spec):
-        # The definition of a parameter, below ``parameters.NAME``, is not a use of its name.
+        # The name in ``parameters.NAME`` defines the parameter, so it does not count as a use.
         keys_of_use = path[2:] if path[0] == "parameters" else path
-        yield from (step for step in keys_of_use if isinstance(step, str))  # Without the indices in lists.
+        yield from (step for step in keys_of_use if isinstance(step, str))  # An index in a list is not a word.
         if isinstance(value, str) and path[-1] not in _KEYS_OF_PROSE:
             yield from _NAME_IN_TEXT.findall(value)
 
 
 def _describe_difference(device: Device, parameter: Parameter, interface: Interface, layout: Layout) -> str:
-    """Return how a parameter differs from the width of the number of its name in a frame, or an empty string.
+    """Return how a parameter such as ``position_bits`` differs from the width of ``position`` in a frame, or "".
 
-    It is empty if the encoder does not send a number of this name with this layout.
+    The result is also "" if the encoder does not send a number of this name in this frame.
     """
     name = parameter.name.removesuffix(_BITS_ENDING)
     field_names = {field.name for field in layout.fields}
@@ -79,10 +87,10 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
 
 
 def check_reach(raw_spec: Raw, context: LayoutContext, variants: Sequence[Variant]) -> bool:
-    """Return True if every expression has a value. Report expressions without a value.
+    """Return whether every expression in a spec has a value, and report the expressions that have none.
 
-    An expression needs a value for each order code of the interface that uses it. A parameter with ``equals`` needs one
-    for at least one order code.
+    An expression needs a value for each order code of the interface that uses it. The formula of a parameter (its
+    ``equals``) needs a value for at least one order code.
     """
     problems_before = len(context.report)
     spec = WrittenSpec(dict(raw_spec))
@@ -91,13 +99,13 @@ def check_reach(raw_spec: Raw, context: LayoutContext, variants: Sequence[Varian
         definitions_of_parameters = [raw_spec["parameters"][name] for name in parameter_names]
         formulas_of_parameters = [raw["equals"] for raw in definitions_of_parameters if "equals" in raw]
         sets_of_interface = context.parameter_sets.get(interface, ())
-        # A number is the same in each set.
+        # An expression without parameters has the same value for all order codes.
         sets_to_check = sets_of_interface if parameter_names else sets_of_interface[:1]
-        sets_and_expressions = product(sets_to_check, (expression_text, *formulas_of_parameters))
-        problems = (_error_of_expression(expression, parameters) for parameters, expression in sets_and_expressions)
-        first_problem = next(filter(None, problems), "")
-        if first_problem:
-            context.report.add("bad-expression", path, first_problem)
+        for parameters, text in product(sets_to_check, (expression_text, *formulas_of_parameters)):
+            problem = _error_of_expression(text, parameters)
+            if problem:
+                context.report.add("bad-expression", path, problem)
+                break
     for name, definition in raw_spec["parameters"].items():
         if "equals" not in definition:
             continue
@@ -108,28 +116,29 @@ def check_reach(raw_spec: Raw, context: LayoutContext, variants: Sequence[Varian
 
 
 def _error_of_expression(expression_text: int | str, parameters: Mapping[str, int]) -> str:
-    """Return the reason why an expression has no value for these parameters, or an empty string.
+    """Return the reason an expression has no value with these parameters, or "".
 
-    It is empty for an expression with a syntax error or an unknown parameter, which other rules report.
+    The result is also "" for an expression with a syntax error or an unknown parameter, which other rules report.
     """
     try:
         expression = Expression.parse(expression_text)
     except ExpressionError:
-        return ""  # Reported by the rule on expressions.
-    are_known = parameters.keys() >= set(expression.parameters)  # An unknown name is reported by the same rule.
+        return ""
+    has_unknown_parameter = not parameters.keys() >= set(expression.parameters)
+    if has_unknown_parameter:
+        return ""
     try:
-        if are_known:
-            expression.value(parameters)
+        expression.value(parameters)
     except ExpressionError as error:
         return str(error)
     return ""
 
 
 def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int]:
-    """Return the parameters held in registers at run time, with their default values, and check them.
+    """Return the factory defaults of the parameters that registers hold at run time, and check their definitions.
 
-    Parameters whose values the order code sets are not in the result. If the default cannot be found, the highest
-    value, or 0 without one, stands for it, so that the rest of the spec can be checked.
+    Parameters that order codes set are left out. If a default cannot be determined, it is replaced by the highest value
+    of the parameter, or by 0, so that the rest of the spec can be checked.
     """
     defaults: dict[str, int] = {}
     names_set_by_codes = set_by_codes(raw_spec)
@@ -138,7 +147,8 @@ def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int
             continue
         register, field = _register_and_field(raw_spec, definition)
         if register is None or field is None:
-            defaults[name] = definition.get("max", 0)  # reported by the rule on references
+            # The rule on references reports it.
+            defaults[name] = definition.get("max", 0)
             continue
         low_and_width = _lowest_bit_and_width(field)
         if low_and_width is None:
@@ -166,7 +176,7 @@ def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int
 
 
 def _register_and_field(raw_spec: Raw, definition: Raw) -> tuple[Raw | None, Raw | None]:
-    """Return the register and the field that a parameter is read from, each None if it does not exist."""
+    """Return the register and the field that hold a parameter. Each is None if it does not exist in the spec."""
     register_name, _, field_name = definition["read_from"].partition(".")
     registers = raw_spec.get("registers", ())
     register = next((candidate for candidate in registers if candidate["name"] == register_name), None)
@@ -178,10 +188,10 @@ def _register_and_field(raw_spec: Raw, definition: Raw) -> tuple[Raw | None, Raw
 def _default_of_parameter(
     name: str, definition: Raw, stored_number: int, zero_means: int, report: DocumentReport
 ) -> int:
-    """Return the value of a parameter whose field has this number by default, and check it.
+    """Return the value of a parameter whose register field contains this number by default, and check it.
 
-    A parameter with codes has the value of the code, or 0 if the number is not a code. ``zero_means`` is the value for
-    which a stored zero stands, or 0.
+    If the field holds a code, this is the value of the code, or 0 if the number is not a code. ``zero_means`` is the
+    value that a stored zero represents.
     """
     codes_with_values = coded_values(definition)
     if codes_with_values:
@@ -200,16 +210,16 @@ def _default_of_parameter(
 
 
 def coded_values(definition: Raw) -> tuple[CodedValue, ...]:
-    """Return the codes of a parameter in a register with their values, in the order of the codes."""
+    """Return the codes by which a register holds a parameter, with their values, sorted by code."""
     values = (CodedValue(int(code, 0), value) for code, value in definition.get("by_code", {}).items())
     return tuple(sorted(values, key=lambda coded: coded.code))
 
 
 def extreme_states(raw_spec: Raw) -> Sequence[Sequence[State]]:
-    """Return the states of each register field that must fit: the limits of its parameter, or each of its codes.
+    """Return the extreme states of each register field that holds parameters, for which all layouts must be valid.
 
-    There is one list for each parameter with limits, such as ``[{"offset": 0}, {"offset": 15}]``, and one for each
-    field with codes, which can hold several parameters.
+    A parameter with limits has a list of two states, such as ``[{"offset": 0}, {"offset": 15}]``. A field that holds a
+    code has a list with a state for each code, which can set several parameters.
     """
     states_of_limits: list[list[State]] = []
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
@@ -234,23 +244,23 @@ def set_by_codes(raw_spec: Raw) -> frozenset[str]:
 
 
 def _check_set_values(name: str, raw_spec: Raw, codes: Sequence[CodedValue], report: DocumentReport) -> None:
-    """Check that order codes set only values that the register can hold, which are the values with a code.
+    """Check that order codes only set values of a parameter that its register can hold, which are values with a code.
 
-    Without codes, nothing is checked.
+    A parameter without codes is not checked.
     """
     values_with_code = {coded.value for coded in codes}
     for index, part in enumerate(raw_spec["order_code"]["parts"]):
         for text_of_value, code_value in part["values"].items():
-            value_set = (code_value or {}).get("sets", {}).get(name)
-            if values_with_code and value_set is not None and value_set not in values_with_code:
+            number = (code_value or {}).get("sets", {}).get(name)
+            if values_with_code and number is not None and number not in values_with_code:
                 path = ("order_code", "parts", index, "values", text_of_value, "sets", name)
                 report.add(
-                    "default-does-not-fit", path, f"{value_set} is not one of the values in 'by_code' of {quoted(name)}"
+                    "default-does-not-fit", path, f"{number} is not one of the values in 'by_code' of {quoted(name)}"
                 )
 
 
 def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport) -> None:
-    """Check that each code fits into the field and is unique. The codes are texts such as ``0x10``."""
+    """Check that each code of a parameter, such as ``0x10``, fits into its register field and is unique."""
     first_text_by_code: dict[int, str] = {}
     for code_text in definition.get("by_code", {}):
         code = int(code_text, 0)  # Base 0 reads 0x10 as hexadecimal.
@@ -270,17 +280,22 @@ def _check_codes(name: str, definition: Raw, width: int, report: DocumentReport)
 
 
 def _find_raw_field(register: Raw, field_name: str) -> Raw | None:
-    """Return a field of a register as in the spec, or None if the field does not exist.
+    """Return the definition of a field of a register in the spec, or None if there is no such field.
 
-    A register without fields is one number, whose field has the name of the register. If the register uses a group, any
-    other name may be a field of the group. The result is then empty.
+    A register without fields is a single number, whose field has the name of the register. If the register uses a group
+    of fields, any other name may belong to a field of the group, and the result is an empty definition.
     """
     if "fields" not in register:
+        if field_name != register["name"]:
+            return None
         highest_bit = 8 * register["length"] - 1
-        return {"name": field_name, "at": f"{highest_bit}:0"} if field_name == register["name"] else None
-    own_fields = [field for field in register["fields"] if "use" not in field]
-    field_of_group: Raw | None = {} if len(own_fields) < len(register["fields"]) else None
-    return next((field for field in own_fields if field.get("name") == field_name), field_of_group)
+        return {"name": field_name, "at": f"{highest_bit}:0"}
+    own_fields: list[Raw] = [field for field in register["fields"] if "use" not in field]
+    for field in own_fields:
+        if field.get("name") == field_name:
+            return field
+    uses_group = len(own_fields) < len(register["fields"])
+    return {} if uses_group else None
 
 
 def _lowest_bit_and_width(field: Raw) -> tuple[int, int] | None:
@@ -296,7 +311,7 @@ def _lowest_bit_and_width(field: Raw) -> tuple[int, int] | None:
     return (low, width) if isinstance(width, int) else None
 
 
-#: Largest number of sets of parameters, and of fields times sets. The largest manuals need 200 and 20,000.
+#: Highest number of sets of parameters, and of fields times sets. The largest manuals need 200 and 20,000.
 MOST_SETS = 20_000
 MOST_PLACES = 500_000
 
@@ -307,62 +322,71 @@ def parameter_sets(
     variants: Sequence[Variant],
     alternatives: Sequence[Alternative],
 ) -> Mapping[str, Sequence[Mapping[str, int]]]:
-    """Return, by interface, every set of parameters that a layout must support.
+    """Return every set of parameters that layouts must support, by interface.
 
-    These are the sets of the order codes, the bounds of parameters held in registers, one by one and together, and each
-    of these with the default answers, and with each other answer of one alternative.
+    Each set contains the parameters of an order code, possibly with extreme values of the parameters that registers
+    hold (one of them or several), and possibly with an answer to an open question other than its first answer.
     """
     interface_names = (*raw_spec["interfaces"], *map(interface_of, WrittenSpec(dict(raw_spec)).registers))
-    if not variants:  # Parameters are unknown. Parts that do not use them can still be checked.
-        return MappingProxyType({kind: ({},) for kind in interface_names})
-    sets_by_interface: dict[str, list[Mapping[str, int]]] = {kind: [] for kind in interface_names}
+    if not variants:  # The parameters are not known, but parts that do not use them can still be checked.
+        return MappingProxyType({interface: ({},) for interface in interface_names})
+    sets_by_interface: dict[str, list[Mapping[str, int]]] = {interface: [] for interface in interface_names}
     values_of_answers: list[Mapping[str, int]] = [{}]
     for alternative in alternatives:
-        # The first answer is the default, which the order codes already have.
+        # The order codes already have the values of the first answer, which is the default.
         values_of_answers += [answer.sets for answer in alternative.answers[1:]]
-    states_by_field = extreme_states(raw_spec)
-    # One by one first, so that messages name as few parameters as possible.
-    single_states = (register_state for states in states_by_field for register_state in states)
-    combined_states = extreme_combinations(states_by_field) if len(states_by_field) > 1 else ()
-    register_states: list[State] = [{}, *single_states, *combined_states]
     known_sets: set[tuple[str, tuple[int, ...]]] = set()
-    sets_by_codes = _without_definitions(definitions, variants)
-    for (kind, set_by_code), register_state, values_of_answer in product(
-        sets_by_codes, register_states, values_of_answers
+    for (interface, code_values), register_values, answer_values in product(
+        _values_set_by_codes(definitions, variants), _states_of_registers(raw_spec), values_of_answers
     ):
-        parameters = {**set_by_code, **register_state, **values_of_answer}
+        parameters = {**code_values, **register_values, **answer_values}
         # The parameters of an interface are always in the same order, so their values identify a set.
-        interface_and_values = (kind, tuple(parameters.values()))
+        interface_and_values = (interface, tuple(parameters.values()))
         if interface_and_values not in known_sets:
             known_sets.add(interface_and_values)
-            sets_by_interface.setdefault(kind, []).append(resolve_parameters(parameters, definitions))
-        # too_much_work reports the spec.
-        if len(known_sets) > MOST_SETS:
+            sets_by_interface.setdefault(interface, []).append(resolve_parameters(parameters, definitions))
+        if len(known_sets) > MOST_SETS:  # ``too_much_work`` reports the spec.
             break
-    # An interface that no order code selects has been reported. Its layouts are checked with the parameters of the
+    # An interface that no order code has is reported elsewhere. Its layouts are checked with the parameters of the
     # other interfaces.
     all_sets = [parameters for sets in sets_by_interface.values() for parameters in sets]
-    return MappingProxyType({kind: sets or all_sets for kind, sets in sets_by_interface.items()})
+    return MappingProxyType({interface: sets or all_sets for interface, sets in sets_by_interface.items()})
 
 
-def _without_definitions(
+def _states_of_registers(raw_spec: Raw) -> Sequence[State]:
+    """Return the values of parameters in registers: the factory defaults, then extreme values of one or several.
+
+    A state only contains the parameters that differ from the factory defaults. States with a single extreme value come
+    first, so that messages name as few parameters as possible.
+    """
+    states_by_field = extreme_states(raw_spec)
+    states: list[State] = [{}]
+    for states_of_field in states_by_field:
+        states += states_of_field
+    if len(states_by_field) > 1:
+        states += extreme_combinations(states_by_field)
+    return states
+
+
+def _values_set_by_codes(
     definitions: Mapping[str, Expression], variants: Sequence[Variant]
 ) -> Iterator[tuple[str, Mapping[str, int]]]:
-    """Yield the interface and the parameters of each order code, without derived parameters.
+    """Yield the interface and the parameters of each order code, without parameters that a formula calculates.
 
-    Order codes with the same interface and values count once.
+    Order codes with the same interface and the same values are yielded once.
     """
-    base_by_values: dict[tuple[str, tuple[int, ...]], Mapping[str, int]] = {}
+    parameters_by_values: dict[tuple[str, tuple[int, ...]], Mapping[str, int]] = {}
     for variant in variants:
-        base = {name: value for name, value in variant.parameters.items() if name not in definitions}
-        base_by_values.setdefault((variant.interface, tuple(base.values())), base)
-    yield from ((interface, base) for (interface, _), base in base_by_values.items())
+        parameters = {name: value for name, value in variant.parameters.items() if name not in definitions}
+        parameters_by_values.setdefault((variant.interface, tuple(parameters.values())), parameters)
+    for (interface, _), parameters_of_code in parameters_by_values.items():
+        yield interface, parameters_of_code
 
 
 def too_much_work(raw_spec: Raw, context: LayoutContext) -> bool:
-    """Report a spec for which each field would be placed too often, and return True. Otherwise, return False.
+    """Return whether checking a spec would take too long, and report it.
 
-    Each field is placed once for each set of parameters.
+    Each field is placed once for each set of parameters, so the numbers of both are limited.
     """
     number_of_sets = sum(map(len, context.parameter_sets.values()))
     spec = WrittenSpec(dict(raw_spec))

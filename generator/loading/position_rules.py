@@ -1,25 +1,24 @@
-"""Check that the position of a measurement is as wide as its counts and turns need."""
+"""Check that the field of the position has as many bits as its counts and turns need."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
 from ..language.document import Path
 from ..language.problems import DocumentReport
-from ..language.schema_files import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Number, Variant
 from ..model.expressions import Expression, is_power_of_two
 from ..model.key_types import LARGEST
 from ..model.record import dataclass
 from .gray_positions import KeyProblem, check_gray_positions
 
-#: From this number, a power of two minus one is assumed to be the highest count, not the number of counts.
-_LEAST_POWER_OF_TWO = 15
+#: A power of two minus one is assumed to be the highest count, not the number of counts, if it is at least this number.
+_SMALLEST_HIGHEST_COUNT = 15
 #: Keys of a measurement that are not numbers of counts. They state the length of a count.
 _KEYS_OF_STEP_LENGTHS = ("step_um", "step_nm", "per_counts")
-#: Nanometres in the units of a field whose counts are lengths.
-_NANOMETRES_PER_UNIT = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_000_000}
+#: Nanometers in the units of a field whose counts are lengths.
+_NANOMETERS_PER_UNIT = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_000_000}
 _REVOLUTION_UNITS = ("revolution", "revolutions", "turn", "turns")
 
 
@@ -34,17 +33,22 @@ class _Case:
 
     @property
     def width(self) -> int:
+        """Number of bits in the position, or 0 if the layout does not contain it."""
         return sum(width for _, width in self.fields)
 
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
-    """Check scales and Gray code of positions, and report the first contradiction of each measurement."""
-    # Interfaces without a measurement of their own share the measurement of the device, which is reported once.
+    """Check the positions of a device: their scales, their Gray code, and the description of their counts.
+
+    The key ``measurement`` of a device or interface describes the position. For each measurement, only the first
+    contradiction is reported.
+    """
+    # Interfaces without their own measurement share the measurement of the device, which is reported once.
     reported_paths: set[Path] = set()
     _check_scales(device, report)
     check_gray_positions(device, report)
     for interface in device.interfaces:
-        # Only the first problem: the generator checks no further order codes once it has yielded one.
+        # The generator stops at the first problem, without checking other order codes.
         first_problem = next(_problems_of(device, interface), None)
         if first_problem is None:
             continue
@@ -55,7 +59,10 @@ def check_measurements(device: Device, report: DocumentReport) -> None:
 
 
 def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, KeyProblem]]:
-    """Yield the contradictions of a measurement, each with the path of the measurement or range with the key."""
+    """Yield the contradictions in the description of the position of an interface.
+
+    Each comes with the path of the ``measurement`` or the ``position_range`` that contains the wrong key.
+    """
     measurement = device.measurement_of(interface.name)
     if measurement is None:
         return
@@ -67,13 +74,13 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, K
         problem = _measurement_problem(device, measurement.within(range_of_layout), case)
         if problem is not None:
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
-            # A number stated by the range of the layout is reported there, other numbers in the measurement.
-            is_of_range = getattr(range_of_layout, problem.key, None) is not None
-            yield range_path if is_of_range else measurement_path, problem
+            # The layout can have its own range, which replaces numbers of the measurement.
+            range_has_key = getattr(range_of_layout, problem.key, None) is not None
+            yield range_path if range_has_key else measurement_path, problem
 
 
 def _check_scales(device: Device, report: DocumentReport) -> None:
-    """Report a part of a position with a ``scale``, because the measurement already gives its unit."""
+    """Report a ``scale`` for a field of the position, because ``measurement`` already gives its unit."""
     reported: set[Path] = set()
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
@@ -81,7 +88,7 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
             continue
         for layout in interface.layouts:
             owner = ("interfaces", interface.name, "layouts", layout.name)
-            # The position is one field, or a join of several ones.
+            # The position consists of one or several fields.
             for field in layout.find_fields(layout.names_in(measurement.of)):
                 owner_of_field = ("field_groups", field.group) if field.group else owner
                 path: Path = (*owner_of_field, "fields", field.name, "scale")
@@ -103,8 +110,11 @@ def _yield_cases(device: Device, interface: Interface, measurement: Measurement)
 
 
 def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> KeyProblem | None:
-    """Return the wrong key and the message of the first contradiction with the layout of a case, or None."""
-    # The key that states the number of positions: per turn, or in all for a length.
+    """Return the first contradiction between a measurement and a layout for one order code, or None.
+
+    The measurement describes the position: its counts per turn, turns and so on.
+    """
+    # The key that states the number of positions, within one turn or, for a length, in total.
     key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
     expressions: dict[str, Expression] = {}
     for name in ("counts_per_turn", "turns", *_KEYS_OF_STEP_LENGTHS, "modulus"):
@@ -117,8 +127,8 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
         return problem
     position_range = case.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
-    # The width is 0 if a frame lacks the position.
-    if key not in values or not case.width or never_wraps:
+    has_position = case.width > 0
+    if key not in values or not has_position or never_wraps:
         return None
     fixed_values = {name: value for name, value in values.items() if not _at_run_time(device, expressions[name])}
     return (
@@ -131,7 +141,7 @@ def _measurement_problem(device: Device, measurement: Measurement, case: _Case) 
 
 
 def _limit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
-    """Return the key and the message if a number of the measurement is below 1, or a step is too large for C."""
+    """Return the problem if a number of a measurement is below 1, or a step is too large for C, or None."""
     for name, value in values.items():
         if value < 1:
             return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1")
@@ -141,14 +151,17 @@ def _limit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
 
 
 def is_probably_highest(count: int) -> bool:
-    """Return whether a number of counts is all ones, such as 4095, and so probably the highest count."""
-    return count >= _LEAST_POWER_OF_TWO and is_power_of_two(count + 1)
+    """Return whether a number of counts is probably the highest count, because it is a power of two minus one.
+
+    For example, 4095 is probably the highest of 4096 counts.
+    """
+    return count >= _SMALLEST_HIGHEST_COUNT and is_power_of_two(count + 1)
 
 
 def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyProblem | None:
-    """Return the key and the message if a number of counts is all ones, such as 4095, and so the highest count.
+    """Return the problem if a number of counts is probably the highest count, such as 4095, or None.
 
-    ``fixed_values`` lacks numbers that depend on a register, which may be any.
+    ``fixed_values`` are the numbers of the measurement that do not depend on a register.
     """
     for name, value in fixed_values.items():
         is_number_of_counts = name not in _KEYS_OF_STEP_LENGTHS
@@ -159,9 +172,12 @@ def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyP
 
 
 def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
-    """Return the key and the message if the unit of a single position field contradicts the length of a count."""
+    """Return the problem if the unit of the position field contradicts the length of a count, or None.
+
+    A position that consists of several fields is not checked.
+    """
     if "step_um" in values:
-        key, step_nm = "step_um", values["step_um"] * _NANOMETRES_PER_UNIT["um"]
+        key, step_nm = "step_um", values["step_um"] * _NANOMETERS_PER_UNIT["um"]
     elif "step_nm" in values:
         key, step_nm = "step_nm", values["step_nm"]
     else:
@@ -170,10 +186,10 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
         return None
     position_name, _ = case.fields[0]
     unit = case.layout.field(position_name).unit
-    if unit not in _NANOMETRES_PER_UNIT:
+    if unit not in _NANOMETERS_PER_UNIT:
         return None
-    # The step is the length of 'per_counts' counts, and the unit of the field is the length of one count.
-    length_by_unit_nm = _NANOMETRES_PER_UNIT[unit] * values.get("per_counts", 1)
+    # The step is the length of ``per_counts`` counts. The unit of the field is the length of one count.
+    length_by_unit_nm = _NANOMETERS_PER_UNIT[unit] * values.get("per_counts", 1)
     if step_nm == length_by_unit_nm:
         return None
     message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_name}' has 'unit: {unit}'"
@@ -183,9 +199,9 @@ def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
 def _width_problem(
     device: Device, measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
 ) -> KeyProblem | None:
-    """Return the key and the message if the position has too few bits, or unused bits where it must use all.
+    """Return the problem if the position has too few bits for its counts, or bits that it never uses, or None.
 
-    A position of several fields also has too few bits if ``highest`` does not fit.
+    If the position consists of several fields, ``highest``, its highest value, must fit too.
     """
     turns = values.get("turns", 1)
     counts = values[counts_key] * turns
@@ -193,7 +209,7 @@ def _width_problem(
     counts_text = f"{values[counts_key]} counts{turns_text}"
     width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     fields = [case.layout.field(name) for name, _ in case.fields]
-    # Numbers whose digits are sent separately are not joined.
+    # A number whose digits are sent separately is always a single field.
     code = fields[0].number.code_of_digits
     highest_in_bits = (1 << case.width) - 1 if code is None else code.highest(case.width)
     if counts > highest_in_bits + 1:
@@ -201,33 +217,43 @@ def _width_problem(
         return KeyProblem(counts_key, f"{counts_text} do not fit, because {width_text}{end}")
     if code is not None:
         return None
-    is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
-    end_of_width = 1 << case.width
     if len(fields) > 1 and measurement.highest is not None:
         highest = measurement.highest.value(case.variant.parameters)
-        if highest >= end_of_width:
-            return KeyProblem("highest", f"'highest' is {highest}, but {width_text} and ends at {end_of_width - 1}")
-    width_parameters = _parameters_behind(device, *(field.width for field in fields))
-    count_parameters = _parameters_behind(
-        device, *filter(None, (measurement.counts_per_turn, measurement.turns, measurement.modulus))
-    )
-    # A position of fixed width can begin with zeros, as manuals draw it. Decoders reject a position above the counts.
-    # A length that wraps around at a power of two uses all bits of its field, unless 'highest' gives another range.
-    uses_all_bits = (
-        counts_key == "modulus" and is_power_of_two(counts) and not is_signed and measurement.highest is None
-    )
-    must_fill = uses_all_bits or (
-        width_parameters and count_parameters <= width_parameters and not (is_signed and measurement.highest)
-    )
-    one_bit_less_is_enough = 2 * counts <= 1 << case.width
-    if one_bit_less_is_enough and must_fill:
+        if highest > highest_in_bits:
+            return KeyProblem("highest", f"'highest' is {highest}, but {width_text} and ends at {highest_in_bits}")
+    one_bit_less_is_enough = 2 * counts <= highest_in_bits + 1
+    if one_bit_less_is_enough and _must_use_all_bits(device, measurement, fields, counts_key, counts):
         message = f"{counts_text} need {(counts - 1).bit_length()} bits, but {width_text}"
         return KeyProblem(counts_key, f"{message}; define zeros above a position as a separate field")
     return None
 
 
+def _must_use_all_bits(
+    device: Device, measurement: Measurement, fields: Sequence[Field], counts_key: str, counts: int
+) -> bool:
+    """Return whether a position must use all bits of its fields.
+
+    A position with a fixed width can begin with zeros, as manuals draw it. If the width depends on the parameters that
+    determine the counts, all bits must be used. A length that wraps around at a power of two also uses all bits. Both
+    rules have exceptions for positions with ``highest``, which gives the range of the position.
+    """
+    is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
+    wraps_at_power_of_two = counts_key == "modulus" and is_power_of_two(counts)
+    if wraps_at_power_of_two and not is_signed and measurement.highest is None:
+        return True
+    if is_signed and measurement.highest:
+        return False
+    width_parameters = _parameters_behind(device, *(field.width for field in fields))
+    numbers_of_counts = (measurement.counts_per_turn, measurement.turns, measurement.modulus)
+    count_parameters = _parameters_behind(device, *filter(None, numbers_of_counts))
+    return bool(width_parameters) and count_parameters <= width_parameters
+
+
 def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> KeyProblem | None:
-    """Return the key and the message if the range of a position does not fit its only field, or is unknown."""
+    """Return the problem if the range of a position does not fit into its field or cannot be inferred, or None.
+
+    A position that consists of several fields is not checked.
+    """
     if measurement.total is None or len(case.fields) != 1:
         return None
     total = measurement.total.value(case.variant.parameters)
@@ -238,7 +264,7 @@ def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> Ke
         message = _message_of_signed_range(case, field_text, total) if is_signed else ""
         return KeyProblem(counts_key, message) if message else None
     highest = measurement.highest.value(case.variant.parameters)
-    lowest = highest - total + 1  # There are as many positions as counts.
+    lowest = highest - total + 1
     # In two's complement, half of the numbers are negative.
     lowest_possible = -(1 << (width - 1)) if is_signed else 0
     highest_possible = lowest_possible + (1 << width) - 1
@@ -250,9 +276,9 @@ def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> Ke
 
 
 def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
-    """Return the message about a signed position without ``highest``, or an empty string if it needs none.
+    """Return the message about a signed position without ``highest``, or "" if it does not need this key.
 
-    It needs no range if it has as many numbers as the encoder has positions.
+    It is not needed if the field can hold exactly as many numbers as there are positions.
     """
     if not is_power_of_two(total):
         message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
@@ -268,20 +294,21 @@ def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
 def _order_problem(
     measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
 ) -> KeyProblem | None:
-    """Return the key and the message if the revolutions are in lower bits than the position within one revolution.
+    """Return the problem if the revolutions are in lower bits than the position within one revolution, or None.
 
-    In a frame of bytes, the order in which fields are sent does not show which field is more significant.
+    This can only happen in a frame of bytes, where the transmission order does not show which field is more
+    significant.
     """
     if counts_key != "counts_per_turn":
         return None
     names = [name for name, _ in case.fields]
     count_turns = [case.layout.field(name).unit in _REVOLUTION_UNITS for name in names]
     if not any(count_turns) and len(names) == 2:
-        # Without units, the widths tell: the counts of a turn fit the upper field, and the turns the lower one.
+        # Without units, the order is wrong if the counts of a turn fill the upper field, and the turns the lower one.
         (_, upper_width), (_, lower_width) = case.fields
-        counts_fit_upper = values[counts_key] == 1 << upper_width
-        turns_fit_lower = values.get("turns") == 1 << lower_width
-        count_turns[1] = upper_width != lower_width and counts_fit_upper and turns_fit_lower
+        counts_fill_upper = values[counts_key] == 1 << upper_width
+        turns_fill_lower = values.get("turns") == 1 << lower_width
+        count_turns[1] = upper_width != lower_width and counts_fill_upper and turns_fill_lower
     for (above_name, above_counts_turns), (name, counts_turns) in pairwise(zip(names, count_turns, strict=True)):
         if counts_turns and not above_counts_turns:
             message = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_name}'"
@@ -290,16 +317,17 @@ def _order_problem(
 
 
 def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int]) -> KeyProblem | None:
-    """Return the key and the message if the fields below a number of revolutions do not fill one revolution."""
+    """Return the problem if the fields below the number of revolutions do not count exactly one revolution, or None."""
     if counts_key != "counts_per_turn":
         return None
     counts = values[counts_key]
     for index, (name, width) in enumerate(case.fields[:-1]):
         fields_below = case.fields[index + 1 :]
         bits_below = sum(width_below for _, width_below in fields_below)
-        # Without a unit, the upper of two fields counts turns if they fit into it, and the counts into the other.
-        has_turns_that_fit = 1 < values.get("turns", 1) <= 1 << width
-        fits_turns = len(case.fields) == 2 and counts < 1 << bits_below and has_turns_that_fit
+        # Without a unit, the upper of two fields counts turns if they fit into it, and the counts fit into the other.
+        turns_fit = 1 < values.get("turns", 1) <= 1 << width
+        counts_fit_below = counts < 1 << bits_below
+        fits_turns = len(case.fields) == 2 and counts_fit_below and turns_fit
         counts_turns = case.layout.field(name).unit in _REVOLUTION_UNITS or fits_turns
         if counts_turns and counts != 1 << bits_below:
             message = (
@@ -313,105 +341,17 @@ def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int])
 
 
 def _at_run_time(device: Device, expression: Expression) -> bool:
-    """Return True if the expression depends on a register, which may hold any number."""
+    """Return whether an expression depends on a parameter that a register holds at run time."""
     names_from_registers = {parameter.name for parameter in device.run_time_parameters}
     return not names_from_registers.isdisjoint(device.needed_parameters(expression.parameters))
 
 
 def _parameters_behind(device: Device, *expressions: Expression) -> frozenset[str]:
-    """Return the parameters behind these expressions: the parameters that order codes set or registers hold."""
-    names = (name for expression in expressions for name in expression.parameters)
+    """Return the parameters that determine these expressions, and that order codes set or registers hold.
+
+    A parameter that a formula calculates is replaced by the parameters in the formula.
+    """
+    names: list[str] = []
+    for expression in expressions:
+        names += expression.parameters
     return device.needed_parameters(names) - device.definitions.keys()
-
-
-def check_position_widths(device: Device, report: DocumentReport) -> None:
-    """Report a position with too many bits for its counts, unless a note of the field explains it.
-
-    Zeros above a position are accepted if no order code fills the field, and if the field is whole bytes, as manuals
-    draw them, or order codes need different widths.
-    """
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
-        return
-    for interface in device.interfaces:
-        measurement = device.measurement_of(interface.name)
-        if measurement is None or measurement.highest is not None or measurement.counts_per_turn is None:
-            continue
-        for layout in interface.layouts:
-            field = _position_field(layout, measurement)
-            if field is not None and layout.sender == "encoder":
-                _check_width(device, interface, layout, field, report)
-
-
-def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
-    """Return the field that is the whole position if its width can be compared with the counts, else None.
-
-    It must be unsigned, binary and without padding, and have a constant width and no note. A joined position is several
-    fields.
-    """
-    names = layout.names_in(measurement.of)
-    if len(names) != 1:
-        return None
-    (position_name,) = names
-    field = next((candidate for candidate in layout.fields if candidate.name == position_name), None)
-    if field is None:
-        return None
-    is_binary = not field.number.signed and not field.number.digit_code
-    is_plain = field.width.is_constant and not field.note and is_binary
-    # The container is 0 for a field without 'padded_to'.
-    is_unpadded = field.container in (0, field.width.constant)
-    return field if is_plain and is_unpadded else None
-
-
-def _check_width(device: Device, interface: Interface, layout: Layout, field: Field, report: DocumentReport) -> None:
-    """Report a position field wider than the counts of an order code need, if all counts are powers of two and fit."""
-    measurement = device.measurement_of(interface.name)
-    assert measurement is not None
-    width = field.width.constant
-    bits_by_code = {
-        variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)
-    }
-    fewer_bits_by_code = {code: bits for code, bits in bits_by_code.items() if bits is not None and bits < width}
-    needed_widths = set(bits_by_code.values())
-    if not fewer_bits_by_code or any(bits is None or bits > width for bits in needed_widths):
-        return
-    code, bits = next(iter(fewer_bits_by_code.items()))
-    fills_width = width in needed_widths
-    is_whole_bytes = width % 8 == 0
-    if not fills_width and (is_whole_bytes or len(needed_widths) > 1):
-        return
-    owner_path: Path = ("interfaces", interface.name, "layouts", layout.name)
-    if field.group:
-        owner_path = ("field_groups", field.group)
-    message = f"'{field.name}' always has {width} bits, but the counts of {code} need {bits}"
-    correct_width = _corrected_width(measurement, fills_width, bits)
-    report.add(
-        "measurement-does-not-fit",
-        (*owner_path, "fields", field.name),
-        f"{message}; write '{correct_width}', or add a 'note' about the bits above them",
-    )
-
-
-def _corrected_width(measurement: Measurement, fills_width: bool, bits: int) -> str:
-    """Return the corrected ``bits``, such as ``bits: 24``. It is a parameter if some order code fills the width.
-
-    With 2^position_bits counts, the parameter is position_bits.
-    """
-    counts = measurement.counts_per_turn
-    assert counts is not None
-    counts_text = counts.render()
-    is_power_of_parameter = fills_width and counts_text.startswith("2^") and counts_text[2:].isidentifier()
-    if is_power_of_parameter:
-        return f"bits: {counts_text[2:]}"
-    return "bits: PARAMETER" if fills_width else f"bits: {bits}"
-
-
-def _needed_bits(measurement: Measurement, variant: Variant) -> int | None:
-    """Return the bits that the positions of an order code fill, or None if that is not a whole number."""
-    counts = _value_or_one(measurement.counts_per_turn, variant) * _value_or_one(measurement.turns, variant)
-    # 2^12 has 13 bits itself, but 12 bits count from 0 to 2^12 - 1.
-    return counts.bit_length() - 1 if is_power_of_two(counts) else None
-
-
-def _value_or_one(expression: Expression | None, variant: Variant) -> int:
-    """Return the value of an expression for an order code, or 1 if there is none."""
-    return 1 if expression is None else expression.value(variant.parameters)

@@ -22,22 +22,23 @@ from ..language.files import SUFFIXES
 from ..language.problems import suggest_word, visible
 from ..language.read import MAX_BYTES
 
-_MOST_FILES = 1000
+_MAX_FILES = 1000
 #: Largest total size of the specs in a revision, in bytes.
-_MOST_BYTES = 16 * MAX_BYTES
+_MAX_TOTAL_BYTES = 16 * MAX_BYTES
 #: Largest list of files in a revision, in bytes. A tree of a few kB can list more files than any disk holds.
-_MOST_LISTED = 16 * 2**20
+_MAX_LIST_BYTES = 16 * 2**20
 #: Longest time that git may take.
-_PATIENCE_S = 60
+_TIMEOUT_S = 60
 #: Modes of regular files in a tree. Links and submodules have other modes.
 _FILE_MODE, _EXECUTABLE_MODE = "100644", "100755"
 #: File of the manufacturer, in the folder of its specs.
 _MANUFACTURER_FILE = "manufacturer.yaml"
-#: A part of a path that git does not check out, or that leads elsewhere on some systems.
+#: A part of a path that git does not check out, or that leads to a different folder on some systems.
 _BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
-#: A path of Windows. Nor does a revision of one letter have such a path: paths of revisions begin at the top.
+#: The beginning of a Windows path. A revision with a name of one letter is not mistaken for a drive, because paths in
+#: revisions do not begin with a slash.
 _ON_A_DRIVE = re.compile(r"[A-Za-z]:[\\/]")
-#: A file name that is safe on every system. The name is kept, since the family in a spec is named after its file.
+#: A file name that is safe on every system. It is kept, because a family has the name of its spec file.
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 #: git fetches nothing, not even what a partial clone left on the server. A version that does not know GIT_NO_LAZY_FETCH
 #: must not use any protocol.
@@ -51,7 +52,7 @@ _QUIET = {
 
 
 class RevisionError(ValueError):
-    """The revision or the path in it does not exist or cannot be read. The message says which."""
+    """The revision or the path in it does not exist or cannot be read. The message names it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,7 @@ class RevisionPath:
 
 @dataclass(frozen=True, slots=True)
 class RevisionFiles:
-    """Specs of a revision on disk: the file or folder to read, and the original name of each path."""
+    """Specs from a revision on disk: the file or folder to read, and the original name of each path."""
 
     place: Path
     names: Mapping[str, str]
@@ -87,9 +88,9 @@ def revision_in(text: str) -> RevisionPath | None:
 
 
 def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
-    """Write the specs of a revision to an empty folder, with the manufacturer's file if it is a single spec.
+    """Write the specs of a revision to an empty folder. With a single spec, its manufacturer's file is written too.
 
-    Folders are renamed to numbers. Files keep names that are valid on every system.
+    Folders are renamed to numbers. Files keep their names if these are valid on every system.
 
     Raises:
         RevisionError: The revision cannot be read, or contains names or sizes that specs cannot have.
@@ -105,19 +106,19 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
         blobs_by_path |= _list_files(commit, manufacturer_path)
     blobs_of_specs: dict[str, str] = {}
     for name, blob in blobs_by_path.items():
-        # A file given by name is a spec, whatever its suffix.
+        # A single file is a spec, whatever its suffix.
         if name.endswith(SUFFIXES) or name == path:
             blobs_of_specs[name] = blob
-    _refuse_bad_names(revision_path.revision, blobs_of_specs)  # Also the names of hidden files.
+    _reject_bad_names(revision_path.revision, blobs_of_specs)  # This includes the names of hidden files.
     if not is_single_file:
         for name in list(blobs_of_specs):
             if _is_hidden(name.removeprefix(path)):
                 del blobs_of_specs[name]
-    if len(blobs_of_specs) > _MOST_FILES:
+    if len(blobs_of_specs) > _MAX_FILES:
         raise RevisionError(
             f"{visible(str(revision_path))} contains {len(blobs_of_specs)} YAML files; name the folder of the specs"
         )
-    _refuse_large_files(revision_path, blobs_of_specs)
+    _reject_large_files(revision_path, blobs_of_specs)
     content_by_blob = _read_contents(blobs_of_specs.values())
     target_paths = _target_paths(blobs_of_specs, folder)
     for name, file in target_paths.items():
@@ -129,24 +130,24 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     return RevisionFiles(target_paths.get(path, folder), shown_names)
 
 
-def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
+def _reject_bad_names(revision: str, names: Iterable[str]) -> None:
     """Raise a ``RevisionError`` for the first path with a part that is not safe, such as ``..``."""
     for name in names:
         unsafe_part = next(filter(_BAD_PART.fullmatch, name.split("/")), None)
         if unsafe_part is not None:
-            problem = f"{visible(revision)} holds a file '{visible(name)}'"
+            problem = f"{visible(revision)} contains a file '{visible(name)}'"
             raise RevisionError(f"{problem}; '{visible(unsafe_part)}' is not a safe name, so the revision is not read")
 
 
 def _is_hidden(file_name: str) -> bool:
-    """Return whether a part of the name begins with a dot. Such files are ignored in folders of specs."""
+    """Return whether a part of a file's path begins with a dot. Such files are ignored in folders of specs."""
     return any(part.startswith(".") for part in file_name.split("/"))
 
 
 def _target_paths(names: Iterable[str], folder: Path) -> dict[str, Path]:
-    """Return the path to write each file to, below ``folder``. Files of one folder stay together.
+    """Return the path to which each file is written, below ``folder``. Files from one folder stay together.
 
-    A file gets another name if its own name is not plain, or if an earlier path differs only in upper and lower case.
+    A file is renamed if its name is not safe on every system, or if an earlier path only differs in case.
     """
     folders: dict[str, Path] = {}
     paths: dict[str, Path] = {}
@@ -172,19 +173,19 @@ def _find_commit(revision: str) -> str:
         raise RevisionError(f"'{revision_text}' is not a revision; write it like v1.0:specs/my_encoder.yaml")
     try:
         commit = _run_git(["rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}"])
-    except _Refused:
-        # The names of all branches and tags, one a line.
+    except _GitFailed:
+        # This lists the names of all branches and tags, one per line.
         listing = _run_git(["for-each-ref", "--format=%(refname:short)"]).decode(errors="replace")
         reference_names = [name for name in listing.split("\n") if name]
-        hint = suggest_word(revision, reference_names[:_MOST_FILES])
+        hint = suggest_word(revision, reference_names[:_MAX_FILES])
         raise RevisionError(f"there is no revision '{revision_text}' in this repository{visible(hint)}") from None
     return commit.decode().strip()
 
 
 def _path_in_repository(revision_path: RevisionPath) -> str:
-    """Return the path from the top of the repository, or an empty string for all of it.
+    """Return the path from the top of the repository, or "" for the whole repository.
 
-    A path with a leading dot is relative to the current folder, others to the top.
+    A path that begins with a dot is relative to the current folder. Any other path is relative to the top.
 
     Raises:
         RevisionError: The path is outside the repository.
@@ -206,7 +207,7 @@ def _path_in_repository(revision_path: RevisionPath) -> str:
 def _list_files(commit: str, path: str) -> dict[str, str]:
     """Return the regular files of a commit at or below a path, each with the hash of its content.
 
-    An empty path represents all files. Links and submodules are left out.
+    If ``path`` is empty, all files are returned. Links and submodules are left out.
     """
     limited_to_path = ["--", path] if path else []
     listing = _run_git(["ls-tree", "-r", "-z", "--full-tree", commit, *limited_to_path])
@@ -223,10 +224,10 @@ def _list_files(commit: str, path: str) -> dict[str, str]:
     return blobs_by_path
 
 
-def _refuse_large_files(revision_path: RevisionPath, specs: Mapping[str, str]) -> None:
-    """Raise a ``RevisionError`` if a file, or all files together, are too large, or if content is missing.
+def _reject_large_files(revision_path: RevisionPath, specs: Mapping[str, str]) -> None:
+    """Raise a ``RevisionError`` if a file is too large, if all files together are, or if the content of one is missing.
 
-    A partial clone can lack the content of a file.
+    The content of a file can be missing in a partial clone.
     """
     command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
     # A reply is ``HASH blob SIZE``, or ``HASH missing``.
@@ -239,21 +240,21 @@ def _refuse_large_files(revision_path: RevisionPath, specs: Mapping[str, str]) -
     for name, blob in specs.items():
         file_text = f"{visible(revision_path.revision)}:{visible(name)}"
         if blob not in sizes:
-            raise RevisionError(f"this repository lacks the content of {file_text}; fetch it first")
+            raise RevisionError(f"the content of {file_text} is not in this repository; fetch it first")
         if sizes[blob] > MAX_BYTES:
             message = f"{file_text} is larger than {MAX_BYTES // 2**20} MB and cannot be a spec"
             raise RevisionError(f"{message}; name the folder of the specs")
-    if sum(sizes[blob] for blob in specs.values()) > _MOST_BYTES:
-        message = f"the YAML files of {visible(str(revision_path))} exceed {_MOST_BYTES // 2**20} MB in total"
+    if sum(sizes[blob] for blob in specs.values()) > _MAX_TOTAL_BYTES:
+        message = f"the YAML files of {visible(str(revision_path))} exceed {_MAX_TOTAL_BYTES // 2**20} MB in total"
         raise RevisionError(f"{message}; name the folder of the specs")
 
 
 def _read_contents(blobs: Iterable[str]) -> dict[str, bytes]:
-    """Return the content of each blob by its hash. Their sizes have been checked.
+    """Return the content of each blob by its hash. The sizes of the blobs have already been checked.
 
-    git prints each as a line ``HASH TYPE SIZE``, then as many bytes and a newline.
+    For each blob, git prints a line ``HASH TYPE SIZE``, the content and a newline.
     """
-    printed = _run_git(["cat-file", "--batch"], blobs, max_bytes=2 * _MOST_BYTES)
+    printed = _run_git(["cat-file", "--batch"], blobs, max_bytes=2 * _MAX_TOTAL_BYTES)
     content_by_blob = {}
     start_of_head = 0
     while start_of_head < len(printed):
@@ -266,16 +267,16 @@ def _read_contents(blobs: Iterable[str]) -> dict[str, bytes]:
     return content_by_blob
 
 
-class _Refused(RevisionError):
+class _GitFailed(RevisionError):
     """git failed."""
 
 
-def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _MOST_LISTED) -> bytes:
+def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int = _MAX_LIST_BYTES) -> bytes:
     """Run git with these arguments and lines of input, and return its output.
 
     Raises:
         RevisionError: There is no git or no repository, or git takes too long or prints more than ``max_bytes`` bytes.
-        _Refused: git fails.
+        _GitFailed: git fails.
     """
     environment = {name: value for name, value in os.environ.items() if name != "GIT_LITERAL_PATHSPECS"}
     command = ["git", "--no-pager", "--no-replace-objects", "--literal-pathspecs", *arguments]
@@ -297,23 +298,23 @@ def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int
         return printed
     if "not a git repository" in error_text:
         raise RevisionError("the current folder is not in a git repository, so there are no revisions to read")
-    raise _Refused(f"git failed: {error_text.removeprefix('fatal: ') or f'exit code {code}'}")
+    raise _GitFailed(f"git failed: {error_text.removeprefix('fatal: ') or f'exit code {code}'}")
 
 
 def _run_command(
     command: Sequence[str], input_file: IO[bytes], errors: IO[bytes], environment: Mapping[str, str], max_bytes: int
 ) -> tuple[int, bytes]:
-    """Run a command, and return its exit code and output. Stop it if it takes or prints too much.
+    """Run a command, and return its exit code and output. Stop it if it takes too long or prints too much.
 
     Raises:
         RevisionError: It takes too long, or prints more than ``max_bytes`` bytes.
     """
     with subprocess.Popen(command, stdin=input_file, stdout=subprocess.PIPE, stderr=errors, env=environment) as running:
         timed_out = Event()
-        timer = Timer(_PATIENCE_S, _stop_command, (running, timed_out))
+        timer = Timer(_TIMEOUT_S, _stop_command, (running, timed_out))
         timer.start()
         try:
-            # One byte more shows that there is too much.
+            # One more byte shows that the output is too long.
             printed = running.stdout.read(max_bytes + 1) if running.stdout else b""
             if len(printed) > max_bytes:
                 running.kill()
@@ -321,13 +322,13 @@ def _run_command(
         finally:
             timer.cancel()
     if timed_out.is_set():
-        raise RevisionError(f"git did not answer within {_PATIENCE_S} s")
+        raise RevisionError(f"git did not answer within {_TIMEOUT_S} s")
     if len(printed) > max_bytes:
         raise RevisionError(f"git lists more than {max_bytes // 2**20} MB here; name the folder of the specs")
     return code, printed
 
 
 def _stop_command(running: subprocess.Popen[bytes], timed_out: Event) -> None:
-    """Stop a command that takes too long, and set ``timed_out`` to distinguish this from a normal end."""
+    """Stop a command that takes too long. Setting ``timed_out`` distinguishes this from a normal end."""
     timed_out.set()
     running.kill()

@@ -1,6 +1,6 @@
-"""Make up a sample frame for each layout.
+"""Create a sample frame for each layout, with made-up values.
 
-The reference codec encodes it, so that no output shows a frame that it has encoded itself.
+The reference codec encodes it, so that no output shows a frame that its own code has encoded.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ from .examples import example_variant
 
 
 def sample_frames(device: Device) -> tuple[Sample, ...]:
-    """Return the sample frames of every interface, or none if an example has an unknown order code."""
+    """Return the sample frames of every interface, or ``()`` if an example has an unknown order code."""
     samples_of_all: list[Sample] = []
     try:
         for interface in device.interfaces:
             samples_of_all += _yield_samples(device, interface)
-    except UnknownOrderCode:  # of an example, which has been reported in the spec that this edition is based on
+    except UnknownOrderCode:  # The example is reported in the spec that this edition is based on.
         return ()
     return tuple(samples_of_all)
 
@@ -57,9 +57,10 @@ def _yield_samples(device: Device, interface: Interface) -> Iterator[Sample]:
 
 
 def _most_used_order_code(device: Device, interface: str) -> Variant | None:
-    """Return the order code that most examples use, without CRCs and corrected examples, or None if there is none.
+    """Return the order code that most worked examples use, or None if the interface has no order code.
 
-    Among several, the code with the largest sum of parameters is used, which usually has the finest resolution.
+    Examples of CRCs and corrected examples do not count. Of several such codes, the one with the largest sum of
+    parameters is returned, which usually has the finest resolution.
     """
     example_counts: Counter[str] = Counter()
     for example in device.examples:
@@ -73,9 +74,10 @@ def _most_used_order_code(device: Device, interface: str) -> Variant | None:
 
 
 def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
-    """Return a frame with the position of a worked example, if it fits, and made-up values in all other fields.
+    """Return a sample frame with the position of a worked example, if it fits, and made-up values in all other fields.
 
-    Raises an ``EncodeError`` if the made-up values cannot be encoded.
+    Raises:
+        EncodeError: The made-up values cannot be encoded.
     """
     placed = layout.place(variant.parameters)
     data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
@@ -84,16 +86,16 @@ def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     worked_example = _worked_example(device, variant)
     if measurement is not None and worked_example is not None and measurement.of in layout.member_names:
         position_fields = layout.names_in(measurement.of)
-        # The position is encoded as a whole, instead of its fields.
+        # The position may consist of several fields. It replaces their values.
         other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
         values_with_position = {**other_values, measurement.of: worked_example.counts}
-        with suppress(EncodeError):  # a position that does not fit
+        with suppress(EncodeError):  # The position may not fit.
             return _encoded_sample(device, placed, variant, values_with_position, worked_example.source)
     return _encoded_sample(device, placed, variant, made_up_values)
 
 
 def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:
-    """Return the first example of a measurement with this order code, or None if there is none."""
+    """Return the first worked example of a position with this order code, or None if there is none."""
     for example in device.examples:
         if isinstance(example, MeasureExample) and example_variant(device, example) == variant:
             return example
@@ -119,8 +121,9 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
             return 1 << (width // 2)
         case Number(signed=is_signed, zero_means=zero_means):
             # A signed field has one bit less for positive numbers.
-            number = _made_up_number(width - 1 if is_signed else width)
-            # With 'zero_means', a field never has the value 0.
+            magnitude_bits = width - 1 if is_signed else width
+            number = _made_up_number(magnitude_bits)
+            # If a stored zero represents a different number, the value of the field is never 0.
             return max(number, 1) if zero_means else number
         case Flag():
             return False
@@ -136,28 +139,33 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
 
 
 def _made_up_number(bits: int) -> int:
-    """Return a made-up number of at most ``bits`` bits: 42 or the highest below it, or more with above 16 bits."""
-    return 123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1)
+    """Return a made-up number that fits into ``bits`` bits: 42 if that fits, or a larger one for more than 16 bits."""
+    if bits > 16:
+        return 123456789 % (1 << bits)
+    highest = (1 << bits) - 1
+    return min(42, highest)
 
 
 def _encoded_sample(
     device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
 ) -> Sample:
-    """Return a frame with these values, and the same frame with a flag that decoders must refuse, if there is one."""
+    """Return a sample frame with these values, and the same frame with an active flag that makes decoders reject it.
+
+    The second frame is None if the layout has no such flag.
+    """
     frame = encode(device, placed, values)
     plain_frame = to_binary(placed, frame)
     decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}
     decoded_values |= {join.name: join_value(placed, join, plain_frame) for join in placed.layout.joins}
-    refused_frame = None
+    rejected_frame = None
     if placed.spoiling_flags:
-        # A frame with this flag active must be refused. One such flag is enough.
         flag = placed.spoiling_flags[0]
-        refused_frame = encode(device, placed, {**values, flag.name: True})
+        rejected_frame = encode(device, placed, {**values, flag.name: True})
     return Sample(
         order_code=variant.code,
         layout=placed.layout.name,
         frame=frame,
         values=decoded_values,
-        spoilt=refused_frame,
+        spoilt=rejected_frame,
         source=source,
     )

@@ -1,4 +1,4 @@
-"""Check that texts about numbers of bits agree with the fields of a frame, and with the order codes."""
+"""Check that the numbers of bits in texts agree with the fields of a frame and with the order codes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _NUMBERS = r"\d+(?:, \d+)*(?: (?:or|and) \d+)?"
 _LENGTH_IN_TEXT = re.compile(
     rf"\bThe (?:frame|word) has (?P<numbers>{_NUMBERS}) bits(?: at [^.,;]*? and (?P<others>\d+) bits)?(?= at\b|[.,;]|$)"
 )
-#: The lengths of a word without other bits: ``The word has as many bits as the position, 17 to 39``.
+#: The lengths of a word that only contains the position: ``The word has as many bits as the position, 17 to 39``.
 _LENGTH_RANGE_IN_TEXT = re.compile(
     r"\bThe (?:frame|word) has as many bits as the position, (?P<least>\d+) to (?P<most>\d+)\b"
 )
@@ -24,9 +24,9 @@ _NUMBER = re.compile(r"\d+")
 
 
 def check_stated_lengths(device: Device, report: DocumentReport) -> None:
-    """Report a layout whose note, or an erratum about it, states a length that no frame has.
+    """Report a note on a layout, or an erratum about it, that states a length that its frames do not have.
 
-    A list of lengths, such as ``21, 23 or 26``, must contain the lengths of all order codes.
+    A list of lengths, such as ``21, 23 or 26``, must contain the lengths for all order codes.
     """
     if report.document.family or report.document.other_files:
         return
@@ -38,7 +38,7 @@ def check_stated_lengths(device: Device, report: DocumentReport) -> None:
                 continue
             note_path = ("interfaces", interface.name, "layouts", layout.name, "note")
             _check_text(note_path, layout.note, lengths, report)
-            # Paths of errata leave out the list of layouts.
+            # In errata, paths do not contain the key ``layouts``.
             affected = f"interfaces.{interface.name}.{layout.name}"
             for erratum in device.errata:
                 if affected in erratum.affects:
@@ -46,7 +46,7 @@ def check_stated_lengths(device: Device, report: DocumentReport) -> None:
 
 
 def check_stated_bits(device: Device, report: DocumentReport) -> None:
-    """Report a parameter whose meaning ends with numbers of bits that differ from the order codes."""
+    """Report a parameter whose meaning ends with numbers of bits that differ from its values for the order codes."""
     if report.document.family or report.document.other_files:
         return
     for parameter in device.parameters:
@@ -65,10 +65,10 @@ def check_stated_bits(device: Device, report: DocumentReport) -> None:
 
 
 def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report: DocumentReport) -> None:
-    """Report the first statement of a text about the length of a frame that does not fit its possible lengths."""
+    """Report the first statement in a text about the length of a frame that does not agree with its actual lengths."""
     lengths_of_range = (lengths[0], lengths[-1])
     for match in chain(_LENGTH_IN_TEXT.finditer(text), _LENGTH_RANGE_IN_TEXT.finditer(text)):
-        # This can be a part of the frame: ``The frame has 2 bits, error and warning, after the position``.
+        # The text can be about a part of the frame: ``The frame has 2 bits, error and warning, after the position``.
         stated_numbers = _numbers(match)
         is_short = len(stated_numbers) == 1 and stated_numbers[0] < lengths[0]
         may_be_part = is_short and text[match.end() :].startswith(",")
@@ -84,11 +84,16 @@ def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report
 
 
 def _numbers(match: re.Match[str]) -> tuple[int, ...]:
-    return tuple(int(number) for group in match.groups() if group for number in _NUMBER.findall(group))
+    """Return all numbers in the groups of a match."""
+    numbers: list[int] = []
+    for group in match.groups():
+        if group:
+            numbers += map(int, _NUMBER.findall(group))
+    return tuple(numbers)
 
 
 def _fits(match: re.Match[str], lengths: Sequence[int]) -> bool:
-    """Return whether stated lengths are possible. A list such as ``21, 23 or 26`` must contain all lengths."""
+    """Return whether the lengths in a text are lengths of the frame. A list must contain all of them."""
     numbers = _numbers(match)
     is_list = len(_NUMBER.findall(match["numbers"])) > 1
     return {*numbers} == {*lengths} if is_list else {*numbers} <= {*lengths}

@@ -1,4 +1,4 @@
-"""Models as plain data for the cache, and back.
+"""Convert models to plain data for the cache, and back.
 
 An object is a list that begins with the position of its class in ``_CLASSES``. Objects that occur more than once are
 stored once. Only objects of the model can be built, so no data can run other code.
@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from enum import Enum
 from types import MappingProxyType, ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .. import model
 from ..cache import Cache
@@ -35,10 +35,6 @@ from ..model import (
     registers,
     steps,
 )
-
-if TYPE_CHECKING:
-    pass
-
 
 _MODULES: tuple[ModuleType, ...] = (
     *(
@@ -73,7 +69,7 @@ def _member_names(part_class: type) -> tuple[str, ...]:
 
 
 def _has_keywords(part_class: type) -> bool:
-    """Return True if a class must be called with keywords."""
+    """Return whether a class of the model must be called with keywords."""
     return any(member.kw_only for member in dataclasses.fields(part_class))
 
 
@@ -95,7 +91,7 @@ class NotStorable(Exception):
 
 
 def stored_device(cache: Cache, content: Sequence[bytes | str]) -> model.Device | None:
-    """Return the device that ``store_device`` stored for files with this content, or None without a valid one."""
+    """Return the device that was cached for files with this content, or None if there is none or it is not valid."""
     with suppress(NotStorable):
         rows = cache.get(_MODEL_ENTRY, content)
         return None if rows is None else from_data(rows)
@@ -103,18 +99,18 @@ def stored_device(cache: Cache, content: Sequence[bytes | str]) -> model.Device 
 
 
 def store_device(cache: Cache, content: Sequence[bytes | str], device: model.Device) -> None:
-    """Store a device whose spec has no problems. ``content`` is the content of all files on which it depends.
+    """Store a device whose spec has no problems in the cache. ``content`` is the content of all files it depends on.
 
-    A device that cannot be stored is not an error. It is then built again each time.
+    If a device cannot be stored, this is not an error. The device is then built again each time.
     """
     with suppress(NotStorable):
         cache.put(_MODEL_ENTRY, content, as_data(device))
 
 
 def digest_of(device: model.Device) -> str:
-    """Return a hash of everything in a model, for the keys of results that depend only on the model.
+    """Return a hash of a whole model, from which the keys of results that only depend on the model are computed.
 
-    Models from the same spec with other comments have the same digest. It is empty if the model cannot be stored.
+    Comments in the spec do not change it. The hash is "" if the model cannot be stored.
     """
     with suppress(NotStorable):
         return hashlib.sha256(json.dumps(as_data(device), separators=(",", ":")).encode()).hexdigest()
@@ -122,14 +118,14 @@ def digest_of(device: model.Device) -> str:
 
 
 def as_data(device: model.Device) -> list[Any]:
-    """Return a device as data that JSON can express: a list with a row for each object, the device last.
+    """Return a device as data for JSON: a list with a row for each object, which ends with the device.
 
-    A row is the position of the class in ``_CLASSES``, then the values of the members. A member that is an object of
-    the model is ``{"o": 3}``, with the index of its row. An enum is ``{"e": [position, name]}``, bytes are ``{"b":
-    hex}``, and a map is ``{"m": [[key, value], …], "f": true if it cannot be changed}``.
+    A row begins with the index of the object's class, and continues with the values of its members. A member that is an
+    object of the model is ``{"o": 3}``, with the index of its row. An enum is ``{"e": [index, name]}``, bytes are
+    ``{"b": hex}``, and a map is ``{"m": [[key, value], …], "f": whether it is read-only}``.
 
     Raises:
-        NotStorable: A member has a type that models did not have before.
+        NotStorable: A member has a type that is not supported here.
     """
     rows: list[Any] = []
     row_by_id: dict[int, int] = {}
@@ -158,13 +154,13 @@ def as_data(device: model.Device) -> list[Any]:
             }
         raise NotStorable(value_type.__name__)
 
-    # The result is only a reference to the last row.
+    # This adds all rows, and returns a reference to the last one, which is not needed.
     put(device)
     return rows
 
 
 def from_data(rows: Any) -> model.Device:
-    """Return the device that ``as_data`` converted. ``rows`` may be any data.
+    """Return a device from its data in the cache, a list with a row for each object. ``rows`` may be any data.
 
     Raises:
         NotStorable: The data does not describe a device.
@@ -178,7 +174,7 @@ def from_data(rows: Any) -> model.Device:
                 built_objects.append(part_class(**dict(zip(_MEMBER_NAMES[index], values, strict=True))))
             else:
                 built_objects.append(part_class(*values))
-        # Members come before the object that refers to them, so the device is the last one.
+        # Objects come after the objects that they contain, so the device is the last one.
         device = built_objects[-1]
     except (LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise NotStorable(str(error)) from None
@@ -187,21 +183,24 @@ def from_data(rows: Any) -> model.Device:
     return device
 
 
-def _rebuild_value(stored_value: Any, built: Sequence[Any]) -> Any:
-    """Return the value of a member that ``as_data`` converted.
+def _rebuild_value(stored_value: Any, built_objects: Sequence[Any]) -> Any:
+    """Return the value of a member of the model from its data in the cache.
 
-    ``built`` contains the objects of the rows before. The value may refer to them by index.
+    The value may refer, by their index, to objects of earlier rows, which are in ``built_objects``.
     """
     if isinstance(stored_value, list):
-        return tuple([_rebuild_value(member, built) for member in stored_value])
+        return tuple([_rebuild_value(member, built_objects) for member in stored_value])
     if not isinstance(stored_value, dict):
         return stored_value
     if _OBJECT_MARK in stored_value:
-        return built[stored_value[_OBJECT_MARK]]
+        return built_objects[stored_value[_OBJECT_MARK]]
     if _ENUM_MARK in stored_value:
         index, name = stored_value[_ENUM_MARK]
         return _STORED_ENUMS[index][name]
     if _BYTES_MARK in stored_value:
         return bytes.fromhex(stored_value[_BYTES_MARK])
-    mapping = {_rebuild_value(key, built): _rebuild_value(member, built) for key, member in stored_value[_MAP_MARK]}
-    return MappingProxyType(mapping) if stored_value["f"] else mapping
+    mapping: dict[Any, Any] = {}
+    for key, member in stored_value[_MAP_MARK]:
+        mapping[_rebuild_value(key, built_objects)] = _rebuild_value(member, built_objects)
+    is_read_only = stored_value["f"]
+    return MappingProxyType(mapping) if is_read_only else mapping

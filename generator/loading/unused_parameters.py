@@ -33,18 +33,19 @@ EXPRESSION_KEYS = frozenset(
         "word_bits",
     )
 )
-#: Most different values that a message lists.
-_MOST_VALUES = 4
+#: Highest number of different values that a message lists.
+_MAX_VALUES = 4
 
 
 def check_unused_parameters(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
-    """Report each parameter on which nothing depends.
+    """Report each parameter of a spec that nothing depends on.
 
-    A parameter with ``equals`` and a ``source`` is a number of the manual, which outputs print. It may be unused. If
-    the spec has another problem, nothing is checked, because the part with the problem may use the parameter.
+    A parameter with a formula (``equals``) and a citation is a number from the manual, which outputs print, so it may
+    be unused. If the spec has another problem, nothing is reported, because the part with the problem may use the
+    parameter.
     """
-    # Only the spec is checked, because a second reading must agree with it. An older edition may lack the fact that
-    # depends on a parameter.
+    # A second reading of the manual must agree with the spec, so only the spec is checked. In an older edition, the
+    # fact that depends on a parameter may be missing.
     if is_second(report.document.file) or report.document.family or report.faults():
         return
     used_names = {*_names_in_expressions(raw_spec), *parameters_of_flags(raw_spec, variants)}
@@ -63,20 +64,22 @@ def check_unused_parameters(raw_spec: Raw, variants: Sequence[Variant], report: 
 
 
 def _names_in_expressions(raw_spec: Raw) -> Iterator[str]:
-    """Yield the parameters in the expressions of a spec and in the verdicts that depend on an answer."""
+    """Yield the names of the parameters in the expressions of a spec, and in verdicts that depend on an answer."""
     for path, value in leaves(raw_spec):
         if path[-1] in EXPRESSION_KEYS and isinstance(value, str):
             try:
                 yield from Expression.parse(value).parameters
             except ExpressionError:
-                continue  # The value of a text field.
+                continue  # This is the value of a text field.
         elif "makes_position_if" in path:
             yield str(path[-1])
 
 
 def _values_text(name: str, variants: Sequence[Variant]) -> str:
-    """Return the different values that order codes set, such as ``, which order codes set to 0 or 1``."""
+    """Return a text on the values that order codes set a parameter to: ``, which order codes set to 0 or 1``."""
     values = sorted({variant.parameters[name] for variant in variants})
-    if len(values) > _MOST_VALUES:
+    if not values:
+        return ""
+    if len(values) > _MAX_VALUES:
         return f", which order codes set to {len(values)} different values"
-    return f", which order codes set to {join_words(map(str, values), 'or')}" if values else ""
+    return f", which order codes set to {join_words(map(str, values), 'or')}"

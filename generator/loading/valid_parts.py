@@ -1,7 +1,7 @@
 """Find the valid parts of a spec: parts without errors that depend only on parts without errors.
 
-An example of a register with a misspelt field is wrong, but reporting it adds nothing. The example is checked once the
-register is fixed.
+An example of a register with a misspelled field is wrong, but reporting it adds nothing. The example is checked once
+the register is fixed.
 """
 
 from __future__ import annotations
@@ -29,65 +29,69 @@ Item = tuple[str, str]
 
 @dataclass(frozen=True)
 class ValidParts:
-    """The faulty parts of a spec: ``places`` with their parents, and ``items`` by name with their dependents."""
+    """The valid parts of a spec, given by the parts that are not valid."""
 
+    #: Places with problems, and the places that contain them.
     places: frozenset[Path]
+    #: Items with problems, and items that depend on them.
     items: frozenset[Item]
 
-    def is_sound(self, section: str, item_name: str) -> bool:
-        """Return True if the item of this name is valid. ``section`` is the key of its list, such as ``registers``."""
+    def is_valid(self, section: str, item_name: str) -> bool:
+        """Return whether an item and all items that it uses are valid. ``section`` is a list such as ``registers``."""
         return (section, item_name) not in self.items
 
     @property
     def has_codes(self) -> bool:
-        """True if order codes and parameters are valid."""
+        """Whether the order codes and the parameters are valid."""
         return ("parameters",) not in self.places and ("order_code",) not in self.places
 
     @property
     def has_frames(self) -> bool:
-        """True if frames find their layout by the control field, which may belong to any layout."""
+        """Whether all layouts and data IDs are valid, so that decoders can find the layout of any frame."""
         return not any(kind in ("layouts", "data_ids") for kind, _ in self.items)
 
     def holds(self, example: Example) -> bool:
-        """Return True if an example and all parts that it depends on are valid.
+        """Return whether an example and all parts that it depends on are valid.
 
-        A frame of bits depends on its layout, and one of bytes on all layouts, because any of them may have its bytes.
-        All examples except CRC examples also depend on order codes and parameters.
+        A bit frame depends on its layout. A frame of bytes depends on all layouts, because its bytes select one of
+        them. All examples except those of a CRC also depend on order codes and parameters.
         """
-        if not self.is_sound("examples", example.name):
+        if not self.is_valid("examples", example.name):
             return False
         match example:
             case CrcExample():
-                return self.is_sound("crcs", example.crc)
+                return self.is_valid("crcs", example.crc)
+            case FrameExample() if example.bits:
+                has_valid_parts = self.is_valid("layouts", example.layout)
             case FrameExample():
-                is_valid = self.is_sound("layouts", example.layout) if example.bits else self.has_frames
+                has_valid_parts = self.has_frames
             case RegisterExample():
-                is_valid = self.is_sound("registers", example.register)
+                has_valid_parts = self.is_valid("registers", example.register)
             case ProcedureExample():
-                is_valid = self.is_sound("procedures", example.procedure)
+                has_valid_parts = self.is_valid("procedures", example.procedure)
             case MeasureExample():
-                is_valid = "measurement" not in {step for place in self.places for step in place}
+                has_valid_parts = not any("measurement" in place for place in self.places)
             case _:
                 assert_never(example)
-        return is_valid and self.has_codes
+        return has_valid_parts and self.has_codes
 
 
 def valid_parts_so_far(report: DocumentReport) -> ValidParts:
-    """Return the validity of the parts of a document, based on the problems reported so far."""
+    """Return which parts of a document are valid, according to the problems reported so far."""
     document = report.document
     return valid_parts(WrittenSpec(document.data), (*report.faults(), *document.broken, *document.doubtful))
 
 
 def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
-    """Return the validity of the parts of a spec as read, given its faulty places.
+    """Return which parts of a spec are valid, given the places with problems.
 
-    A place is faulty if something in it is. An item is also faulty if it uses a faulty item, such as a layout with a
-    faulty field group.
+    A part is not valid if something in it has a problem. An item is also not valid if it uses such an item, for example
+    a layout that uses a field group with a problem.
     """
-    # Each faulty place with its parents: registers, registers[2] and registers[2].address.
+    # Each place with a problem and the places that contain it: registers, registers[2] and registers[2].address.
     places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
     faulty_items = {item for item, path in _items_with_places(spec) if path in places}
-    for fields in field_lists(spec):  # Groups come first, because the others may use them.
+    for fields in field_lists(spec):  # Field groups come first, because layouts and registers may use them.
         uses = [("field_groups", field.use) for field in fields.fields]
         uses += [("crcs", field.crc) for field in fields.fields]
         if fields.owner.path in places or not faulty_items.isdisjoint(uses):
@@ -99,7 +103,7 @@ def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
 
 
 def _items_with_places(spec: WrittenSpec) -> Iterator[tuple[Item, Path]]:
-    """Yield the items without references to other items, each with its place, and all registers."""
+    """Yield each CRC, example, register and data ID of a spec with its place."""
     for crc in spec.crcs:
         yield ("crcs", _name_or_mark(crc.part.name)), crc.path
     for example in spec.examples:
@@ -112,7 +116,7 @@ def _items_with_places(spec: WrittenSpec) -> Iterator[tuple[Item, Path]]:
 
 
 def _uses_of(procedure: WrittenProcedure) -> Iterator[Item]:
-    """Yield the registers and data IDs that a procedure uses, in a step or for the limits of an argument."""
+    """Yield the registers and data IDs that a procedure uses, in its steps or for the limits of an argument."""
     for step in procedure.steps:
         yield from (("registers", step.register), ("data_ids", step.data_id))
     for argument in procedure.arguments:
@@ -120,4 +124,5 @@ def _uses_of(procedure: WrittenProcedure) -> Iterator[Item]:
 
 
 def _name_or_mark(name: str) -> str:
-    return name or "?"  # No name, so nothing refers to it.
+    """Return the name of an item, or "?" for an item without a name, which nothing can refer to."""
+    return name or "?"

@@ -1,4 +1,4 @@
-"""Enumerate order codes, parse the text of a label, and find the edition of the manual for a label."""
+"""Enumerate order codes, and parse the text of a label."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
-from ..model import CodePart, CodeValue, Device, EditionTest, OrderCode, Spelling, Variant, member_named
+from ..model import CodePart, CodeValue, Device, OrderCode, Spelling, Variant, member_named
 from ..model.record import dataclass
 
 
 def too_long(start: str, length: str, longest: str) -> str:
-    """Return the message for text that is longer than any label."""
+    """Return the message for a text that is longer than any label. ``start`` is its beginning."""
     return f"'{start}...' is not an order code: it has {length} characters, more than the {longest} of any label"
 
 
@@ -27,6 +27,7 @@ def cannot_be_combined(code: str, parts: str, nearest: str) -> str:
 
 
 def not_of_family(code: str, family: str, nearest: str) -> str:
+    """Return the message for an order code that does not belong to a family."""
     return f"'{code}' is not an order code of {family}; the nearest are {nearest}"
 
 
@@ -57,9 +58,9 @@ def nearest_codes_hint(codes: str) -> str:
     return f"; the nearest are {codes}"
 
 
-#: Highest number of characters in a label, and those shown of a longer text.
+#: Highest number of characters in a label, and number of characters that are shown of a longer text.
 LONGEST, _SHOWN_CHARACTERS = 100, 20
-#: Least similarity, of 1, for a code to be suggested.
+#: Lowest similarity, from 0 to 1, at which a code is suggested.
 NEAR = 0.5
 
 _PART_IN_BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
@@ -124,17 +125,22 @@ def listed_codes(order_code: OrderCode) -> Iterator[ListedCode]:
 
 
 def _can_be_combined(value: CodeValue, texts: Mapping[str, str]) -> bool:
-    """Return True if a value of one part is possible next to these texts of the other parts."""
+    """Return whether a value of one part can be combined with these texts of the other parts.
+
+    ``only_with`` lists, for some other parts, the texts with which the value is possible.
+    """
     return all(texts.get(name) in allowed_texts for name, allowed_texts in value.only_with.items())
 
 
 def fill_pattern(pattern: str, texts: Mapping[str, str]) -> str:
-    """Return a pattern with the names in braces replaced by the texts of these parts."""
+    """Return a pattern such as ``X-{bits}`` with the names in braces replaced by the texts of these parts."""
     return _PART_IN_BRACES.sub(lambda brace: texts[brace[1]], pattern)
 
 
 def find_code(device: Device, text: str) -> LabelMatch:
-    """Parse the label ``text`` for this family. Text after ``-`` and ``/Sxxx`` are accepted, and spaces are ignored.
+    """Return the order code of a family that matches the text of a label.
+
+    Spaces are ignored. After the order code, the label can continue with ``-`` and any text, or with ``/Sxxx``.
 
     Raises:
         UnknownOrderCode: A part is missing or wrong, the parts cannot be combined, or the text is longer than any
@@ -150,7 +156,7 @@ def find_code(device: Device, text: str) -> LabelMatch:
         label_match = re.fullmatch(expression_of_code(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
         if label_match is None:
             continue
-        # A spelling may use different texts for the values of a part. Other values are as listed.
+        # A spelling may use its own texts for the values of a part. All other values have the texts that are listed.
         value_by_spelling = {(value.part, value.text.upper()): value.value for value in spelling.values}
         value_by_part: dict[str, str] = {}
         for part in device.order_code.parts:
@@ -168,29 +174,29 @@ def find_code(device: Device, text: str) -> LabelMatch:
 
 
 def without_blanks(text: str) -> str:
-    """Return a label or pattern without spaces, since codes are printed both with and without them.
+    """Return a label or pattern without spaces, because codes are printed both with and without them.
 
-    A byte order mark is removed, too.
+    A byte order mark is also removed.
     """
     return "".join(text.replace("\ufeff", "").split())
 
 
 def values_by_spelling(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
-    """Return the listed values of ``part`` by their texts in this spelling, which are mostly the same."""
+    """Return the listed values of an order code part by their texts in this spelling. Most texts equal the values."""
     spellings_of_part = {value.text: value.value for value in spelling.values if value.part == part.name}
     return spellings_of_part or {value.text: value.text for value in part.values}
 
 
 def beginnings(code: OrderCode) -> tuple[str, ...]:
-    """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label.
+    """Return the texts with which labels of the family begin, in uppercase and without spaces.
 
-    Prefixes that begin with another prefix are omitted.
+    Texts that begin with another of these texts are left out. ``("",)`` means that a label can begin with any text.
     """
     prefixes: set[str] = set()
     for spelling in (as_listed(code), *code.also_written):
         prefixes |= {without_blanks(text).upper() for text in _first_texts(code, spelling)}
     shortest_prefixes: list[str] = []
-    for prefix in sorted(prefixes):  # A prefix of another one comes before it.
+    for prefix in sorted(prefixes):  # If one prefix begins with another, the shorter one comes first.
         if not prefix.startswith(tuple(shortest_prefixes)):
             shortest_prefixes.append(prefix)
     return tuple(shortest_prefixes)
@@ -199,13 +205,13 @@ def beginnings(code: OrderCode) -> tuple[str, ...]:
 def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
     """Return the texts with which labels in this spelling begin: fixed text, or the values of the first part.
 
-    If the first part can have unlisted values, an empty text is among them, since a label can begin with anything.
+    If the first part can have unlisted values, the list contains "", because a label can then begin with any text.
     """
-    # The split yields texts and names of parts in turn, beginning with a text.
-    text_before_parts, *names_and_texts = _PART_IN_BRACES.split(spelling.pattern)
+    # The split alternates between fixed texts and names of parts, beginning with a text.
+    text_before_parts, first_part_name, *_ = _PART_IN_BRACES.split(spelling.pattern)
     if text_before_parts.strip():
         return [text_before_parts]
-    first_part = member_named(code.parts, names_and_texts[0], "part of the order code")
+    first_part = member_named(code.parts, first_part_name, "part of the order code")
     first_texts = list(values_by_spelling(first_part, spelling))
     has_own_spelling = any(value.part == first_part.name for value in spelling.values)
     if first_part.open and not has_own_spelling:
@@ -214,16 +220,17 @@ def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
 
 
 def as_listed(order_code: OrderCode) -> Spelling:
-    """Return, as a spelling, the notation in which the manual lists order codes."""
+    """Return the notation in which the manual lists order codes, as an object like the additional notations."""
     return Spelling(pattern=order_code.pattern, where="", values=(), then="", source=())
 
 
 def _variant_with_parts(
     device: Device, value_by_part: Mapping[str, str], label: str
 ) -> tuple[Variant, tuple[str, ...]]:
-    """Return the order code with these parts, and the names of parts with unlisted values.
+    """Return the order code with these values of its parts, and the names of parts whose value is not listed.
 
-    An unlisted value remains in the code. Interface and parameters come from the first listed code that fits.
+    The returned code contains the unlisted values. Its interface and parameters come from the first listed code whose
+    other parts have these values.
 
     Raises:
         UnknownOrderCode: The parts cannot be combined.
@@ -246,7 +253,7 @@ def _variant_with_parts(
 
 
 def _listed_value(part: CodePart, text: str) -> str | None:
-    """Return the value of a part as listed, or None if it is not."""
+    """Return the listed value of an order code part that equals a text regardless of case, or None."""
     for value in part.values:
         if value.text.upper() == text.upper():
             return value.text
@@ -254,13 +261,13 @@ def _listed_value(part: CodePart, text: str) -> str | None:
 
 
 def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
-    """Return the first listed code with these parts, or None if there is none.
+    """Return the first listed order code with these values of its parts, or None if there is none.
 
-    In ``listed_values``, None stands for an unlisted value, which matches any listed code. There is no such code if a
-    part is unlisted where only listed values are possible.
+    In ``listed_values``, None is a value that the manual does not list. It matches any listed code, provided that the
+    part can have an unlisted value next to the values of the other parts.
     """
     for part in device.order_code.parts:
-        if listed_values[part.name] is None and not _can_be_open(part, listed_values):
+        if listed_values[part.name] is None and not _can_be_unlisted(part, listed_values):
             return None
     for variant in device.variants:
         if all(value in (None, variant.parts[name]) for name, value in listed_values.items()):
@@ -268,22 +275,23 @@ def _fitting_variant(device: Device, listed_values: Mapping[str, str | None]) ->
     return None
 
 
-def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
-    """Return whether a part can have an unlisted value in combination with these values of the other parts.
+def _can_be_unlisted(part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
+    """Return whether an order code part can have an unlisted value next to these values of the other parts.
 
-    ``open_only_with`` lists, for some other parts, the values that allow an unlisted value. Unlisted values are always
-    allowed.
+    ``open_only_with`` lists, for some other parts, the values next to which an unlisted value is possible. Another part
+    that is itself unlisted (None) does not restrict this part.
     """
     for name, allowed_values in part.open_only_with.items():
-        if listed_values[name] is not None and listed_values[name] not in allowed_values:
+        other_value = listed_values[name]
+        if other_value is not None and other_value not in allowed_values:
             return False
     return True
 
 
 def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
-    """Return a regular expression for the whole code in this spelling, with a group for each part.
+    """Return a regular expression for an order code in this spelling, with a group for each part.
 
-    It is ``X\\-(?P<bits>17|24)`` for the pattern ``X-{bits}``. The part named ``anything`` can have any text.
+    For the pattern ``X-{bits}``, it is ``X\\-(?P<bits>17|24)``. The part named ``anything`` matches any text.
     """
     spelled_parts = {value.part for value in spelling.values}
     pattern_by_part: dict[str, str] = {}
@@ -295,7 +303,8 @@ def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str 
         else:
             pattern_by_part[part.name] = _value_pattern(part)
     expression = ""
-    texts_and_names = _PART_IN_BRACES.split(spelling.pattern)  # Text and names of parts in turn.
+    # The split alternates between fixed texts and names of parts, beginning with a text.
+    texts_and_names = _PART_IN_BRACES.split(spelling.pattern)
     for index, text_or_name in enumerate(texts_and_names):
         is_name = index % 2 == 1
         if is_name:
@@ -308,9 +317,9 @@ def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str 
 
 
 def _value_pattern(part: CodePart) -> str:
-    """Return a regular expression for the listed values of a part, and for unlisted values if it can have any.
+    """Return a regular expression for the listed values of a part, and for unlisted values if the part can have any.
 
-    ``part.open`` is the expression for unlisted values.
+    ``part.open`` is the regular expression for unlisted values, or "" if only listed values are possible.
     """
     listed_values = _any_of(value.text for value in part.values)
     return f"{listed_values}|{part.open}" if part.open else listed_values
@@ -325,28 +334,29 @@ def _any_of(texts: Iterable[str]) -> str:
 def _clash_message(
     device: Device, label: str, value_by_part: Mapping[str, str], listed_values: Mapping[str, str | None]
 ) -> str:
-    """Return the message about parts that are valid individually but not in combination.
+    """Return the message for parts of a label that are valid individually but not in combination.
 
-    It names each part for which another value alone would give a listed code.
+    It names each part that could be corrected alone: with a different value of this part, the code would exist.
     """
     clashing_parts: list[str] = []
     for part in device.order_code.parts:
         if _fits_if_changed(device, part, listed_values):
-            clashing_parts.append(f"{part.name} '{listed_values[part.name] or value_by_part[part.name]}'")
+            value = listed_values[part.name] or value_by_part[part.name]
+            clashing_parts.append(f"{part.name} '{value}'")
     parts_text = " and ".join(clashing_parts) or "its parts"
     return cannot_be_combined(label, parts_text, _nearest_codes_text(device, label))
 
 
 def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
-    """Return whether there is a code with these parts if another value of ``part`` is chosen."""
+    """Return whether an order code exists with a different value of ``part`` and these values of the other parts."""
     return any(_fitting_variant(device, {**listed_values, part.name: value.text}) for value in part.values)
 
 
 class _WrongPart(NamedTuple):
-    """A part that may be wrong.
+    """A part of an order code that may be wrong in a label.
 
-    The smallest tuple is the likeliest: it has the fewest unlisted other parts and, if several are equal, no text
-    itself.
+    The smallest tuple is the likeliest mistake: the fewest other parts are unlisted, and, if several mistakes have the
+    same number, the part is missing.
     """
 
     unlisted_others: int
@@ -356,7 +366,10 @@ class _WrongPart(NamedTuple):
 
 
 def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
-    """Return the error about a label, with the missing or unlisted part, if that is clear, and the nearest codes."""
+    """Return the error for a label that matches no order code of the family, with the nearest codes.
+
+    If a single missing or wrong part explains it, the error names this part and its valid values.
+    """
     nearest = _nearest_codes_text(device, label)
     candidates = list(_possible_wrong_parts(device, label))
     if not candidates:
@@ -369,11 +382,14 @@ def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
 
 
 def _possible_wrong_parts(device: Device, label: str) -> Iterator[_WrongPart]:
-    """Yield each part of the order code with which the label would match the family if the part had any text."""
+    """Yield each part of the order code that may be the only wrong part of a label.
+
+    The label must match the family if any text is accepted for this part.
+    """
     for position, part in enumerate(device.order_code.parts):
         pattern = expression_of_code(device.order_code, as_listed(device.order_code), anything=part.name) + AFTER
         label_match = re.fullmatch(pattern, label, re.IGNORECASE)
-        if label_match is None or not _has_more_than(label_match, part, label):
+        if label_match is None or not _has_text_besides(label_match, part, label):
             continue
         unlisted_others = 0
         for other_part in device.order_code.parts:
@@ -383,10 +399,11 @@ def _possible_wrong_parts(device: Device, label: str) -> Iterator[_WrongPart]:
         yield _WrongPart(unlisted_others=unlisted_others, is_present=text != "", position=position, text=text)
 
 
-def _has_more_than(label_match: re.Match[str], part: CodePart, label: str) -> bool:
-    """Return True if a label has letters or digits of the family, apart from a wrong part and the tail.
+def _has_text_besides(label_match: re.Match[str], part: CodePart, label: str) -> bool:
+    """Return whether a label contains letters or digits before or after a wrong part, apart from the tail.
 
-    A family whose codes consist of one part, such as ``{model}``, would otherwise be close to every label.
+    If it does not, the label does not resemble the family: codes that consist of one part, such as ``{model}``, match
+    every label.
     """
     tail_length = len(label_match["tail_"] or "") + len(label_match["special_"] or "")
     text_before = label[: label_match.start(part.name)]
@@ -400,9 +417,9 @@ def _nearest_codes_text(device: Device, label: str) -> str:
 
 
 def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> list[str]:
-    """Return at most three similar listed codes, those that begin with ``text`` first.
+    """Return at most three listed order codes that are similar to a text.
 
-    Codes are compared with ``text`` or with ``text`` without its tail.
+    Codes that begin with the text come first, and then the most similar ones.
 
     Args:
         devices: The families.
@@ -411,42 +428,18 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
     """
     from difflib import SequenceMatcher
 
-    # A text may go on after the code, with another hyphen, so it is compared up to the hyphens that the code has.
-    # People confuse hyphens and slashes.
+    # A label may continue after the code with a hyphen and more text, so it is cut to as many hyphens as the code has.
+    # Slashes count as hyphens, because people confuse them.
     text_with_hyphens = text.upper().replace("/", "-")
     pieces = text_with_hyphens.split("-")
     ranked_codes: list[tuple[bool, float, str]] = []
     for device in devices:
         for variant in device.variants:
             code_with_hyphens = variant.code.upper().replace("/", "-")
-            pieces_of_code = code_with_hyphens.count("-") + 1
-            text_without_tail = "-".join(pieces[:pieces_of_code])
+            piece_count = code_with_hyphens.count("-") + 1
+            text_without_tail = "-".join(pieces[:piece_count])
             begins_with_text = code_with_hyphens.startswith(text_with_hyphens)
             similarity = SequenceMatcher(None, code_with_hyphens, text_without_tail).ratio()
             ranked_codes.append((begins_with_text, similarity, variant.code))
     ranked_codes.sort(key=lambda ranked_code: ranked_code[:2], reverse=True)
     return [code for _, similarity, code in ranked_codes[:3] if similarity >= least]
-
-
-def edition_before(device: Device, revision: str) -> str:
-    """Return the revision that precedes this one, which must not be the first."""
-    revisions = [edition.revision for edition in device.editions]
-    return revisions[revisions.index(revision) - 1]
-
-
-def edition_by_label(device: Device, match: LabelMatch) -> str:
-    """Return the revision whose labels are written like this label, or an empty string if none is certain."""
-    spellings = device.order_code.also_written
-    patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
-    for edition in device.editions:
-        if not patterns.isdisjoint(edition.labels):
-            return edition.revision
-    return ""
-
-
-def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
-    """Yield the tests of a register, each with the first revision for which the register passes the test."""
-    for edition in device.editions:
-        for test in edition.tests:
-            if test.register == register:
-                yield edition.revision, test

@@ -1,24 +1,35 @@
-"""Parameters by interface, those that registers hold at run time, and values read from registers."""
+"""Parameters of an interface, values that registers hold at run time, and layouts that are sent with parameters."""
 
 from __future__ import annotations
 
 from collections import ChainMap
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, product
 from math import prod
 
-from ..model import Device, Layout, Measurement, Parameter, Register, Variant, number_from_bytes
+from ..model import (
+    Biss,
+    DataChannels,
+    Device,
+    Interface,
+    Layout,
+    Measurement,
+    Parameter,
+    Register,
+    Variant,
+    number_from_bytes,
+)
 from ..model.expressions import Expression, resolve_parameters
 
 
 def parameters_of(device: Device, interface_name: str) -> tuple[Parameter, ...]:
-    """Return the parameters that matter for the interface ``interface_name``, such as ``biss``.
+    """Return the parameters of a device that matter for the interface ``interface_name``, such as ``biss``.
 
-    Parameters used only by other interfaces are omitted, unless they are calculated from the parameters kept.
-    Parameters that no interface uses are kept, since they are for information.
+    These are the parameters that the interface uses, all parameters that are calculated from them, and parameters that
+    no interface uses, which are for information.
     """
-    # Both include the parameters from which those used are calculated.
+    # Both sets include the parameters from which used parameters are calculated.
     used_by_interface = _used_parameters(device, interface_name)
     used_by_any: set[str] = set()
     for interface in device.interfaces:
@@ -33,7 +44,7 @@ def parameters_of(device: Device, interface_name: str) -> tuple[Parameter, ...]:
         is_for_information = parameter.equals is None and parameter.name not in used_by_any
         if parameter.name in used_by_interface or is_for_information:
             selected_names.add(parameter.name)
-    # A formula may use the result of another formula, so look until nothing is added. It ends when all are selected.
+    # A formula may use the result of another formula, so repeat until no parameter is added.
     while True:
         computable = {name for name, formula in formulas.items() if selected_names.issuperset(formula.parameters)}
         if computable <= selected_names:
@@ -43,7 +54,7 @@ def parameters_of(device: Device, interface_name: str) -> tuple[Parameter, ...]:
 
 
 def run_time_names(device: Device) -> frozenset[str]:
-    """Return the names of the parameters that registers hold, and of those calculated from them."""
+    """Return the names of the parameters that registers hold, and of parameters that are calculated from them."""
     names_in_registers = {parameter.name for parameter in device.run_time_parameters}
     dependent_names: set[str] = set()
     for parameter in device.parameters:
@@ -53,12 +64,18 @@ def run_time_names(device: Device) -> frozenset[str]:
 
 
 def follows_registers(device: Device, layout: Layout) -> bool:
-    """Return whether registers determine the positions, documented values or code of a layout's fields at run time."""
+    """Return whether the format of a layout depends on registers at run time.
+
+    The format consists of the positions, the documented values and the code (binary or Gray) of the fields.
+    """
     return not run_time_names(device).isdisjoint(deciding_parameters(layout))
 
 
 def deciding_parameters(layout: Layout) -> frozenset[str]:
-    """Return the names of the parameters that determine positions, documented values or code of a layout's fields."""
+    """Return the names of the parameters that determine the format of a layout.
+
+    The format consists of the positions, the documented values and the code (binary or Gray) of the fields.
+    """
     names = {name for expression in _expressions_of_layout(layout) for name in expression.parameters}
     if layout.gray_when:
         names.add(layout.gray_when)
@@ -66,16 +83,16 @@ def deciding_parameters(layout: Layout) -> frozenset[str]:
 
 
 def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
-    """Return the register fields, as ``register.field``, that determine the length of a layout."""
+    """Return the register fields that determine the length of a layout at run time, each as ``register.field``."""
     length_parameters = device.needed_parameters(layout.bits.parameters)
     deciding = [parameter for parameter in device.run_time_parameters if parameter.name in length_parameters]
     return tuple(dict.fromkeys(parameter.read_from for parameter in deciding))
 
 
 def _used_parameters(device: Device, interface_name: str) -> frozenset[str]:
-    """Return the names of the parameters used in frames, registers and measurement of an interface.
+    """Return the names of the parameters that are used in the frames, registers and measurement of an interface.
 
-    Parameters from which these are calculated are included.
+    Parameters from which these parameters are calculated are included.
     """
     used_names = {name for expression in _expressions_over(device, interface_name) for name in expression.parameters}
     used_names |= {layout.gray_when for layout in device.interface(interface_name).layouts if layout.gray_when}
@@ -100,9 +117,9 @@ def _expressions_over(device: Device, interface_name: str) -> Iterator[Expressio
 
 
 def _expressions_of_layout(layout: Layout) -> Iterator[Expression]:
-    """Yield the length, the positions and widths of all fields, their documented values, and the Gray excess.
+    """Yield all expressions in a frame or register: its length, and the fields' positions, widths and fixed values.
 
-    Documented values that are texts, such as names, are left out.
+    A Gray-coded layout can also have an excess, a number that is added to the position before it is encoded.
     """
     yield layout.bits
     for field in layout.fields:
@@ -115,7 +132,7 @@ def _expressions_of_layout(layout: Layout) -> Iterator[Expression]:
 
 
 def _expressions_of_measurement(measurement: Measurement) -> Iterator[Expression]:
-    """Yield the counts, turns, steps and limits of the position that the manual gives."""
+    """Yield the expressions that describe a position: counts per turn, turns, steps and limits, if they are given."""
     expressions = (
         measurement.counts_per_turn,
         measurement.turns,
@@ -131,7 +148,7 @@ class RegisterError(ValueError):
 
 
 def with_changed(device: Device, variant: Variant, changed: Mapping[str, int]) -> Mapping[str, int]:
-    """Return the parameters of a variant with some values changed, and all that are calculated computed again."""
+    """Return the parameters of an order code with some values changed, and with formulas calculated again."""
     independent_values = {name: value for name, value in variant.parameters.items() if name not in device.definitions}
     return resolve_parameters({**independent_values, **changed}, device.definitions)
 
@@ -139,22 +156,22 @@ def with_changed(device: Device, variant: Variant, changed: Mapping[str, int]) -
 #: Values of the parameters that one register field holds.
 State = Mapping[str, int]
 #: Highest number of combinations of states. If there are more, only pairs of fields are combined.
-_MOST_CORNERS = 64
+_MAX_COMBINATIONS = 64
 
 
 def extreme_combinations(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
-    """Yield combined states of register fields, since a value may fit with one extreme but not with two.
+    """Yield combined states of register fields, such as ``{"singleturn_bits": 16, "multiturn_bits": 12}``.
 
-    Each is a map such as ``{"singleturn_bits": 16, "multiturn_bits": 12}``. If there are more than ``_MOST_CORNERS``,
-    yield the combinations of each pair with the other fields unchanged, and the combinations with all fields at the
-    lowest or at the highest state.
+    A state contains the parameters that one register field sets. All combinations are yielded if there are at most 64.
+    Otherwise, these are the combinations of each pair of fields, with the other fields unchanged, and the combinations
+    with all fields at their lowest or at their highest state.
 
     Args:
-        states_by_field: The states of each field, from the one with the lowest values to the one with the highest.
+        states_by_field: The states of each field, from the lowest values to the highest.
     """
     states_of_changing_fields = [states for states in states_by_field if states]
     number_of_combinations = prod(len(states) for states in states_of_changing_fields)
-    if number_of_combinations <= _MOST_CORNERS:
+    if number_of_combinations <= _MAX_COMBINATIONS:
         yield from _combined_states(states_of_changing_fields)
         return
     for states_of_pair in combinations(states_of_changing_fields, 2):
@@ -164,20 +181,20 @@ def extreme_combinations(states_by_field: Sequence[Sequence[State]]) -> Iterator
 
 
 def _combined_states(states_by_field: Sequence[Sequence[State]]) -> Iterator[State]:
-    """Yield every combination of one state of each field."""
+    """Yield every combination of register fields, with one state of each field."""
     for one_state_per_field in product(*states_by_field):
         yield _joined_state(one_state_per_field)
 
 
 def _joined_state(one_state_per_field: Iterable[State]) -> State:
-    """Return the parameters of all fields in one map."""
+    """Return the parameters that all register fields set, in one map."""
     return ChainMap(*(dict(state) for state in one_state_per_field))
 
 
 def coded_states(codes: Mapping[str, Mapping[int, int]]) -> Sequence[State]:
-    """Return the states of a field that holds a code, for the codes that all its parameters have.
+    """Return the states of a register field that holds a code, for each code that all its parameters have.
 
-    The states are sorted by the sum of their values, from the lowest to the highest.
+    A state contains the parameters that the code sets. The states are sorted by the sum of their values.
 
     Args:
         codes: The values by code of each parameter that is read from the field: ``{"bits": {0: 12, 1: 16}}``.
@@ -191,12 +208,15 @@ def coded_states(codes: Mapping[str, Mapping[int, int]]) -> Sequence[State]:
 
 
 def extreme_states(device: Device) -> Sequence[Sequence[State]]:
-    """Return the extreme states of each field that holds a parameter: the limits of its value, or each of its codes."""
+    """Return the extreme states of each register field that holds a parameter.
+
+    These are the limits of the parameter, or the values of all codes if the field holds a code.
+    """
     return _states_of_fields(device.run_time_parameters, _limits_of_parameter)
 
 
 def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]]:
-    """Return all states of each field that holds one of the parameters: every value, or each of its codes."""
+    """Return all states of each register field that holds one of the parameters: every value, or every code."""
 
     def all_values(parameter: Parameter) -> Iterable[int]:
         lowest, highest = parameter.min or 0, parameter.max or 0
@@ -206,18 +226,18 @@ def possible_states(parameters: Sequence[Parameter]) -> Sequence[Sequence[State]
 
 
 def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:
-    """Return the minimum and the maximum of a parameter, as far as they are known, each once if they are equal."""
+    """Return the minimum and the maximum of a parameter, as far as they are known. Equal limits are returned once."""
     return dict.fromkeys(limit for limit in (parameter.min, parameter.max) if limit is not None)
 
 
 def _states_of_fields(
     parameters: Sequence[Parameter], values_of: Callable[[Parameter], Iterable[int]]
 ) -> Sequence[Sequence[State]]:
-    """Return the states of each field. The states of one field go from the lowest values to the highest.
+    """Return the states of each register field that holds parameters, from the lowest values to the highest.
 
-    A parameter that is not read from a code has a field of its own, with the values that ``values_of`` lists in this
-    order. Parameters that are read from the same code change together, so their field has a state for each code, as
-    ``coded_states`` sorts them: ``[{"bits": 12, "turns": 0}, {"bits": 16, "turns": 4096}]``.
+    A parameter without codes has a field of its own, with one state for each number that ``values_of`` returns.
+    Parameters that are read from the same code change together, so their field has a state for each code:
+    ``[{"bits": 12, "turns": 0}, {"bits": 16, "turns": 4096}]``.
     """
     # By the field that holds the code, then by parameter, then by code: {"bank.mode": {"bits": {0: 12, 1: 16}}}.
     codes_by_field: dict[str, dict[str, Mapping[int, int]]] = {}
@@ -233,13 +253,14 @@ def _states_of_fields(
 
 
 def parameters_at_run_time(device: Device, variant: Variant) -> Iterator[Mapping[str, int]]:
-    """Yield the parameters of a variant with factory defaults, and with the extremes of those held in registers."""
-    for changed in ({}, *extreme_combinations(extreme_states(device))):  # {} leaves the factory defaults.
-        yield with_changed(device, variant, changed)
+    """Yield the parameters of an order code with factory defaults, and with extreme values in its registers."""
+    factory_defaults: State = {}
+    for register_values in (factory_defaults, *extreme_combinations(extreme_states(device))):
+        yield with_changed(device, variant, register_values)
 
 
 def with_registers(device: Device, variant: Variant, register_bytes: Mapping[int, int]) -> Variant:
-    """Return the variant with these register values.
+    """Return an order code with the parameters that these register bytes set.
 
     Args:
         device: The family.
@@ -254,8 +275,8 @@ def with_registers(device: Device, variant: Variant, register_bytes: Mapping[int
     for parameter in device.run_time_parameters:
         register = device.register(parameter.register)
         addresses = range(register.address, register.address + register.length)
-        is_given = any(address in register_bytes for address in addresses)
-        if is_given:
+        has_given_bytes = any(address in register_bytes for address in addresses)
+        if has_given_bytes:
             used_addresses.update(addresses)
             parameters[parameter.name] = _value_from_bytes(register, parameter, register_bytes)
     unknown_addresses = sorted(register_bytes.keys() - used_addresses)
@@ -265,14 +286,16 @@ def with_registers(device: Device, variant: Variant, register_bytes: Mapping[int
 
 
 def _unknown_address_message(device: Device, address: int) -> str:
-    """Return the message about a register without a parameter, with the addresses of registers with a parameter."""
+    """Return the message for a register that holds no parameter. It lists the registers that hold one."""
     registers = [device.register(parameter.register) for parameter in device.run_time_parameters]
     valid_addresses = ", ".join(sorted({f"0x{register.address:02X}" for register in registers})) or "none"
     return f"register 0x{address:02X} does not change how a frame is read; those that do: {valid_addresses}"
 
 
 def with_answers(device: Device, variant: Variant, answers: Mapping[str, str]) -> Variant:
-    """Return the variant with these answers, keyed by the name of the alternative.
+    """Return an order code with the parameters that these answers set.
+
+    ``answers`` contains the chosen answer to each question that the manual leaves open, by the name of the alternative.
 
     Raises:
         KeyError: There is no such alternative or answer.
@@ -286,9 +309,10 @@ def with_answers(device: Device, variant: Variant, answers: Mapping[str, str]) -
 
 
 def after_write(device: Device, variant: Variant, register: Register, number: int) -> Variant:
-    """Return the variant after writing ``number`` to ``register``, whose limits are not checked.
+    """Return an order code with the parameters that are active after writing ``number`` to ``register``.
 
-    It is ``variant`` itself if the register holds no parameter, or if ``number`` has no valid code of one.
+    The limits of the register are not checked. If the register holds no parameter, or if ``number`` does not contain a
+    valid code, ``variant`` is returned unchanged.
     """
     changed_parameters: dict[str, int] = {}
     for parameter in device.run_time_parameters:
@@ -303,7 +327,7 @@ def after_write(device: Device, variant: Variant, register: Register, number: in
 
 
 def _value_from_bytes(register: Register, parameter: Parameter, register_bytes: Mapping[int, int]) -> int:
-    """Return the value of a parameter in a register. Bytes that are not given have their defaults.
+    """Return the value of a parameter that a register holds. Bytes that are not given have their factory defaults.
 
     Raises:
         RegisterError: The register does not hold a code of the parameter, or the value is outside its limits.
@@ -324,9 +348,9 @@ def _value_from_bytes(register: Register, parameter: Parameter, register_bytes: 
 
 
 def _value_in_content(register: Register, parameter: Parameter, number: int) -> int | None:
-    """Return the parameter in a register that contains ``number``, or None if it holds no valid code.
+    """Return the value of a parameter in a register that contains ``number``, or None if its code is not valid.
 
-    Bits that are all 0 may stand for another number, ``zero_means``.
+    In some registers, 0 stands for a different number, ``zero_means``: 256 in 8 bits, for example.
     """
     field = register.layout.field(parameter.field)
     mask = (1 << field.widest) - 1
@@ -334,3 +358,26 @@ def _value_in_content(register: Register, parameter: Parameter, number: int) -> 
     if field_value == 0 and not parameter.by_code:
         field_value = field.number.zero_means
     return parameter.held_value(field_value)
+
+
+def with_sent_layouts(interface: Interface, parameters: Mapping[str, int]) -> Interface:
+    """Return the interface without the layouts that have no bits for an order code with these parameters.
+
+    Their data channels are also left out.
+    """
+    layouts = tuple(layout for layout in interface.layouts if layout.is_sent(parameters))
+    if len(layouts) == len(interface.layouts):
+        return interface
+    if isinstance(interface, Biss) and interface.channels is not None:
+        sent_names = [layout.name for layout in layouts]
+        interface = replace(interface, channels=_with_sent_channels(interface.channels, sent_names))
+    return replace(interface, layouts=layouts)
+
+
+def _with_sent_channels(channels: DataChannels, sent_names: Collection[str]) -> DataChannels | None:
+    """Return the data channels of a frame that have bits, or None if the frame then carries only one channel."""
+    sent_order = tuple(name for name in channels.order if name in sent_names)
+    if len(sent_order) < 2:
+        return None
+    compared = {name: field for name, field in channels.compared.items() if name in sent_names}
+    return replace(channels, order=sent_order, compared=compared)

@@ -1,4 +1,4 @@
-"""Find the family that a label which is not an order code is closest to, by its name and its pattern."""
+"""Find the family that is most similar to a label that is not an order code, by its name and its pattern."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ _LETTERS_AND_DIGITS = re.compile(r"[a-z0-9]+")
 
 
 class _Reason(NamedTuple):
-    """The message of a family about a label. The greatest one is the best: it is of the family most like the label."""
+    """Why a label is not an order code of one family. The family with the most matching characters is the most similar.
+
+    ``is_close`` is true if the label matches all but one part of the order code.
+    """
 
     matching_characters: int
     is_close: bool
@@ -30,10 +33,10 @@ def family_with_name(devices: Iterable[Device], text: str) -> Device | None:
 
 
 def closest_reason(devices: Sequence[Device], text: str) -> str | None:
-    """Return why ``text`` is not an order code, by the family whose name or pattern has the longest beginning in it.
+    """Return why ``text`` is not an order code, as the message of the family that is most similar to it, or None.
 
-    Without the name, the message of a family counts only if it is ``close``. Return None if there is no such family.
-    The text must be an order code of none of them.
+    A family is similar if the text begins with its name, or matches all but one part of its order codes. The text must
+    not be an order code of any of the families.
     """
     reasons = list(_reasons(devices, text))
     if not reasons:
@@ -43,7 +46,7 @@ def closest_reason(devices: Sequence[Device], text: str) -> str | None:
 
 
 def _reasons(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
-    """Yield the message of each family that the text is close to, or that it names."""
+    """Yield why a text is not an order code, for each family that it names or almost matches."""
     label = _without_marks(text)
     for device in devices:
         name = _name_without_marks(device)
@@ -57,7 +60,7 @@ def _reasons(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
 
 
 def _without_marks(text: str) -> str:
-    """Return the letters and digits of a text: ``xy24`` of ``X-Y24``."""
+    """Return only the letters and digits of a text, in lowercase: ``xy24`` for ``X-Y24``."""
     return "".join(_LETTERS_AND_DIGITS.findall(without_blanks(text).lower()))
 
 
@@ -66,6 +69,6 @@ def _name_without_marks(device: Device) -> str:
 
 
 def _length_before_parts(device: Device) -> int:
-    """Return the number of letters and digits in front of the first part of the pattern: 2 for ``X-Y-{bits}``."""
+    """Return the number of letters and digits with which all order codes begin: 2 for the pattern ``X-Y-{bits}``."""
     text_before_parts, _, _ = device.order_code.pattern.partition("{")
     return sum(map(str.isalnum, text_before_parts))

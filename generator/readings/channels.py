@@ -11,7 +11,7 @@ from .reading import CodeAndState, ComparedFact, FactClass, SpecReading
 
 
 def channel_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFact]:
-    """Yield the order of the data channels in a frame, and the bits of each channel that are compared.
+    """Yield facts about a BiSS frame with several data channels: their order, and the bits that decoders compare.
 
     Channels are identified by their numbers: ``1, 2``.
     """
@@ -20,7 +20,7 @@ def channel_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFac
         return
     place: Path = ("interfaces", interface.name, "channels")
     yield ComparedFact(
-        sort=FactClass.POSITION,
+        fact_class=FactClass.POSITION,
         key=("channels", "order"),
         value=", ".join(f"{layout.channel}" for layout in frame.layouts),
         description="order of the data channels in a frame",
@@ -36,7 +36,7 @@ def channel_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFac
             bits_by_case[case] = bits(field.high, lowest_compared)
         channel = compared.layout.channel or 0
         yield ComparedFact(
-            sort=FactClass.POSITION,
+            fact_class=FactClass.POSITION,
             key=("channels", "compared", channel),
             value=bits_by_case,
             description=f"compared bits of data channel {channel}",

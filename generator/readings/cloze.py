@@ -1,6 +1,7 @@
-"""Clozes: sheets with the texts of a spec in which the words that turn a sentence round are gaps.
+"""Clozes: sheets with the texts of a spec in which words that can reverse the meaning of a sentence are blanks.
 
-A reader fills the gaps from the manual alone. ``check`` compares the fillings with the words of the spec.
+A reader fills the blanks from the manual alone. ``check`` compares the words with those in the spec. In the code and in
+messages, a blank is a gap, and such a word is a turning word.
 """
 
 from __future__ import annotations
@@ -90,9 +91,10 @@ class _SpecText(NamedTuple):
 
 
 def clozes(spec: Document) -> dict[str, _SpecText]:
-    """Return the texts of a spec that have gaps, by their paths: ``registers.mode.meaning``.
+    """Return the texts of a spec that contain turning words, with gaps in place of these words, by their paths.
 
-    A path that several texts share gets a number from the second one on: ``tables.limits.note 2``.
+    A path is ``registers.mode.meaning``, for example. If several texts share a path, the second one gets a number:
+    ``tables.limits.note 2``.
     """
     vocabulary = vocabulary_of(spec)
     spec_texts: dict[str, _SpecText] = {}
@@ -111,14 +113,14 @@ def clozes(spec: Document) -> dict[str, _SpecText]:
 
 
 def _led_states(spec: Document) -> Iterator[tuple[Path, str]]:
-    """Yield the words of each state of the LEDs, which a second reading repeats in the words of the spec."""
+    """Yield the text of each state of the LEDs. A second reading of the manual copies these texts from the spec."""
     for led in spec.data.get("leds", ()):
         for index, led_state in enumerate(led["states"]):
             yield ("leds", led["name"], "states", index, "state"), str(led_state["state"])
 
 
 def vocabulary_of(spec: Document) -> Vocabulary:
-    """Return the turning words of a family: the turning words of the language, and the signals of its contacts."""
+    """Return the words of a family that become gaps: words such as not and before, and the signals of its contacts."""
     signals: list[str] = []
     for connector in spec.data.get("connectors", ()):
         signals += [str(contact["signal"]) for contact in connector["contacts"] if "signal" in contact]
@@ -126,14 +128,15 @@ def vocabulary_of(spec: Document) -> Vocabulary:
 
 
 def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the sheet for a spec: the choices of each kind, and each text with its filled words or question marks.
+    """Return the sheet for a spec: the choices for each kind of gap, and each text with the word of each gap.
 
-    Filled words of ``old_entries``, which are by path, are kept if the same path or any other has the same text.
+    A gap that is not filled has a question mark. ``old_entries`` are the texts of the existing sheet by path. Their
+    words are kept for texts that are unchanged, also if their path has changed.
     """
     sheet_entries: dict[str, Any] = {}
     kinds: set[str] = set()
     choices = vocabulary_of(spec).choices
-    # A text can move with the name of its part.
+    # The path of a text changes if its part is renamed.
     old_entry_by_text = {old_entry["text"]: old_entry for old_entry in old_entries.values()}
     for path, (_, cloze) in clozes(spec).items():
         kinds.update(gap.kind for gap in cloze.gaps)
@@ -147,14 +150,15 @@ def sheet(spec: Document, old_entries: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _valid_words(cloze: ClozeText, words: Sequence[str], choices: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return the word of each gap, with a question mark for one that is missing or no longer a choice.
+    """Return the word of each gap in a text, or a question mark if the word is missing or no longer a choice.
 
-    A renamed signal, for example, is no longer a choice.
-
-    ``choices`` are the valid words by kind of gap.
+    ``choices`` are the valid words by the kind of the gap. After a signal is renamed, its old name is not a choice.
     """
-    enough_words = [*words, *["?"] * len(cloze.gaps)]
-    return [word if word in choices[gap.kind] else "?" for gap, word in zip(cloze.gaps, enough_words, strict=False)]
+    valid_words: list[str] = []
+    for index, gap in enumerate(cloze.gaps):
+        word = words[index] if index < len(words) else "?"
+        valid_words.append(word if word in choices[gap.kind] else "?")
+    return valid_words
 
 
 def open_gaps(sheet_data: Mapping[str, Any]) -> int:
@@ -179,26 +183,26 @@ def read_sheet(family: Family, report: ProblemReport) -> Document | None:
 
 
 def check_sheets(
-    families: Iterable[Family], sound: Collection[str], report: ProblemReport, read: Reader = read_sheet
+    families: Iterable[Family], valid_files: Collection[str], report: ProblemReport, read: Reader = read_sheet
 ) -> None:
     """Compare families with their sheets, and report the differences. A family without a sheet is skipped.
 
-    A sheet is always checked, but only compared if its spec is among the ``sound`` files. A sheet is filled from the
-    manual alone, so the family is compared without overlays, and a derived family has no sheet.
+    A sheet is always read, but only compared if its spec is among ``valid_files``. It is filled from the manual alone,
+    so the family is compared without its overlays. A derived family has no sheet.
     """
     for loaded_family in families:
         family = loaded_family.plain or loaded_family
         is_derived = bool(family.device.base)
         sheet_document = read(family, report) if not is_derived else None
-        if sheet_document is not None and family.document.file in sound:
+        if sheet_document is not None and family.document.file in valid_files:
             compare_words(family.document, sheet_document, report)
 
 
 def compare_words(spec: Document, sheet_document: Document, report: ProblemReport) -> None:
-    """Report each gap that the sheet fills with a word other than the spec's, and each outdated text of the sheet.
+    """Report each gap that the sheet fills with a different word than the spec, and each outdated text in the sheet.
 
-    A text is outdated if only the spec has it, or if it has changed. Texts that only the sheet has are not reported in
-    addition, since the command that refills the sheet also removes them.
+    A text is outdated if it is new in the spec or has changed. If there is such a text, texts that are only in the
+    sheet are not reported, because the command that refills the sheet also removes them.
     """
     spec_texts = clozes(spec)
     sheet_texts = sheet_document.data["texts"]
@@ -208,7 +212,7 @@ def compare_words(spec: Document, sheet_document: Document, report: ProblemRepor
         filled_text = sheet_texts.get(path)
         if filled_text is None:
             word_count_text = count_with_unit(len(cloze.gaps), "turning word")
-            message = f"{sheet_name} lacks this text, which has {word_count_text}; {_advice_to_refill(spec)}"
+            message = f"this text is not in {sheet_name}, and has {word_count_text}; {_advice_to_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
             is_outdated = True
         elif filled_text["text"] != cloze.text or len(filled_text["words"]) != len(cloze.gaps):
@@ -233,12 +237,12 @@ def _advice_to_refill(spec: Document) -> str:
 def _compare_gaps(
     spec: Document, place: Path, cloze: ClozeText, sheet_document: Document, sheet_place: Path, report: ProblemReport
 ) -> None:
-    """Report each gap of a text that the sheet fills with another word than the first word of the sense in the spec.
+    """Report each gap of a text that the sheet fills with a word that has a different meaning than the spec's word.
 
-    A word that is not among the choices, such as a question mark, makes the sheet outdated.
+    A word that is not among the choices, such as a question mark, is reported as outdated.
     """
-    # ``sheet_place`` is ("texts", path).
-    words: Sequence[str] = sheet_document.data["texts"][sheet_place[1]]["words"]
+    _, text_path = sheet_place  # The first step is "texts".
+    words: Sequence[str] = sheet_document.data["texts"][text_path]["words"]
     choices = sheet_document.data["choices"]
     for number, (gap, word) in enumerate(zip(cloze.gaps, words, strict=True), 1):
         word_place = (*sheet_place, "words", number - 1)
@@ -253,7 +257,7 @@ def _compare_gaps(
         sheet_text = f"{quoted(word)} in {File(sheet_document.file).name}:{line}"
         context = _text_around_gap(cloze, number)
         message = f"{context}: {quoted(gap.word)} here, {sheet_text}; check the manual and correct one of them"
-        # Two exchanged signals differ in many texts, so they are reported as one cause.
+        # If two signals are exchanged, many texts differ for the same cause.
         cause = f"{gap.word} {word}" if gap.kind == SIGNAL else ""
         report.add(RULE, spec, place, message, cause=cause)
 
@@ -265,23 +269,23 @@ _GAP_IN_TEXT = re.compile(r"\{(\d+) (\w+)\}")
 
 
 def _text_around_gap(cloze: ClozeText, gap_number: int) -> str:
-    """Return up to 30 characters on each side of a gap, in quotes: ``"the position [change] when turned clockwise"``.
+    """Return a gap with up to 30 characters before and after it, such as ``"the position [change] when turned"``.
 
-    The gap is shown as its kind. Other gaps have their words.
+    The gap is shown as its kind. Other gaps are filled with their words.
     """
 
     def fill_gaps(text: str) -> str:
         return _GAP_IN_TEXT.sub(lambda gap: cloze.gaps[int(gap[1]) - 1].word, text)
 
-    text_before, text_behind = re.split(rf"\{{{gap_number} \w+\}}", cloze.text, maxsplit=1)
+    text_before, text_after = re.split(rf"\{{{gap_number} \w+\}}", cloze.text, maxsplit=1)
     before = fill_gaps(text_before)[-_CONTEXT_CHARACTERS:]
-    behind = fill_gaps(text_behind)[:_CONTEXT_CHARACTERS]
+    after = fill_gaps(text_after)[:_CONTEXT_CHARACTERS]
     kind = cloze.gaps[gap_number - 1].kind
-    return quoted(f"{before}[{kind}]{behind}".strip())
+    return quoted(f"{before}[{kind}]{after}".strip())
 
 
 def as_lines(sheet_data: Mapping[str, Any], spec_name: str) -> Iterator[str]:
-    """Yield the lines of a sheet as a YAML file: choices by kind, and text and words by path."""
+    """Yield the lines of a sheet in YAML: the choices by kind of gap, then each text and its words by path."""
     yield f"# Turning words of {spec_name}. Fill each '?' from the manual alone, with one of the choices of its kind."
     yield "choices:"
     for kind, words in sheet_data["choices"].items():
@@ -302,7 +306,7 @@ def _in_quotes(text: str) -> str:
 
 
 class Gap(NamedTuple):
-    """A gap in a text. ``word`` is the word that fits, the first one of its sense."""
+    """A gap in a text. ``word`` is the correct word, or the first of the words with the same sense."""
 
     kind: str
     word: str
@@ -328,23 +332,23 @@ class Vocabulary:
             self._add_kind(kind, [sense.split(", ") for sense in senses.split(" | ")])
         # Signals of one or two characters are left out. Each other word is a separate sense.
         self._add_kind(SIGNAL, [[signal] for signal in sorted(set(signals)) if len(signal) > 2])
-        # The regular expression takes the first alternative that matches, so "no longer" must come before "no".
+        # A regular expression matches the first alternative that fits, so "no longer" must come before "no".
         spellings = sorted(self._senses, key=len, reverse=True)
         self._pattern_of_word = re.compile(
             rf"(?<![\w/])(?:{'|'.join(map(_pattern_of_word, spellings))})(?!\w)", re.IGNORECASE
         )
 
-    def _add_kind(self, kind_of_turn: str, senses: Sequence[Sequence[str]]) -> None:
-        """Add the words of each sense. A word of several kinds belongs to the first kind."""
-        self.choices[kind_of_turn] = [words[0] for words in senses]
+    def _add_kind(self, kind: str, senses: Sequence[Sequence[str]]) -> None:
+        """Add a kind of gap with the words of each sense. A word of several kinds belongs to the first kind."""
+        self.choices[kind] = [words[0] for words in senses]
         for words in senses:
             for word in words:
-                self._senses.setdefault(word.casefold(), Gap(kind_of_turn, words[0]))
+                self._senses.setdefault(word.casefold(), Gap(kind=kind, word=words[0]))
 
     def cloze(self, text: str) -> ClozeText:
-        """Return a text with numbered gaps instead of its turning words, and the gaps.
+        """Return a text with numbered gaps in place of its turning words, and the list of gaps.
 
-        For example ``if {1 level} {2 order} the start`` for ``if high before the start``.
+        For example, ``if high before the start`` becomes ``if {1 level} {2 order} the start``.
         """
         gaps: list[Gap] = []
 
@@ -352,17 +356,21 @@ class Vocabulary:
             gaps.append(self._senses[match[0].casefold()])
             return f"{{{len(gaps)} {gaps[-1].kind}}}"
 
-        text_in_one_line = " ".join(text.split())
-        # The substitution also fills the list of gaps.
-        return ClozeText(self._pattern_of_word.sub(numbered_gap, text_in_one_line), tuple(gaps))
+        text_on_one_line = " ".join(text.split())
+        # The substitution also fills the list ``gaps``.
+        text_with_gaps = self._pattern_of_word.sub(numbered_gap, text_on_one_line)
+        return ClozeText(text=text_with_gaps, gaps=tuple(gaps))
 
 
 def _pattern_of_word(word: str) -> str:
-    """Return the regular expression of a word.
+    """Return the regular expression for a turning word.
 
-    A word of ``_ONLY_AFTER`` matches only directly after one of its words: ``(?:(?<=count )|(?<=counts ))up``.
+    Some words are only matched directly after certain words: ``(?:(?<=count )|(?<=counts ))up``.
     """
     if word not in _ONLY_AFTER:
         return re.escape(word)
-    words_before = (before if before.endswith("-") else f"{before} " for before in _ONLY_AFTER[word])
-    return f"(?:{'|'.join(f'(?<={before})' for before in words_before)}){word}"
+    lookbehinds: list[str] = []
+    for word_before in _ONLY_AFTER[word]:
+        separator = "" if word_before.endswith("-") else " "
+        lookbehinds.append(f"(?<={word_before}{separator})")
+    return f"(?:{'|'.join(lookbehinds)}){word}"

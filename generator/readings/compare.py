@@ -1,4 +1,4 @@
-"""Compare two readings fact by fact, including the numbers and sources of their texts.
+"""Compare two readings of a manual fact by fact, including the numbers and citations of their texts.
 
 Texts are compared by their places in the file, because two readers use different words for them.
 """
@@ -14,24 +14,25 @@ from ..language.document import Path
 from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missing_in_spec, value_text
 from .compare_words import compare_word
 from .comparison import Comparison, Disagreement, HowOftenRead
+from .names import use_same_names
 from .pairing import with_order_of, with_rows_of
-from .reading import NOTHING, ComparedFact, ComparedFacts, FactClass, FactKey, use_same_names
+from .reading import NOTHING, ComparedFact, ComparedFacts, FactClass, FactKey
 from .texts import NUMBERS, dotted_path
 
-#: Classes of facts in texts, which a second reading can also give by their paths.
-_TEXT_SORTS = frozenset((FactClass.TEXT, FactClass.SECTION))
+#: Classes of facts in texts. A second reading can also give these facts by their paths.
+_TEXT_CLASSES = frozenset((FactClass.TEXT, FactClass.SECTION))
 
 
 def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
-    """Return the comparison of the facts in a spec and in its second reading.
+    """Compare the facts of a spec with a second, independent reading of the same manual.
 
-    Facts are compared by their keys, and frames and registers bit by bit. Facts that the second reading gives only by a
-    path, or that no manual prints, are counted separately at the end.
+    Facts with the same key are compared, and frames and registers are compared bit by bit. Facts that the second
+    reading only gives by their path, and facts that no manual prints, are counted separately at the end.
     """
     spec = with_rows_of(with_order_of(spec, second), second)
     comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
     place_in_spec = partial(_nearest_place, comparison, spec, second)
-    # A fact that the second reading gives by its path has the key of the spec's fact.
+    # A fact that the second reading gives by its path gets the key of the fact in the spec.
     second_facts = second.facts | dict(_facts_by_path(spec, second))
     disagreements = chain(
         compare_facts(comparison, spec.facts, second_facts, place_in_spec),
@@ -41,15 +42,15 @@ def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
     for disagreement in disagreements:
         comparison.add_disagreement(disagreement)
     for key, spec_word in spec.words.items():
-        # Different byte orders are reported alone: all bits would differ, too.
-        if not _has_two_byte_orders(key, spec, second):
+        # If the byte orders differ, all bits differ too, so only the byte orders are reported.
+        if not _have_different_byte_orders(key, spec, second):
             compare_word(comparison, spec_word, second.words.get(key))
     _count_undecided(comparison, spec, second)
     return comparison
 
 
-def _has_two_byte_orders(word_key: FactKey, spec: ComparedFacts, second: ComparedFacts) -> bool:
-    """Return whether both readings state the byte order of a frame, and differ."""
+def _have_different_byte_orders(word_key: FactKey, spec: ComparedFacts, second: ComparedFacts) -> bool:
+    """Return whether both readings state the byte order of a frame or register, and they differ."""
     order_key = (*word_key, "order")
     if order_key not in spec.facts or order_key not in second.facts:
         return False
@@ -59,11 +60,12 @@ def _has_two_byte_orders(word_key: FactKey, spec: ComparedFacts, second: Compare
 def _nearest_place(
     comparison: Comparison, spec: ComparedFacts, second: ComparedFacts, second_fact: ComparedFact
 ) -> Path | None:
-    """Return the place where the spec would state a fact of the second reading, or None if the spec may lack it.
+    """Return the place where the spec should state a fact that only the second reading has, or None if it need not.
 
-    For a fact that depends on another fact, such as the register of a default, this is the place of the other fact, or
-    None if the spec lacks it, since only the other fact is then reported. Otherwise it is the only item of the same
-    kind that the second reading lacks, or else the list or map of such items.
+    If the fact depends on another fact, as a default depends on its register, this is the place of the other fact. If
+    the spec does not contain the other fact either, the result is None, because only the other fact is reported. In all
+    other cases, it is the only fact of the same kind that the second reading does not have, or else the list or map of
+    such facts.
     """
     if second_fact.key[0] == "code":
         return None  # Missing order codes are reported together.
@@ -75,7 +77,7 @@ def _nearest_place(
         return subject_fact.place if subject_fact is not None else None
     unmatched_facts: list[ComparedFact] = []
     for spec_key, spec_fact in spec.facts.items():
-        is_of_same_kind = spec_key[:2] == second_fact.key[:2] and spec_fact.sort is second_fact.sort
+        is_of_same_kind = spec_key[:2] == second_fact.key[:2] and spec_fact.fact_class is second_fact.fact_class
         if is_of_same_kind and not spec_fact.depends_on and spec_fact.key not in second.facts:
             unmatched_facts.append(spec_fact)
     if len(unmatched_facts) == 1:
@@ -84,10 +86,10 @@ def _nearest_place(
 
 
 def _nearest_container(fact_place: Path) -> Path:
-    """Return the nearest list or map around a place that exists in any spec.
+    """Return the nearest list or map around a place that exists in every spec.
 
-    This is its first step, such as ``("registers",)``. In interfaces and the manual, it has three steps, such as
-    ``("interfaces", "ssi", "layouts")``, or two if there is no third step or the third is an index.
+    In general, this is the first step of the place, such as ``("registers",)``. In interfaces and the manual, it has
+    three steps, such as ``("interfaces", "ssi", "layouts")``, or two if the place has no third step or it is an index.
     """
     if fact_place[0] not in ("interfaces", "manual"):
         return fact_place[:1]
@@ -96,21 +98,22 @@ def _nearest_container(fact_place: Path) -> Path:
 
 
 def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactKey, ComparedFact]]:
-    """Yield the facts that the second reading gives by paths, as copies of the spec's facts with its values and places.
+    """Yield the facts that the second reading gives by their paths: numbers in texts, and sections in citations.
 
-    These are numbers in texts, and sections of sources. A path that the spec lacks leads to a separate fact.
+    Each is a copy of the fact in the spec, with the value and the place from the second reading. If the spec does not
+    have the path, a separate fact is yielded.
     """
-    text_facts = [fact for fact in spec.facts.values() if fact.sort in _TEXT_SORTS]
+    text_facts = [fact for fact in spec.facts.values() if fact.fact_class in _TEXT_CLASSES]
     spec_fact_by_path = {dotted_path(fact.place): fact for fact in text_facts}
     for path, (numbers, second_place) in second.printed_numbers.items():
         spec_fact = spec_fact_by_path.get(path)
         if spec_fact is None:
             spec_fact = ComparedFact(
-                sort=FactClass.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=()
+                fact_class=FactClass.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=()
             )
         yield spec_fact.key, replace(spec_fact, value=numbers, place=second_place)
     for key, spec_fact in spec.facts.items():
-        if spec_fact.sort is FactClass.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
+        if spec_fact.fact_class is FactClass.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
             sections = _sections_at(spec_fact.place, second)
             if sections:
                 second_place = ("sections", sections[0])
@@ -118,7 +121,7 @@ def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple
 
 
 def _sections_at(fact_place: Path, second: ComparedFacts) -> Sequence[str]:
-    """Return the sections that the second reading gives for a place, or else for the nearest place around it."""
+    """Return the sections that the second reading cites for a place, or else for the nearest place around it."""
     for length in range(len(fact_place), 0, -1):
         path = dotted_path(fact_place[:length])
         if path in second.sections:
@@ -127,38 +130,40 @@ def _sections_at(fact_place: Path, second: ComparedFacts) -> Sequence[str]:
 
 
 def _count_undecided(comparison: Comparison, spec: ComparedFacts, second: ComparedFacts) -> None:
-    """Count facts that no manual prints as decided, and texts of which little was compared as read once.
+    """Correct the counts of facts that so far count as read twice, although little was compared.
 
-    Only facts that count as read twice so far change. Little is compared for a text or source by path, and for a
-    characteristic without numbers, of which only the name is known.
+    A text or citation that the second reading only gives by its path counts as read once. So does a characteristic
+    without numbers, of which only the name was compared. Facts that no manual prints count as decided by the reader.
     """
-    for (sort, place), read in comparison.read_by_place.items():
+    for (fact_class, place), read in comparison.read_by_place.items():
         if read is not HowOftenRead.TWICE:
             continue
         path = dotted_path(place)
-        # The place of a characteristic itself, such as ("characteristics", "weight").
-        is_characteristic = sort is FactClass.CHARACTERISTIC and len(place) == 2
+        # This is the place of a characteristic itself, such as ("characteristics", "weight").
+        is_characteristic = fact_class is FactClass.CHARACTERISTIC and len(place) == 2
         is_only_name = is_characteristic and (NUMBERS, *place, "value") not in spec.facts
-        is_from_path = sort in _TEXT_SORTS and path in second.printed_numbers
+        is_from_path = fact_class in _TEXT_CLASSES and path in second.printed_numbers
         if is_only_name or is_from_path:
-            comparison.read_by_place[sort, place] = HowOftenRead.ONCE
-        elif sort not in _TEXT_SORTS and _is_decided(sort, path, second.decided):
-            comparison.read_by_place[sort, place] = HowOftenRead.DECIDED
+            comparison.read_by_place[fact_class, place] = HowOftenRead.ONCE
+        elif fact_class not in _TEXT_CLASSES and _is_decided(fact_class, path, second.decided):
+            comparison.read_by_place[fact_class, place] = HowOftenRead.DECIDED
 
 
-def _is_decided(sort: FactClass, path: str, decided: Sequence[str]) -> bool:
-    """Return whether ``decided`` contains the class of a fact, such as "time", its path or a path above it."""
-    if sort.value in decided:
+def _is_decided(fact_class: FactClass, path: str, decided: Sequence[str]) -> bool:
+    """Return whether the reader decided a fact, because the manual does not print it.
+
+    ``decided`` contains the class of the fact, such as "time", its path, or a path above it.
+    """
+    if fact_class.value in decided:
         return True
     # With a dot at both ends, ``registers.mode`` is not above ``registers.mode_2``.
     return any(f"{path}.".startswith(f"{decided_path}.") for decided_path in decided)
 
 
 def _compare_order_codes(spec: ComparedFacts, second: ComparedFacts) -> Iterator[Disagreement]:
-    """Yield one disagreement for all order codes that only the spec has, and one for order codes that it lacks.
+    """Yield one disagreement for all order codes that only the spec has, and one for those only in the second reading.
 
-    Each has the text of the first code and the number of other codes. If a reading has no order code at all, nothing is
-    yielded.
+    Each names the first code and the number of the others. If a reading has no order codes at all, nothing is yielded.
     """
     spec_codes, second_codes = _order_codes_of(spec), _order_codes_of(second)
     if not spec_codes or not second_codes:
@@ -167,7 +172,7 @@ def _compare_order_codes(spec: ComparedFacts, second: ComparedFacts) -> Iterator
     if only_in_spec:
         first_fact = only_in_spec[0]
         yield Disagreement(
-            sort=first_fact.sort,
+            fact_class=first_fact.fact_class,
             description=_describe_with_count(only_in_spec),
             spec_value=value_text(first_fact.value),
             second_value=NOTHING,
@@ -189,7 +194,7 @@ def _first_place(facts: dict[FactKey, ComparedFact]) -> Path:
 
 
 def _describe_with_count(facts: Sequence[ComparedFact]) -> str:
-    """Return the description of the first of several facts, and how many more there are."""
+    """Return the description of the first of several facts, with the number of the others."""
     description = facts[0].description
     if len(facts) == 1:
         return description

@@ -9,6 +9,7 @@ from ..changes.pairs import match_by_key
 from ..language.document import Path
 from ..say.plain_text import first_of
 from .comparison import Comparison, Disagreement, HowOftenRead
+from .names import mistaken_pairs
 from .reading import (
     FACTORY_DEFAULTS,
     NOTHING,
@@ -19,11 +20,10 @@ from .reading import (
     FactNames,
     FactValue,
     in_hex,
-    mistaken_pairs,
     same_name,
 )
 
-#: Items that each reader defines as needed, so that none is missing if the other has a different set.
+#: Kinds of items that each reader defines as needed. A different set of them in the other reading is not a mistake.
 CHOSEN_BY_READER = frozenset(("parameter",))
 
 
@@ -33,20 +33,20 @@ def compare_facts(
     second_facts: Mapping[FactKey, ComparedFact],
     place_in_spec: Callable[[ComparedFact], Path | None],
 ) -> Iterator[Disagreement]:
-    """Yield the disagreements on facts, which are identified by their keys, and count the facts of the spec.
+    """Yield the disagreements between the facts of a spec and of its second reading, and count the facts of the spec.
 
-    A fact that only the spec has counts as read once, and a fact that only the second reading has is a disagreement. A
-    fact that the spec only implies counts as missing from it. ``place_in_spec`` returns the place of a fact that the
-    spec lacks, or None if the spec may lack it.
+    A fact that only the spec states counts as read once. A fact that only the second reading states is a disagreement,
+    also if the spec implies it. ``place_in_spec`` returns the place where the spec should state such a fact, or None if
+    it need not.
     """
     for key, second_fact, spec_fact in match_by_key(second_facts, spec_facts):
         if spec_fact is not None and not spec_fact.is_implied:
             if second_fact is not None:
                 yield from _compare_values(comparison, spec_fact, second_fact)
             elif key[0] not in CHOSEN_BY_READER:
-                comparison.count_fact(spec_fact.sort, spec_fact.place, HowOftenRead.ONCE)
+                comparison.count_fact(spec_fact.fact_class, spec_fact.place, HowOftenRead.ONCE)
         elif second_fact is not None and not second_fact.is_implied:
-            # An implied fact of the spec has a place, but the spec must state it if the second reading does.
+            # The spec may imply the fact, but must state it if the second reading does.
             nearest_place = spec_fact.place if spec_fact is not None else place_in_spec(second_fact)
             if nearest_place is not None:
                 yield missing_in_spec(second_fact, nearest_place)
@@ -55,10 +55,10 @@ def compare_facts(
 def missing_in_spec(second_fact: ComparedFact, nearest_place: Path) -> Disagreement:
     """Return the disagreement on a fact that only the second reading has.
 
-    ``nearest_place`` is the place where the spec would state the fact.
+    ``nearest_place`` is the place where the spec should state the fact.
     """
     return Disagreement(
-        sort=second_fact.sort,
+        fact_class=second_fact.fact_class,
         description=second_fact.description,
         spec_value=NOTHING,
         second_value=value_text(second_fact.value),
@@ -71,29 +71,29 @@ def missing_in_spec(second_fact: ComparedFact, nearest_place: Path) -> Disagreem
 def _compare_values(
     comparison: Comparison, spec_fact: ComparedFact, second_fact: ComparedFact
 ) -> Iterator[Disagreement]:
-    """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first.
+    """Yield a disagreement if a fact has different values in the two readings, and count the fact if not.
 
-    If all cases of both readings have one value each, only these two are compared. Printed names count as equal if the
-    readings have an alternative in common.
+    A value can differ between cases, which are order codes with states of their registers. If each reading has the same
+    value in all cases, these two values are compared. Printed names are equal if they have an alternative in common.
     """
     spec_value, second_value = _common_value(spec_fact.value), _common_value(second_fact.value)
     has_one_common_value = isinstance(spec_value, str) is not isinstance(second_value, str)
     if has_one_common_value:
-        # Only one reading has the same value in all cases. Its cases are compared with the cases of the other reading.
+        # Only one of the readings has the same value in all cases, so the values are compared case by case.
         spec_value, second_value = spec_fact.value, second_fact.value
     if not isinstance(spec_value, str) and not isinstance(second_value, str):
         yield from _compare_cases(comparison, spec_fact, spec_value, second_fact, second_value)
         return
     spec_text, second_text = value_text(spec_value), value_text(second_value)
-    is_same_name = spec_fact.sort is FactClass.PRINTED and same_name(spec_text, second_text)
+    is_same_name = spec_fact.fact_class is FactClass.PRINTED and same_name(spec_text, second_text)
     if spec_value == second_value or is_same_name:
-        comparison.count_fact(spec_fact.sort, spec_fact.place, HowOftenRead.TWICE)
+        comparison.count_fact(spec_fact.fact_class, spec_fact.place, HowOftenRead.TWICE)
     else:
         yield _different_values(spec_fact, spec_text, second_fact, second_text)
 
 
 def _common_value(value_or_cases: FactValue) -> FactValue:
-    """Return the value if all cases have the same value, or else the values of all cases."""
+    """Return the value of a fact if it is the same in all cases, or else the values by case."""
     if isinstance(value_or_cases, str):
         return value_or_cases
     distinct_values = set(value_or_cases.values())
@@ -102,7 +102,7 @@ def _common_value(value_or_cases: FactValue) -> FactValue:
 
 
 def value_text(value_or_cases: FactValue) -> str:
-    """Return a value, or the value of the first case if there are several."""
+    """Return the value of a fact as text, or its value in the first case if the value differs between cases."""
     if isinstance(value_or_cases, str):
         return value_or_cases
     return next(iter(value_or_cases.values()), NOTHING)
@@ -117,8 +117,8 @@ def _compare_cases(
 ) -> Iterator[Disagreement]:
     """Yield a disagreement if a fact has different values in cases that both readings have, and count the fact.
 
-    It counts as read once if the second reading lacks cases of the spec. Cases in which a state of the registers does
-    not change the value do not count as lacking.
+    A case is an order code with a state of its registers. The fact counts as read once if the second reading does not
+    have all cases of the spec. Cases in which the registers do not change the value are not needed.
     """
     common_cases = [case for case in spec_values if case in second_values]
     differing_cases = [case for case in common_cases if spec_values[case] != second_values[case]]
@@ -130,46 +130,47 @@ def _compare_cases(
         )
         yield replace(disagreement, order_codes=frozenset(case.code for case in differing_cases))
     missing_cases = [case for case in spec_values if case not in second_values]
-    is_incomplete = any(not _is_as_by_default(spec_values, case) for case in missing_cases)
-    comparison.count_fact(spec_fact.sort, spec_fact.place, HowOftenRead.ONCE if is_incomplete else HowOftenRead.TWICE)
+    is_incomplete = any(not _has_default_value(spec_values, case) for case in missing_cases)
+    how_often = HowOftenRead.ONCE if is_incomplete else HowOftenRead.TWICE
+    comparison.count_fact(spec_fact.fact_class, spec_fact.place, how_often)
 
 
-def _is_as_by_default(values: Mapping[CodeAndState, str], case: CodeAndState) -> bool:
-    """Return whether a fact has the same value in a state of the registers as with the factory defaults."""
+def _has_default_value(values: Mapping[CodeAndState, str], case: CodeAndState) -> bool:
+    """Return whether a fact has the same value in this case as with the factory defaults of the registers."""
     return case.state != FACTORY_DEFAULTS and values[case] == values.get(case.by_default)
 
 
 def _different_values(
     spec_fact: ComparedFact, spec_text: str, second_fact: ComparedFact, second_text: str
 ) -> Disagreement:
-    """Return the disagreement on two values of a fact.
+    """Return the disagreement on a fact with different values in the two readings.
 
-    For the length of a frame, ``resized_frame`` contains the words for the frame, and it is empty for any other fact.
+    ``resized_frame`` of the result contains the words for a frame whose length differs, and is "" for any other fact.
     """
     is_length = spec_fact.key[-1] == "length"
     return Disagreement(
-        sort=spec_fact.sort,
+        fact_class=spec_fact.fact_class,
         description=spec_fact.description,
         spec_value=spec_text,
         second_value=second_text,
         spec_place=spec_fact.place,
         second_place=second_fact.place,
-        is_name=spec_fact.sort is FactClass.PRINTED,
+        is_name=spec_fact.fact_class is FactClass.PRINTED,
         resized_frame=_frame_text(spec_fact.key) if is_length else "",
     )
 
 
 def _frame_text(frame_key: FactKey) -> str:
-    """Return the words for a frame in descriptions of its bits: ``of the encoder's frame with 0x1A``.
+    """Return the words for a frame in descriptions of its bits: ``of the encoder's frame with 0x1A``, or "".
 
-    ``frame_key`` is the key of the frame's length. For a register, the text is empty.
+    ``frame_key`` is the key of the length. For a register, the text is "".
     """
     if frame_key[0] != "frame":
         return ""
     # ("frame", interface, sender, channel, selector value or other identity, "length")
     _, _, sender, _, selector_value, _ = frame_key
     frame_text = f"of the {sender}'s frame"
-    # A frame without a selector is represented by a text or a negative number here.
+    # For a frame without a selector, this is a text or a negative number.
     if isinstance(selector_value, int) and selector_value >= 0:
         return f"{frame_text} with {in_hex(selector_value)}"
     return frame_text
@@ -188,9 +189,9 @@ def compare_names(
     spec_names_by_kind: Mapping[FactKey, FactNames],
     second_names_by_kind: Mapping[FactKey, FactNames],
 ) -> Iterator[Disagreement]:
-    """Yield the different names of one item if one of them must be a mistake.
+    """Yield a disagreement for each item with different names in the two readings, if one of them must be a mistake.
 
-    See ``mistaken_pairs`` for the rule. All names must be equal if the second reading uses the names of the spec.
+    If the second reading uses the names of the spec, all names must be equal.
     """
     for kind, spec_names in spec_names_by_kind.items():
         second_names = second_names_by_kind.get(kind, {})
@@ -198,7 +199,7 @@ def compare_names(
             spec_names, second_names, must_be_equal=comparison.has_names_of_spec
         ):
             yield Disagreement(
-                sort=spec_name.sort,
+                fact_class=spec_name.fact_class,
                 description=spec_name.description,
                 spec_value=f"'{spec_name.value}'",
                 second_value=f"'{second_name.value}'",

@@ -1,4 +1,4 @@
-"""Compare the words of two readings, which are frames and registers, bit by bit."""
+"""Compare the frames and registers of two readings bit by bit. In the code, a frame or register is a word."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from .comparison import Comparison, Disagreement, HowOftenRead
 from .frame_bits import continues_item, describe_bits
 from .reading import FACTORY_DEFAULTS, BitMeaning, CodeAndState, ComparedFact, FactClass, WordBits, WordCase
 
-#: Identity of a disagreement in all cases: its places, its class, and its number among the disagreements of a case with
-#: the same places and class.
+#: Key by which a disagreement is recognized in several cases: its places, its class, and its number among the
+#: disagreements of a case with the same places and class.
 _DisagreementKey = tuple[Path, Path, FactClass, int]
 
 
 def compare_word(comparison: Comparison, spec_word: WordBits, second_word: WordBits | None) -> None:
-    """Compare a frame or register in every case. Each difference is reported for the first case that shows it.
+    """Compare a frame or register of a spec with its second reading, in every case.
 
-    ``second_word`` is None if the second reading lacks it. Facts of cases that only the spec has are counted as read
-    once. A difference that not all cases show is reported with its cases: ``, for X-24 and 5 more``.
+    A case is an order code with a state of its registers. A difference is reported once. If it only occurs in some
+    cases, they are added: ``, for X-24 and 5 more``. In cases that only the spec has, facts count as read once.
+    ``second_word`` is None if the second reading does not contain the word.
     """
     second_cases = _second_cases(spec_word, second_word)
     for case, spec_case in spec_word.cases.items():
-        # Cases with equal words share one object. A state that changes nothing is counted with its factory defaults.
-        is_repetition = case.state != FACTORY_DEFAULTS and spec_case is spec_word.cases.get(case.by_default)
-        if case not in second_cases and not is_repetition:
+        # Cases with equal words share one object. A state of the registers that changes nothing need not be read.
+        is_unchanged = case.state != FACTORY_DEFAULTS and spec_case is spec_word.cases.get(case.by_default)
+        if case not in second_cases and not is_unchanged:
             _count_as_read_once(comparison, spec_case)
     for disagreement, differing_cases in _disagreements_with_cases(comparison, spec_word, second_cases):
         if len(differing_cases) == len(spec_word.cases):
@@ -40,9 +41,9 @@ def compare_word(comparison: Comparison, spec_word: WordBits, second_word: WordB
 
 
 def _second_cases(spec_word: WordBits, second_word: WordBits | None) -> Mapping[CodeAndState, WordCase]:
-    """Return the word of the second reading for each case in which the words are compared.
+    """Return the word of the second reading in each case in which the words are compared.
 
-    If both words are the same in all of their cases, they are compared even without a common order code.
+    If each reading has the same word in all cases, they are compared even if the readings share no order code.
     """
     if second_word is None:
         return {}
@@ -52,20 +53,20 @@ def _second_cases(spec_word: WordBits, second_word: WordBits | None) -> Mapping[
 
 
 def _count_as_read_once(comparison: Comparison, spec_case: WordCase) -> None:
-    """Count all facts of a word whose case occurs only in the spec."""
+    """Count all facts about a word as read once, because only the spec has this case."""
     for bit in spec_case.bits:
         comparison.count_fact(FactClass.POSITION, bit.place, HowOftenRead.ONCE)
     for properties in spec_case.fields.values():
         for fact in properties.values():
-            comparison.count_fact(fact.sort, fact.place, HowOftenRead.ONCE)
+            comparison.count_fact(fact.fact_class, fact.place, HowOftenRead.ONCE)
 
 
 def _disagreements_with_cases(
     comparison: Comparison, spec_word: WordBits, second_cases: Mapping[CodeAndState, WordCase]
 ) -> Iterable[tuple[Disagreement, list[CodeAndState]]]:
-    """Return each disagreement as in the first case that shows it, with all cases that do.
+    """Return each disagreement on a word, as found in the first case, with all cases in which it occurs.
 
-    Disagreements in two cases are one if their keys are equal: places, class and number (see ``_with_keys``).
+    Disagreements in two cases are the same if their places, classes and numbers are equal.
     """
     # Most cases share one word, so each pair of words is compared once.
     disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
@@ -84,29 +85,29 @@ def _disagreements_with_cases(
 
 
 def _with_keys(disagreements: Iterable[Disagreement]) -> Iterator[tuple[_DisagreementKey, Disagreement]]:
-    """Yield the disagreements of one case, each with a key that identifies it in other cases.
+    """Yield the disagreements of one case, each with a key by which it is recognized in other cases.
 
-    Those with the same places and class are numbered from 1.
+    Disagreements with the same places and class are numbered from 1.
     """
     counts_so_far: Counter[tuple[Path, Path, FactClass]] = Counter()
     for disagreement in disagreements:
-        places_and_sort = disagreement.spec_place, disagreement.second_place, disagreement.sort
-        counts_so_far[places_and_sort] += 1
-        yield (*places_and_sort, counts_so_far[places_and_sort]), disagreement
+        places_and_class = disagreement.spec_place, disagreement.second_place, disagreement.fact_class
+        counts_so_far[places_and_class] += 1
+        yield (*places_and_class, counts_so_far[places_and_class]), disagreement
 
 
 def _compare_in_case(
     comparison: Comparison, spec_word: WordBits, spec_case: WordCase, second_case: WordCase
 ) -> Iterator[Disagreement]:
-    """Yield the differences in one case: of bits, of the properties of fields, and of names.
+    """Yield the differences between two words in one case: in bits, in the properties of fields, and in names.
 
-    Words of different lengths have none, since their lengths are reported with the other facts.
+    Words of different lengths are not compared, because their lengths are reported as another fact.
     """
     if len(spec_case.bits) != len(second_case.bits):
         return
     yield from _compare_bits(comparison, spec_word, spec_case.bits, second_case.bits)
     for low_and_width, spec_properties in spec_case.fields.items():
-        # All properties of a field have places in or near it. The first property represents the field.
+        # The properties of a field are stated in it or near it, so the place of the first one represents the field.
         property_places = [fact.place for fact in spec_properties.values()]
         field_place = property_places[0] if property_places else spec_word.place
         second_properties = second_case.fields.get(low_and_width, {})
@@ -116,20 +117,20 @@ def _compare_in_case(
 
 
 def _place_unless_optional(field_place: Path, second_fact: ComparedFact) -> Path | None:
-    """Return the place of the field if the spec must have a fact about it that the second reading has, or else None."""
+    """Return the place of a field if the spec must state a fact about it that the second reading states, or None."""
     return None if second_fact.may_be_missing else field_place
 
 
 def _compare_bits(
     comparison: Comparison, spec_word: WordBits, spec_bits: tuple[BitMeaning, ...], second_bits: tuple[BitMeaning, ...]
 ) -> Iterator[Disagreement]:
-    """Yield the ranges of bits with different meanings, and count the bits with the same meaning as read twice."""
+    """Yield the ranges of bits whose meanings differ, and count the bits with the same meaning as read twice."""
     for high, low in _different_ranges(spec_bits, second_bits):
         # The bits are lowest first, but descriptions begin with the highest one.
         spec_range = spec_bits[low : high + 1][::-1]
         second_range = second_bits[low : high + 1][::-1]
         yield Disagreement(
-            sort=FactClass.POSITION,
+            fact_class=FactClass.POSITION,
             description=f"{bits_text(high, low)} of {spec_word.description}",
             spec_value=describe_bits(spec_range),
             second_value=describe_bits(second_range),
@@ -146,24 +147,23 @@ def _have_same_meaning(bit: BitMeaning, other_bit: BitMeaning) -> bool:
 
 
 def _different_ranges(spec_bits: tuple[BitMeaning, ...], second_bits: tuple[BitMeaning, ...]) -> list[tuple[int, int]]:
-    """Return the high and low bits of ranges of different bits, highest first: ``[(7, 4), (2, 2)]``.
+    """Return the highest and lowest bits of the ranges that differ, beginning with the highest: ``[(7, 4), (2, 2)]``.
 
-    Adjacent bits are in one range if they belong to one item in the spec, and also to one in the second reading.
+    Adjacent bits are in one range if they belong to the same item in each of the readings.
     """
     ranges: list[tuple[int, int]] = []
     for bit in reversed(range(len(spec_bits))):
         if _have_same_meaning(spec_bits[bit], second_bits[bit]):
             continue
         bit_above = bit + 1
-        # A range is (high, low), and the last one is the lowest so far.
-        is_below_last_range = bool(ranges) and ranges[-1][1] == bit_above
-        if (
-            is_below_last_range
+        last_high, last_low = ranges[-1] if ranges else (-1, -1)
+        extends_last_range = (
+            last_low == bit_above
             and continues_item(spec_bits[bit], spec_bits[bit_above])
             and continues_item(second_bits[bit], second_bits[bit_above])
-        ):
-            high, _ = ranges[-1]
-            ranges[-1] = high, bit
+        )
+        if extends_last_range:
+            ranges[-1] = last_high, bit
         else:
             ranges.append((bit, bit))
     return ranges

@@ -1,4 +1,4 @@
-"""Properties of a field other than its bits: levels, values, limits, CRCs, the verdict of a flag."""
+"""Bits of frames and registers, and other properties of fields: levels, values, limits, CRCs, verdicts of flags."""
 
 from __future__ import annotations
 
@@ -41,10 +41,11 @@ from .stated import FactSubject
 
 
 def add_names(subject: FactSubject, placed_field: PlacedField, owner: str | int, facts: ComparedFacts) -> None:
-    """Add the names of a field of the frame or register ``owner``, and of the field's values.
+    """Add the names of a field and of its values to ``facts``, to compare them with the names in the other reading.
 
-    A field is identified by low bit and width, ``(3, 5)``, and a value by its number and its field. The names of fields
-    of a group and of fields that the build adds are left out, since they are not at this place of the spec.
+    ``owner`` is the name of the frame or register. A field is identified by its lowest bit and its width, such as
+    ``(3, 5)``, and a value by its number and its field. Names of fields that are not at this place of the spec, such as
+    fields of a group, are left out.
     """
     field_name = placed_field.name
     place = subject.place
@@ -53,7 +54,7 @@ def add_names(subject: FactSubject, placed_field: PlacedField, owner: str | int,
     has_name_at_place = place[-2:] == ("fields", field_name)
     if has_name_at_place:
         name_fact = ComparedFact(
-            sort=FactClass.POSITION,
+            fact_class=FactClass.POSITION,
             key=low_and_width,
             value=field_name,
             description=f"name of {bits_text}",
@@ -62,7 +63,7 @@ def add_names(subject: FactSubject, placed_field: PlacedField, owner: str | int,
         facts.add_name(("field",), name_fact)
     for named_value in placed_field.field.values:
         value_name_fact = ComparedFact(
-            sort=FactClass.VALUE,
+            fact_class=FactClass.VALUE,
             key=(named_value.value,),
             value=named_value.name,
             description=f"name of value {in_hex(named_value.value)} of {bits_text}",
@@ -74,10 +75,10 @@ def add_names(subject: FactSubject, placed_field: PlacedField, owner: str | int,
 def properties(
     subject: FactSubject, placed_field: PlacedField, parameters: Parameters, register: Register | None
 ) -> Iterator[ComparedFact]:
-    """Yield the facts of a field other than its bits: the facts of its kind, a fixed value, a default, stated members.
+    """Yield the facts about a field other than its bits: its kind, its documented value, its default and so on.
 
-    ``parameters`` are the parameters of an order code. ``register`` is the register that contains the field, or None in
-    a frame.
+    ``parameters`` are the parameters of an order code. ``register`` is the register that contains the field, or None
+    for a field of a frame.
     """
     field = placed_field.field
     yield from _facts_of_kind(subject, field)
@@ -86,8 +87,7 @@ def properties(
         value_text = in_hex(fixed_value) if isinstance(fixed_value, int) else str(fixed_value)
         yield subject.detail_fact(FactClass.VALUE, "equals", value_text, "fixed value")
     if register is None:
-        default = field.default
-        is_implied = False
+        default, is_implied = field.default, False
     else:
         default, is_implied = _default_and_is_implied(placed_field, register)
     if default is not None:
@@ -98,14 +98,14 @@ def properties(
 
 
 def _facts_of_kind(subject: FactSubject, field: Field) -> Iterator[ComparedFact]:
-    """Yield the facts that depend on the kind of the field: about its bits, its CRC, and its named values.
+    """Yield the facts that depend on the kind of a field: the members of its kind, its CRC, and its named values.
 
-    The other reading may lack the verdict of unused bits (``may_be_missing``), but no other of these facts.
+    Both readings must state these facts, except the verdict of unused bits (``may_be_missing``).
     """
     reading = subject.reading
     for fact in subject.stated_facts(field.kind):
-        if fact.sort is FactClass.VERDICT:
-            # The verdict of a flag that the interface defines is not in the spec.
+        if fact.fact_class is FactClass.VERDICT:
+            # If the interface defines the verdict of a flag, it is not in the spec.
             verdict_place = reading.first_existing(fact.place, subject.place)
             yield replace(fact, place=verdict_place, may_be_missing=isinstance(field.kind, Unused))
         else:
@@ -126,10 +126,10 @@ def _facts_of_kind(subject: FactSubject, field: Field) -> Iterator[ComparedFact]
 
 
 def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tuple[int | None, bool]:
-    """Return the default of a field, and whether it is implied: ``(3, True)`` for bits of the register's default.
+    """Return the default of a field in a register, and whether the default of the register implies it.
 
-    A default is implied if the spec states or implies only the default of the register. There is none if the field is
-    the whole register, whose default is a fact of the register, or if it carries no data.
+    For example ``(3, True)``. The default is None if the field has no data, or if it is the whole register, whose
+    default is a fact about the register.
     """
     stated_default = placed_field.field.default
     register_default = as_delivered(register)
@@ -140,15 +140,15 @@ def _default_and_is_implied(placed_field: PlacedField, register: Register) -> tu
         return None, False
     if stated_default is not None:
         return stated_default, False
-    # The bits of the field, shifted to bit 0.
     default_in_register = (register_default >> placed_field.low) & placed_field.mask
     return default_in_register, True
 
 
 def word_bits(owner: FactSubject, layout: Layout, register: Register | None = None) -> WordBits:
-    """Return the word of a frame or register in each case of its interface, for comparing it bit by bit.
+    """Return the bits of a frame or register in each case, for comparing them with the other reading.
 
-    Cases in which the layout is the same share one ``WordCase``. ``register`` is None for a frame.
+    A case is an order code with a state of its registers. Cases with the same layout share one object. ``register`` is
+    None for a frame.
     """
     deciding_names = deciding_parameters(layout)
     word_case_by_values: dict[tuple[int, ...], WordCase] = {}
@@ -165,9 +165,9 @@ def word_bits(owner: FactSubject, layout: Layout, register: Register | None = No
 def _word_case(
     owner: FactSubject, placed_layout: PlacedLayout, parameters: Parameters, register: Register | None
 ) -> WordCase:
-    """Return the bits of a layout, and the properties and the names of its fields, for these parameters.
+    """Return the bits of a frame or register for these parameters, with the properties and the names of its fields.
 
-    Bits without a field are "unspecified". Bits are in the order of their numbers, from 0.
+    The bits begin with bit 0. Bits that belong to no field are "unspecified".
     """
     unspecified_bit = BitMeaning(part="unspecified", weight=None, fixed=None, place=(*owner.place, "other_bits"))
     bits_by_number = [unspecified_bit] * placed_layout.bits
@@ -185,15 +185,16 @@ def _word_case(
 
 
 def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: Path) -> Iterator[BitMeaning]:
-    """Yield each bit of a field, lowest first, with its meaning.
+    """Yield the meaning of each bit of a field, beginning with the lowest bit.
 
     Constants and unused bits have a fixed value. The bits of a number have weights, which continue across the fields of
-    a joined number. A text has the weights 0 to 7 in each character. A flag or parity outside a joined number has none.
+    a joined number. In a text, each character has the weights 0 to 7. A flag or parity bit has no weight unless it is
+    part of a joined number.
     """
     kind = placed_field.field.kind
     owner_text = _owner_text(kind, placed_field, placed_layout)
     weight_in_join = _weight_in_join(placed_field, placed_layout)
-    # In a field of its own, or of another kind, the lowest bit has weight 0.
+    # In a field that is not part of a joined number, the lowest bit has the weight 0.
     lowest_weight = 0
     if weight_in_join is not None and placed_field.field.carries_data:
         lowest_weight = weight_in_join
@@ -210,7 +211,7 @@ def _yield_bits(placed_field: PlacedField, placed_layout: PlacedLayout, place: P
 
 
 def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
-    """Return what the bits of a field belong to: ``a signed number in Gray code``, ``the CRC of bits 23:6``."""
+    """Return a text on what the bits of a field are, such as ``a signed number in Gray code`` or ``the CRC``."""
     match kind:
         case Number(signed=True):
             return "a signed number" + _gray_suffix(placed_field, placed_layout)
@@ -235,7 +236,10 @@ def _owner_text(kind: Kind, placed_field: PlacedField, placed_layout: PlacedLayo
 
 
 def _parity_text(parity: Parity, placed_layout: PlacedLayout) -> str:
-    """Return text such as ``odd parity of bits 7:0``, or of their ``one bits`` if the parity is over the one bits."""
+    """Return a text on a parity bit, such as ``odd parity of bits 7:0``.
+
+    If ``over`` restricts the parity to some bits of each field, the text is ``odd parity of the odd bits of bits 7:0``.
+    """
     polarity = "odd" if parity.odd else "even"
     covered_bits = join_words([_text_of_bits(placed_layout, name) for name in parity.of])
     if not parity.over:
@@ -245,21 +249,21 @@ def _parity_text(parity: Parity, placed_layout: PlacedLayout) -> str:
 
 
 def _text_of_bits(placed_layout: PlacedLayout, name: str) -> str:
-    """Return the bits of a field, or its name if the order code has no such field."""
+    """Return the bits of a field as text, or its name if the order code does not have this field."""
     placed_field = placed_layout.find_field(name)
     return bits(placed_field.high, placed_field.low) if placed_field is not None else name
 
 
 def _gray_suffix(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
-    """Return `` in Gray code`` for a field that is sent so, or an empty string."""
+    """Return `` in Gray code`` for a field that is sent in Gray code, or ""."""
     is_gray = placed_layout.gray and placed_field.name in placed_layout.layout.names_in(placed_layout.layout.gray_of)
     return " in Gray code" if is_gray else ""
 
 
 def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> int | None:
-    """Return the weight of the field's lowest bit in the longest joined number that contains it, or None.
+    """Return the weight of a field's lowest bit in the longest joined number that contains the field, or None.
 
-    The weight is the number of bits in the fields after it, since the most significant field is the first.
+    The most significant field is the first, so the weight is the number of bits in the fields after this one.
     """
     longest_bits = 0
     weight = None
@@ -279,7 +283,7 @@ def _weight_in_join(placed_field: PlacedField, placed_layout: PlacedLayout) -> i
 def describe_bits(adjacent_bits: Sequence[BitMeaning]) -> str:
     """Describe adjacent bits of one item, such as ``bits 7:0 of a number``, ``constant 0010`` or ``a flag``.
 
-    ``adjacent_bits`` has the highest bit first.
+    ``adjacent_bits`` begins with the highest bit.
     """
     highest_bit = adjacent_bits[0]
     lowest_bit = adjacent_bits[-1]
@@ -292,9 +296,9 @@ def describe_bits(adjacent_bits: Sequence[BitMeaning]) -> str:
 
 
 def continues_item(bit: BitMeaning, above: BitMeaning) -> bool:
-    """Return whether a bit continues the same item as ``above``, the next higher bit.
+    """Return whether a bit belongs to the same item as ``above``, the next higher bit.
 
-    Both have the same part and place, both or neither are constant, and their weights are consecutive if they have any.
+    The part and the place of the two are equal, both or neither are constant, and weights, if any, are consecutive.
     """
     if (bit.part, bit.place) != (above.part, above.place):
         return False

@@ -38,13 +38,13 @@ from .reading import (
 )
 from .stated import FactSubject
 
-#: Identity of a frame without a selector that belongs to no exchange.
+#: Identity of a frame that has no selector and belongs to no exchange.
 _NOT_EXCHANGED = -1
 #: Parts of interfaces, with the words between a fact about them and the name of the interface.
 _JOINT_BY_PART = {
     "clock": " over ",
     "network": " of the network over ",
-    "timeout": " of the time-out over ",
+    "timeout": " of the timeout over ",
     "channels": " of the data channels over ",
     "port": " of the port over ",
 }
@@ -65,9 +65,10 @@ def add_interfaces(reading: SpecReading, facts: ComparedFacts) -> None:
 
 
 def _exchange_constants(interface: Interface) -> dict[str, str]:
-    """Return the constants of each exchange's request, by the names of its request and its reply.
+    """Return the constants in the request of each exchange, by the names of its request and its reply.
 
-    They identify an exchange without names: ``{"request": "0x1A from bit 0"}``. Without exchanges, the map is empty.
+    They identify an exchange without names, because readers choose different names: ``{"request": "0x1A from bit 0"}``.
+    If the interface has no exchanges, the map is empty.
     """
     constants_by_frame: dict[str, str] = {}
     if not isinstance(interface, (Rs485, Spi)):
@@ -81,7 +82,7 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
                 constant_texts.append(f"{in_hex(field.kind.value)} from bit {field.low.render()}")
         constants_text = ", ".join(constant_texts)
         constants_by_frame[exchange.request] = constants_text
-        # A reply to several requests is identified by the first request. An exchange without a reply adds the name "".
+        # A reply to several requests is identified by the first request.
         constants_by_frame.setdefault(exchange.reply, constants_text)
     return constants_by_frame
 
@@ -89,9 +90,10 @@ def _exchange_constants(interface: Interface) -> dict[str, str]:
 def _add_frames(
     reading: SpecReading, interface: Interface, layout: Layout, identity: str | int, facts: ComparedFacts
 ) -> None:
-    """Add a frame for each selector of this layout, or one identified by ``identity`` if it has no selector.
+    """Add the facts about a frame for each value that selects this layout.
 
-    ``identity`` is the text from ``_exchange_constants``, or -1 if the frame belongs to no exchange.
+    A layout without a selector is one frame, identified by ``identity``: the constants in the request of its exchange,
+    or -1 if it belongs to no exchange.
     """
     place: Path = ("interfaces", interface.name, "layouts", layout.name)
     for frame_identity in layout.selects or (identity,):
@@ -107,10 +109,10 @@ def _add_frames(
 
 
 def _group_name(frame: FactSubject, field: Field) -> ComparedFact:
-    """Return the name of the group that a field of a frame belongs to."""
+    """Return the fact that a field of a frame belongs to a group with a certain name."""
     bits_text = frame.reading.bits_of(frame.interface, field)
     return ComparedFact(
-        sort=FactClass.POSITION,
+        fact_class=FactClass.POSITION,
         key=(*frame.key, bits_text),
         value=field.group,
         description=f"group of {bits_text} of {frame.description}",
@@ -119,9 +121,9 @@ def _group_name(frame: FactSubject, field: Field) -> ComparedFact:
 
 
 def _frame_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
-    """Yield the facts about a frame as a whole: its sender, units, byte order, length and combinations of values.
+    """Yield the facts about a frame as a whole: its sender, byte order, length and combinations of values.
 
-    A frame of one byte needs no byte order. If only one reading states it, they do not disagree.
+    A frame of one byte needs no byte order, so the readings do not disagree if only one of them states it.
     """
     reading = frame.reading
     yield from frame.all_facts(FactClass.POSITION, layout, f"sent by the {layout.sender}", at="name")
@@ -141,7 +143,7 @@ def _frame_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
 
 
 def _combination_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
-    """Yield the verdict and the stated facts of each combination of field values.
+    """Yield the verdict and the other facts of each combination of field values in a frame.
 
     A combination is identified by its bits for the first order code: ``bit 3 = 1, bits 7:4 = 0``.
     """
@@ -151,7 +153,7 @@ def _combination_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedF
     first_parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
     placed_fields = {placed_field.name: placed_field for placed_field in layout.place(first_parameters).fields}
     for combination in layout.combinations:
-        # The conditions are pairs of a field's name and value. A flag is 1 while it is active.
+        # The conditions are pairs of a field's name and its value. The value of an active flag is 1.
         field_values = sign_by_name[combination.name].conditions
         condition_texts = [_condition_text(placed_fields[name], value) for name, value in field_values]
         conditions = ", ".join(sorted(condition_texts))
@@ -165,9 +167,9 @@ def _combination_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedF
 
 
 def _condition_text(field: PlacedField, needed_value: int) -> str:
-    """Return the bits of a field and their value: ``bit 3 = 0``.
+    """Return the bits of a field and the value that they must have: ``bit 3 = 0``.
 
-    ``needed_value`` says whether a flag is active. The bit of an active-low flag has the opposite value.
+    For a flag, ``needed_value`` is 1 if it must be active. The bit of an active-low flag has the opposite value.
     """
     is_active_low = isinstance(field.field.kind, Flag) and field.field.kind.active_low
     bit_value = 1 - needed_value if is_active_low else needed_value
@@ -175,7 +177,7 @@ def _condition_text(field: PlacedField, needed_value: int) -> str:
 
 
 def _interface_facts(reading: SpecReading, interface: Interface) -> Iterator[ComparedFact]:
-    """Yield the facts about an interface other than its frames: its members, its parts, and the facts of its kind."""
+    """Yield the facts about an interface other than its frames, such as its clock, its port and its exchanges."""
     place: Path = ("interfaces", interface.name)
     interface_subject = FactSubject(
         reading,
@@ -189,7 +191,7 @@ def _interface_facts(reading: SpecReading, interface: Interface) -> Iterator[Com
     yield from interface_subject.stated_facts(interface)
     for name, joint in _JOINT_BY_PART.items():
         subject = replace(interface_subject, key=(name, interface.name), place=(*place, name), joint=joint)
-        # No kind of interface has all of these parts. A part may differ by order code, as in ``clocks_by_code``.
+        # No interface has all of these parts. A part may depend on the order code, as in ``clocks_by_code``.
         part = getattr(interface, name, None)
         parts_by_code = getattr(interface, f"{name}s_by_code", ())
         if part:
@@ -210,11 +212,11 @@ def _interface_facts(reading: SpecReading, interface: Interface) -> Iterator[Com
 
 
 def _cable_clocks(reading: SpecReading, interface: Ssi) -> Iterator[ComparedFact]:
-    """Yield a fact for each length of the cable: its highest clock, such as ``below 400000 Hz``.
+    """Yield a fact for each cable length: its highest clock, such as ``below 400000 Hz``.
 
-    If that depends on the order code, the value is a map with the text for each code.
+    If the clock depends on the order code, the value is a map with the text for each code.
     """
-    # The fact is placed at the first row for its length.
+    # The place of the fact is the first row for this length.
     first_index_by_length: dict[int, int] = {}
     for index, cable in enumerate(interface.cable_lengths):
         first_index_by_length.setdefault(cable.shorter_than_m, index)
@@ -222,7 +224,7 @@ def _cable_clocks(reading: SpecReading, interface: Ssi) -> Iterator[ComparedFact
         rows = [row for row in interface.cable_lengths if row.shorter_than_m == length]
         rows_with_texts = [(row, f"below {row.below_hz} Hz") for row in rows]
         yield ComparedFact(
-            sort=FactClass.CLOCK,
+            fact_class=FactClass.CLOCK,
             key=("cable", "ssi", length),
             value=_value_by_code(reading, interface.name, rows_with_texts),
             description=f"clock for a cable shorter than {length} m",
@@ -233,7 +235,7 @@ def _cable_clocks(reading: SpecReading, interface: Ssi) -> Iterator[ComparedFact
 def _value_by_code(
     reading: SpecReading, interface: str, rows_with_texts: Sequence[tuple[Restricted, str]]
 ) -> FactValue:
-    """Return the text of the only row, or a map with the text for each order code if rows are for different codes."""
+    """Return the text of the only row, or a map with the text for each order code if rows apply to different codes."""
     first_row, first_text = rows_with_texts[0]
     if len(rows_with_texts) == 1 and not first_row.only:
         return first_text
@@ -246,18 +248,18 @@ def _value_by_code(
 
 
 def _biss_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFact]:
-    """Yield the printed time-outs, each identified by its clock, and the fields of the control frame.
+    """Yield the printed BiSS timeouts, each identified by its clock, and the fields of the control frame.
 
-    A field of the control frame is identified by the number of bits sent before it.
+    A field of the control frame is identified by the number of bits that are sent before it.
     """
     for timeout in interface.timeouts:
         for index, printed in enumerate(timeout.printed):
             row_with_text = (timeout, f"{printed.timeout_ns} ns")
             yield ComparedFact(
-                sort=FactClass.TIME,
+                fact_class=FactClass.TIME,
                 key=("timeout", "at", printed.clock_hz),
                 value=_value_by_code(reading, interface.name, [row_with_text]),
-                description=f"time-out over BiSS at {printed.clock_hz} Hz",
+                description=f"timeout over BiSS at {printed.clock_hz} Hz",
                 place=("interfaces", interface.name, "timeout", "printed", index, "timeout_ns"),
             )
     bits_before = 0
@@ -267,9 +269,9 @@ def _biss_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFact]
 
 
 def _control_field_facts(reading: SpecReading, control_field: ControlField, offset: int) -> Iterator[ComparedFact]:
-    """Yield the facts of a field of the control frame: its bits, its values, and its CRC.
+    """Yield the facts about a field of the BiSS control frame: its bits, its values and its CRC.
 
-    ``offset`` is the number of bits sent before the field.
+    ``offset`` is the number of bits that are sent before the field.
     """
     place: Path = ("interfaces", "biss", "control_data", "fields", control_field.name)
     subject = FactSubject(
@@ -281,17 +283,18 @@ def _control_field_facts(reading: SpecReading, control_field: ControlField, offs
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
         yield from value_subject.all_facts(FactClass.VALUE, named_value, "named")
     if control_field.crc:
-        # The parameters of a CRC are in the list of CRCs, outside the field.
+        # The parameters of a CRC are in the list ``crcs`` of the spec.
         crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
         crc_subject = replace(crc_subject, place=("crcs", control_field.crc))
         yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))
 
 
 def _rs485_facts(reading: SpecReading, interface: Rs485) -> Iterator[ComparedFact]:
-    """Yield the data IDs, and the contents of replies to memory accesses, such as while the memory is busy.
+    """Yield the data IDs of an RS-485 interface, and the contents of replies to memory accesses.
 
-    A data ID is identified by its number, ``("data id", 3)``, with the value ``control field 0x1A``. A reply is
-    identified by access and busy flag, ``("memory", "read", 1)``, with the value ``address as sent, data 0``.
+    A data ID is identified by its number, ``("data id", 3)``, and has the value ``control field 0x1A``. A reply is
+    identified by the access and the busy flag, ``("memory", "read", 1)``, and has the value ``address as sent, data
+    0``.
     """
     place: Path = ("interfaces", interface.name)
     for data_id in interface.data_ids:
@@ -302,7 +305,7 @@ def _rs485_facts(reading: SpecReading, interface: Rs485) -> Iterator[ComparedFac
         yield from subject.all_facts(FactClass.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
         yield ComparedFact(
-            sort=FactClass.SETTING,
+            fact_class=FactClass.SETTING,
             key=("memory", access.access, access.busy),
             value=f"address {comparable_text(access.address)}, data {comparable_text(access.data)}",
             description=f"reply to a {access.access} while the busy flag is {access.busy}",
@@ -311,9 +314,9 @@ def _rs485_facts(reading: SpecReading, interface: Rs485) -> Iterator[ComparedFac
 
 
 def _exchange_facts(interface: Rs485 | Spi) -> Iterator[ComparedFact]:
-    """Yield the exchanges, such as ``read, with a reply, words of 8 bits``.
+    """Yield a fact for each exchange of a request and a reply, such as ``read, with a reply, words of 8 bits``.
 
-    An exchange is identified by the constants of its request: ``0x1A from bit 0``.
+    An exchange is identified by the constants in its request: ``0x1A from bit 0``.
     """
     constants_by_frame = _exchange_constants(interface)
     for index, exchange in enumerate(interface.exchanges):
@@ -323,7 +326,7 @@ def _exchange_facts(interface: Rs485 | Spi) -> Iterator[ComparedFact]:
         if exchange.word_bits is not None:
             exchange_text += f", words of {exchange.word_bits.render()} bits"
         yield ComparedFact(
-            sort=FactClass.SETTING,
+            fact_class=FactClass.SETTING,
             key=("exchange", interface.name, constants),
             value=exchange_text,
             description=f"request with {constants or 'no constant'}",
@@ -332,10 +335,11 @@ def _exchange_facts(interface: Rs485 | Spi) -> Iterator[ComparedFact]:
 
 
 def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[ComparedFact]:
-    """Yield a fact for each bound of a timing with a symbol, and one fact for a timing without a symbol.
+    """Yield a fact for each bound of a timing with a symbol such as tm, and one fact for a timing without a symbol.
 
-    With a symbol, the key has it and the bound: ``("time", "ssi", "tm", "at_least_us")``. Without one, only the numbers
-    identify the timing: ``("time", "ssi", "at least 16 µs, at most 32 µs")``. ``interface`` is "" for the device.
+    The symbol and the bound identify a fact: ``("time", "ssi", "tm", "at_least_us")``. A timing without a symbol is
+    identified by its numbers: ``("time", "ssi", "at least 16 µs, at most 32 µs")``. ``interface`` is "" for timings of
+    the device.
     """
     interface_text = f" over {interface_label(interface)}" if interface else ""
     shared_names = repeated_names(printed_timings)
@@ -345,7 +349,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
             microseconds = getattr(timing, bound)
             if microseconds is not None:
                 time_by_bound[bound] = f"{microseconds} µs"
-        # Times for different order codes may have the same name, which then leads to the first time.
+        # Times for different order codes may have the same name, which then does not identify one of them.
         name = "" if timing.name in shared_names else timing.name
         place = (*owner, name or index)
         if not timing.symbol:
@@ -353,7 +357,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
             times_text = ", ".join(f"{bound_words[bound]} {time}" for bound, time in time_by_bound.items())
             key: FactKey = ("time", interface, times_text)
             yield ComparedFact(
-                sort=FactClass.TIME,
+                fact_class=FactClass.TIME,
                 key=key,
                 value=times_text,
                 description=f"a time{interface_text}",
@@ -365,7 +369,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
         symbol = comparable_text(timing.symbol).replace(" ", "")
         for bound_name, bound_time in time_by_bound.items():
             yield ComparedFact(
-                sort=FactClass.TIME,
+                fact_class=FactClass.TIME,
                 key=("time", interface, symbol, bound_name),
                 value=bound_time,
                 description=f"time {timing.symbol}{interface_text}, '{bound_name}'",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import chain
 
 from ..language.problems import Path
 from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
@@ -32,7 +33,7 @@ def add_codes(reading: SpecReading, facts: ComparedFacts) -> None:
         iter(
             (
                 ComparedFact(
-                    sort=FactClass.MEASUREMENT,
+                    fact_class=FactClass.MEASUREMENT,
                     key=("movement",),
                     value=movement,
                     description="movement",
@@ -45,16 +46,16 @@ def add_codes(reading: SpecReading, facts: ComparedFacts) -> None:
 
 
 def _order_code_facts(reading: SpecReading) -> Iterator[ComparedFact]:
-    """Yield each order code with its interface, and each part whose values the manual leaves open.
+    """Yield each order code with its interface, and each part of the order code that can have unlisted values.
 
-    Such a part is identified by the values that the manual prints. If these values combine only with certain values of
-    other parts, the text lists the certain values.
+    Such a part is identified by the values that the manual lists. If unlisted values are only possible with certain
+    values of other parts, the text contains these values.
     """
     place: Path = ("order_code", "parts")
     for variant in reading.device.variants:
         description = f"interface of the order code {variant.code}"
         yield ComparedFact(
-            sort=FactClass.ORDER_CODE,
+            fact_class=FactClass.ORDER_CODE,
             key=("code", variant.code),
             value=variant.interface,
             description=description,
@@ -63,11 +64,11 @@ def _order_code_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     for part in reading.device.order_code.parts:
         if not part.open:
             continue
-        allowed_values = sorted(value for values in part.open_only_with.values() for value in values)
+        allowed_values = sorted(chain.from_iterable(part.open_only_with.values()))
         with_text = f" with {', '.join(allowed_values)}" if allowed_values else ""
         printed_values = ", ".join(sorted(part_value.text for part_value in part.values))
         yield ComparedFact(
-            sort=FactClass.ORDER_CODE,
+            fact_class=FactClass.ORDER_CODE,
             key=("open", printed_values),
             value=part.open + with_text,
             description=f"other values than {printed_values}",
@@ -76,7 +77,7 @@ def _order_code_facts(reading: SpecReading) -> Iterator[ComparedFact]:
 
 
 def _supply_facts(reading: SpecReading) -> Iterator[ComparedFact]:
-    """Yield one fact with the supply of each order code: ``5000 to 30000 mV``, or nothing if none is stated."""
+    """Yield a fact with the supply of each order code, such as ``5000 to 30000 mV``, if any supply is stated."""
     supplies: dict[CodeAndState, str] = {}
     for variant in reading.device.variants:
         supply = reading.device.supply_of(variant)
@@ -84,7 +85,7 @@ def _supply_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             supplies[CodeAndState(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
         yield ComparedFact(
-            sort=FactClass.SUPPLY,
+            fact_class=FactClass.SUPPLY,
             key=("supply",),
             value=supplies,
             description="supply",
@@ -93,9 +94,10 @@ def _supply_facts(reading: SpecReading) -> Iterator[ComparedFact]:
 
 
 def _parameter_facts(reading: SpecReading) -> Iterator[ComparedFact]:
-    """Yield a fact for each parameter, with its value in each case of each order code.
+    """Yield a fact for each parameter, with its value in each case: an order code with a state of its registers.
 
-    A parameter may be missing from the other reading, since readers choose their own. One name has one meaning.
+    A parameter may be missing in the other reading, because readers define their own. Parameters with the same name are
+    compared.
     """
     for parameter in reading.device.parameters:
         value_by_case: dict[CodeAndState, str] = {}
@@ -112,14 +114,14 @@ def _parameter_facts(reading: SpecReading) -> Iterator[ComparedFact]:
 
 
 def _add_alternatives(reading: SpecReading, facts: ComparedFacts) -> None:
-    """Add the names of the alternatives and of their answers, which are identified by their numbers from 1."""
+    """Add the names of open questions and of their answers, which are identified by their numbers from 1."""
     for number, alternative in enumerate(reading.device.alternatives, 1):
         place: Path = ("alternatives", alternative.name)
         description = f"name of alternative {number}"
         facts.add_name(
             ("alternative",),
             ComparedFact(
-                sort=FactClass.ORDER_CODE,
+                fact_class=FactClass.ORDER_CODE,
                 key=(number,),
                 value=alternative.name,
                 description=description,
@@ -132,15 +134,19 @@ def _add_alternatives(reading: SpecReading, facts: ComparedFacts) -> None:
             facts.add_name(
                 ("answer", number),
                 ComparedFact(
-                    sort=FactClass.ORDER_CODE, key=(index,), value=answer.name, description=description, place=path
+                    fact_class=FactClass.ORDER_CODE,
+                    key=(index,),
+                    value=answer.name,
+                    description=description,
+                    place=path,
                 ),
             )
 
 
 def _spelling_facts(reading: SpecReading) -> Iterator[ComparedFact]:
-    """Yield each label in an additional notation, with the order code that it stands for.
+    """Yield each label in an additional notation, with the order code that it represents.
 
-    A label is identified by its text and by what follows it (``then``).
+    A label is identified by its text and by the pattern of the text after it (``then``).
     """
     for index, spelling in enumerate(reading.device.order_code.also_written):
         place: Path = ("order_code", "also_written", index)
@@ -149,14 +155,18 @@ def _spelling_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             if label is not None:
                 key = ("label", label, spelling.then)
                 yield ComparedFact(
-                    sort=FactClass.ORDER_CODE, key=key, value=variant.code, description=f"label {label}", place=place
+                    fact_class=FactClass.ORDER_CODE,
+                    key=key,
+                    value=variant.code,
+                    description=f"label {label}",
+                    place=place,
                 )
 
 
 def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
     """Return the label of an order code in an additional notation: ``X24B`` for ``X-24-B``.
 
-    Return None if the pattern of the notation has a part whose value it does not spell.
+    Return None if the notation has no text for a value of this order code.
     """
     label = spelling.pattern
     for part in parts:
@@ -172,16 +182,16 @@ def _label_with_spelling(spelling: Spelling, variant: Variant, parts: Iterable[C
 
 
 def _held_parameter_facts(reading: SpecReading, parameter: Parameter) -> Iterator[ComparedFact]:
-    """Yield the limits of a parameter in a register, such as ``minimum held in register 0x49 bits 7:4``.
+    """Yield the limits of a parameter that a register holds, such as ``minimum held in register 0x49 bits 7:4``.
 
-    They are identified by the bits that hold the parameter.
+    The bits that hold the parameter identify its limits.
     """
     bits_text = reading.bits_at(parameter.read_from)
     register = reading.register(parameter.register)
     for bound_name, bound in (("min", parameter.min), ("max", parameter.max)):
         if bound is not None:
             yield ComparedFact(
-                sort=FactClass.LIMIT,
+                fact_class=FactClass.LIMIT,
                 key=("held", bits_text, bound_name),
                 value=count_text(bound),
                 description=f"{bound_name}imum held in {bits_text}",  # minimum or maximum
@@ -193,7 +203,7 @@ def _held_parameter_facts(reading: SpecReading, parameter: Parameter) -> Iterato
 def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[ComparedFact]:
     """Yield the facts about the position over an interface, and its bits in each frame that contains it.
 
-    The measurement belongs to the interface, or else to the device.
+    The position is described by the ``measurement`` of the interface, or else of the device.
     """
     measurement = reading.device.measurement_of(interface.name)
     if measurement is None:
@@ -214,7 +224,7 @@ def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[C
         yield from _range_facts(subject, interface, layout)
         position_bits: dict[CodeAndState, str] = {}
         for case, parameters in reading.cases(interface.name).items():
-            # The width is 0 if the frame lacks the position in this case.
+            # The width is 0 if the frame does not contain the position in this case.
             low_bit, width = layout.place(parameters).place_of(measurement.of)
             if width:
                 high_bit = low_bit + width - 1
@@ -223,7 +233,7 @@ def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[C
             position_key = (*subject.key, "of", layout.sender, *layout.selects)
             description = f"measured bits of '{layout.name}'"
             yield ComparedFact(
-                sort=FactClass.MEASUREMENT,
+                fact_class=FactClass.MEASUREMENT,
                 key=position_key,
                 value=position_bits,
                 description=description,

@@ -1,4 +1,4 @@
-"""Pair the connectors and the table rows of two readings, so that a new one does not move the others."""
+"""Pair the connectors and the table rows of two readings, so that an additional one does not shift all others."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from typing import Any
 
 from .reading import ComparedFact, ComparedFacts, FactKey, FactValue
 
-#: Cells with numbers of a row, by column.
+#: The cells with numbers in a row, each with its column.
 _Row = tuple[tuple[int, FactValue], ...]
 #: Steps of the key that identifies a connector: ``("connector", "ssi", "cable", 1)``.
 _STEPS_TO_CONNECTOR = 4
 
 
 def with_rows_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
-    """Return the facts of a spec, in which a table has the rows numbered as in the second reading.
+    """Return the facts of a spec with the rows of its tables numbered as in the second reading.
 
-    This concerns tables with another number of rows with numbers than in the second reading, if it has some. Rows that
-    only the spec has come last.
+    Only tables whose numbers of rows differ between the readings are renumbered. Rows that only the spec has get the
+    last numbers.
     """
     new_keys: dict[FactKey, FactKey] = {}
     for table_key in [key for key in spec.facts if key[0] == "table" and len(key) == 2]:
@@ -45,7 +45,7 @@ def _cell_key(table_key: FactKey, row_number: int, column: int) -> FactKey:
 
 
 def _rows_of(facts: ComparedFacts, table_key: FactKey) -> Mapping[int, _Row]:
-    """Return the rows of a table that have numbers, by their number in the file."""
+    """Return the rows of a table that contain numbers, by the number of the row."""
     cells_by_row: dict[int, list[tuple[int, FactValue]]] = defaultdict(list)
     for key, fact in facts.facts.items():
         # The key of a cell ends with its row and column: ("table", "limits", "3 0").
@@ -57,9 +57,9 @@ def _rows_of(facts: ComparedFacts, table_key: FactKey) -> Mapping[int, _Row]:
 
 
 def _paired_numbers(spec_rows: Mapping[int, _Row], second_rows: Mapping[int, _Row]) -> Mapping[int, int]:
-    """Return the number in the second reading for each row of the spec, by the number in the spec: ``{0: 0, 1: 2}``.
+    """Return the number of each row in the second reading, by its number in the spec: ``{0: 0, 1: 2}``.
 
-    A row that the second reading lacks gets a number after its last row.
+    A row that is not in the second reading gets a number after the last row.
     """
     spec_numbers, second_numbers = list(spec_rows), list(second_rows)
     new_numbers = {
@@ -75,7 +75,7 @@ def _paired_numbers(spec_rows: Mapping[int, _Row], second_rows: Mapping[int, _Ro
 
 
 def _pairs(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[tuple[int, int]]:
-    """Yield the indices of equal rows in order, and of the rows between them as far as both readings have rows."""
+    """Yield pairs of row indices: for equal rows, and for rows between these, as far as both readings have rows."""
     for _, spec_start, spec_end, second_start, second_end in SequenceMatcher(
         a=spec_rows, b=second_rows, autojunk=False
     ).get_opcodes():
@@ -83,10 +83,10 @@ def _pairs(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[t
 
 
 def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
-    """Return the facts of a spec with its connectors numbered as in a second reading that has the same names.
+    """Return the facts of a spec with its connectors numbered as in the second reading.
 
-    Connectors that only the spec has come last. The order of a spec stays where a name of the second reading is not in
-    the spec, because each reader chooses names freely.
+    Connectors that only the spec has get the last numbers. Connectors of an interface and kind are only renumbered if
+    the second reading uses the names of the spec for all of them, because readers choose names freely.
     """
     new_keys: dict[FactKey, FactKey] = {}
     for (_, interface, kind), keys_by_name in _connector_keys(spec).items():
@@ -116,9 +116,12 @@ def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
 
 
 def _connector_keys(facts: ComparedFacts) -> dict[tuple[Any, ...], dict[str, FactKey]]:
-    """Return the key of each connector by its name, by interface and kind, in the order of their numbers."""
+    """Return the keys of connectors by name, for each interface and kind, in the order of their numbers."""
     keys_by_kind: dict[tuple[Any, ...], dict[str, FactKey]] = defaultdict(dict)
     for kind, names in facts.names.items():
-        for key, name in names.items() if kind[0] == "connector" else ():
-            keys_by_kind[key[: _STEPS_TO_CONNECTOR - 1]].setdefault(str(name.value), key)
+        if kind[0] != "connector":
+            continue
+        for key, name in names.items():
+            interface_and_kind = key[: _STEPS_TO_CONNECTOR - 1]
+            keys_by_kind[interface_and_kind].setdefault(str(name.value), key)
     return keys_by_kind

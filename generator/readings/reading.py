@@ -1,4 +1,4 @@
-"""A reading: a device with its file, and its facts under keys without names."""
+"""A reading of a manual: a device with its file, and its facts under keys that contain no names."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class FactClass(Enum):
 
     @property
     def is_needed(self) -> bool:
-        """True if an error in this class corrupts a position or a transfer, so that it must be read twice."""
+        """Whether a wrong fact of this class corrupts a position or a transfer, so that it must be read twice."""
         return self in _CLASSES_READ_TWICE
 
 
@@ -86,15 +86,16 @@ FactValue = str | Mapping[CodeAndState, str]
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class ComparedFact:
-    """A fact. ``description`` is its name in messages, ``place`` its place in the spec.
+    """A fact of a reading, which is compared with the fact of the other reading that has the same key.
 
-    ``depends_on`` is the key of the fact on which this fact depends, such as the register of a default. A fact that
-    ``may_be_missing`` from the other reading is, for example, a printed name in another language. ``name`` is the
-    reader's name of the item whose first fact this is, at ``name_place``. A fact that ``is_implied`` follows from
-    another fact. If one reader still states it, the other must, too.
+    ``description`` is its name in messages, and ``place`` is its place in the spec. ``depends_on`` is the key of the
+    fact that this fact depends on, such as the register of a default. A fact ``may_be_missing`` in the other reading if
+    it is a printed name in a different language, for example. ``name`` is the reader's name for the item whose first
+    fact this is, at ``name_place``. A fact that ``is_implied`` follows from another fact, but if one reader states it,
+    the other must too.
     """
 
-    sort: FactClass
+    fact_class: FactClass
     key: FactKey
     value: FactValue
     description: str
@@ -108,6 +109,8 @@ class ComparedFact:
 
 #: Facts about the names that a reader gives to items of one kind.
 FactNames = dict[FactKey, ComparedFact]
+#: Items with separate names for each interface, which is the second element of their keys.
+_BY_INTERFACE = frozenset(("connector", "frame", "procedure", "register", "time"))
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -122,7 +125,7 @@ class BitMeaning:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class WordCase:
-    """A word in one case: its bits, lowest first, and the properties of its fields by low bit and width.
+    """A frame or register in one case: its bits, lowest first, and the facts about its fields by low bit and width.
 
     ``names`` contains the names of the fields, and of the values of each field.
     """
@@ -142,7 +145,7 @@ class WordBits:
 
     @property
     def everywhere(self) -> WordCase | None:
-        """The word if all cases share one ``WordCase``, for comparison without order codes, or else None."""
+        """The word if it is the same object in all cases, so that it can be compared without order codes, or None."""
         distinct_words = {id(word_case): word_case for word_case in self.cases.values()}
         if len(distinct_words) > 1:
             return None
@@ -154,8 +157,8 @@ class ComparedFacts:
     """All facts of a reading. ``derived`` counts the facts that follow from other facts.
 
     ``names`` contains the names of items of one kind, by interface if they belong to an interface. A second reading can
-    list the numbers of a text in ``printed_numbers`` by its path, and the sections of everything under a path in
-    ``sections``. ``decided`` contains the paths and classes of facts that no manual prints.
+    list the numbers in a text by its path (``printed_numbers``), and the sections that everything under a path cites
+    (``sections``). ``decided`` contains the paths and classes of facts that no manual prints.
     """
 
     facts: dict[FactKey, ComparedFact] = dataclasses.field(default_factory=dict)
@@ -179,11 +182,11 @@ class ComparedFacts:
                 self._add_name_of(key, fact)
 
     def _add_name_of(self, key: FactKey, fact: ComparedFact) -> None:
-        """Add ``fact.name`` as the name of an item, under its kind: ``("register", "ssi")``, or ``("alarm",)``."""
+        """Add the name of the item that a fact is about, under its kind: ``("register", "ssi")`` or ``("alarm",)``."""
         kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
         description = f"name of {fact.description}"
         name_fact = ComparedFact(
-            sort=fact.sort, key=key, value=fact.name, description=description, place=fact.name_place
+            fact_class=fact.fact_class, key=key, value=fact.name, description=description, place=fact.name_place
         )
         self.add_name(kind, name_fact)
 
@@ -192,76 +195,9 @@ class ComparedFacts:
         self.names.setdefault(kind, {}).setdefault(name.key, name)
 
 
-#: Items with separate names for each interface, which is the second element of their keys.
-_BY_INTERFACE = frozenset(("connector", "frame", "procedure", "register", "time"))
-
-#: Share of equal names from which the second reading is assumed to use the names of the spec.
-_SHARE_OF_EQUAL_NAMES = 0.9
-
-
-def use_same_names(spec: ComparedFacts, second: ComparedFacts) -> bool:
-    """Return whether at least 90 % of the common names are equal, so that any other name is a mistake."""
-    compared_count, equal_count = 0, 0
-    for spec_names, second_names in _name_maps_of_both(spec, second):
-        for key in spec_names.keys() & second_names.keys():
-            compared_count += 1
-            if spec_names[key].value == second_names[key].value:
-                equal_count += 1
-    return equal_count >= _SHARE_OF_EQUAL_NAMES * compared_count
-
-
-def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactNames, FactNames]]:
-    """Yield the names of each kind in both readings, by key. For fields, the first common case of a word is enough."""
-    yield from _names_by_kind(spec.names, second.names)
-    for key in spec.words.keys() & second.words.keys():
-        spec_cases, second_cases = spec.words[key].cases, second.words[key].cases
-        common_cases = [case for case in spec_cases if case in second_cases]
-        if common_cases:
-            first_case = common_cases[0]
-            yield from _names_by_kind(spec_cases[first_case].names, second_cases[first_case].names)
-
-
-def _names_by_kind(
-    spec: Mapping[FactKey, FactNames], second: Mapping[FactKey, FactNames]
-) -> Iterator[tuple[FactNames, FactNames]]:
-    for kind in spec.keys() & second.keys():
-        yield spec[kind], second[kind]
-
-
-def mistaken_pairs(
-    spec_names: FactNames, second_names: FactNames, *, must_be_equal: bool
-) -> Iterator[tuple[ComparedFact, ComparedFact]]:
-    """Yield the names of an item in the spec and the second reading if they differ and one must be a mistake.
-
-    This is the case if the second reader uses the name for another item, if the two differ in one letter, or if all
-    names ``must_be_equal``.
-    """
-    all_second_names = {second_name.value for second_name in second_names.values()}
-    for key, spec_name in spec_names.items():
-        second_name = second_names.get(key)
-        if second_name is None or second_name.value == spec_name.value:
-            continue
-        is_used_for_other_item = spec_name.value in all_second_names
-        is_misspelling = _differ_in_one_letter(str(spec_name.value), str(second_name.value))
-        if must_be_equal or is_used_for_other_item or is_misspelling:
-            yield spec_name, second_name
-
-
-def _differ_in_one_letter(name: str, other_name: str) -> bool:
-    """Return whether two different names differ by one extra, missing or wrong letter, or two swapped letters."""
-    shorter, longer = sorted((name, other_name), key=len)
-    if len(shorter) < len(longer):
-        return any(longer[:index] + longer[index + 1 :] == shorter for index in range(len(longer)))
-    differing_indices = [index for index in range(len(name)) if name[index] != other_name[index]]
-    start, end = differing_indices[0], differing_indices[-1] + 1
-    is_one_wrong_letter = end - start == 1
-    are_two_swapped = end - start == 2 and name[start:end] == other_name[start:end][::-1]
-    return is_one_wrong_letter or are_two_swapped
-
-
 Parameters = Mapping[str, int]
 
-#: Between alternative names in one language.
+#: Separator between alternative names in one language.
 _BETWEEN_NAMES = " | "
 _PUNCTUATION = re.compile(r"[\W_]+")
 #: Prefix of the names of fields that the build adds for zero bits.
@@ -278,16 +214,16 @@ class SpecReading:
     document: Document
 
     def cases(self, interface: str) -> Mapping[CodeAndState, Parameters]:
-        """Return the parameters in each case of an interface, or an empty map if no order code has it.
+        """Return the parameters in each case of an interface. The map is empty if no order code has the interface.
 
-        The cases of an order code are the factory defaults, both ends of the range of each parameter in a register, and
-        each other answer of an alternative.
+        A case is an order code with a state: the factory defaults, an end of the range of a parameter that a register
+        holds, or a different answer to an open question.
         """
         return self._parameters_by_case.get(interface, {})
 
     @cached_property
     def _parameters_by_case(self) -> Mapping[str, Mapping[CodeAndState, Parameters]]:
-        """The parameters of every order code by its interface and by case, first with the factory defaults."""
+        """The parameters of every order code in each case, by interface. The factory defaults are the first case."""
         interfaces = {variant.interface for variant in self.device.variants}
         states_by_interface = {interface: list(self._states_to_compare(interface)) for interface in interfaces}
         cases_by_interface: dict[str, dict[CodeAndState, Parameters]] = {interface: {} for interface in interfaces}
@@ -314,14 +250,17 @@ class SpecReading:
                 yield f"answer {answer_number} of alternative {number}", answer.sets
 
     def bits_at(self, path: str) -> str:
-        """Return ``register 0x49 bits 7:4`` for ``register.field``, or the path if there is no such field."""
+        """Return the bits at a path ``register.field``: ``register 0x49 bits 7:4``, or the path if there is none."""
         register, field = self._field_at(path)
         if register is None or field is None:
             return path
         return f"{register_text(register)} {self.bits_of(register.interface, field)}"
 
     def state(self, path: str, name: str) -> str:
-        """Return ``register 0x49 bits 7:4 is 3`` for ``register.field`` and the name of one of its values."""
+        """Return the condition that a field has a named value: ``register 0x49 bits 7:4 is 3``.
+
+        ``path`` is the path of the field, ``register.field``, and ``name`` the name of the value.
+        """
         _, field = self._field_at(path)
         number_text = name
         for named_value in field.values if field is not None else ():
@@ -345,7 +284,10 @@ class SpecReading:
         return bits(low + width - 1, low)
 
     def _parameters_of_first_code(self, interface: str) -> Parameters:
-        """Return the parameters of the first order code of an interface by name, as readers list codes differently."""
+        """Return the parameters of an interface's first order code in alphabetical order.
+
+        The order in the spec does not count, because readers list order codes differently.
+        """
         variants = [variant for variant in self.device.variants if variant.interface == interface]
         first_variant = min(variants, key=lambda variant: variant.code, default=None)
         return first_variant.parameters if first_variant is not None else {}
@@ -357,7 +299,11 @@ class SpecReading:
         return None
 
     def field_place(self, owner: Path, field: Field) -> Path:
-        """Return the place of a field in the spec, or ``other_bits`` for added zero bits, or else its owner's place."""
+        """Return the place of a field in the spec.
+
+        For bits that are added as zeros, this is ``other_bits``, and for any other field that the spec does not list,
+        it is the place of the frame, register or group.
+        """
         if field.group:
             owner = ("field_groups", field.group)
         own_place: Path = (*owner, "fields", field.padding_of or field.name)
@@ -366,7 +312,10 @@ class SpecReading:
         return self.first_existing(own_place, owner)
 
     def bits_in_frames(self, interface: str, layout: Layout, field: Field) -> Iterator[str]:
-        """Yield ``bit 3 of the encoder's frame``, once for each selector of the layout, for the first code."""
+        """Yield the lowest bit of a field in each frame of a layout: ``bit 3 of the encoder's frame with 0x1A``.
+
+        A layout has a frame for each value of its selector. The bit is that of the first order code.
+        """
         low_bit = field.low.value(self._parameters_of_first_code(interface))
         bit_text = f"bit {low_bit} of the {layout.sender}'s frame"
         if not layout.selects:
@@ -375,7 +324,7 @@ class SpecReading:
             yield f"{bit_text} with {in_hex(selector_value)}"
 
     def printed_names(self, part: Any) -> Mapping[str, str]:
-        """Return the printed names of an item by language. Alternatives are joined: ``{"en": "turn | rev"}``."""
+        """Return the names that the manual prints for an item, by language. Several are joined: ``turn | rev``."""
         translations: Mapping[str, str] = getattr(part, "names", {})
         names_by_language = {language: [comparable_text(name)] for language, name in translations.items()}
         printed_name = getattr(part, "printed_name", "")
@@ -384,14 +333,17 @@ class SpecReading:
         return {language: _BETWEEN_NAMES.join(names) for language, names in names_by_language.items()}
 
     def first_existing(self, *places: Path) -> Path:
-        """Return the first of these places that exists in the file, otherwise the last."""
+        """Return the first of these places that exists in the file, or the last place if none exists."""
         for place in places:
             if self.document.has(place):
                 return place
         return places[-1]
 
     def key_of(self, register: Register) -> FactKey:
-        """Return the key of a register: interface, bank, address, and readability if several share the address."""
+        """Return the key that identifies a register: its interface, bank and address.
+
+        If several registers share the address, the key also says whether this one is read or written.
+        """
         bank = -1 if register.bank is None else register.bank
         address_key = ("register", register.interface, bank, register.address)
         all_addresses = [(other.interface, other.bank, other.address) for other in self.device.registers]
@@ -423,7 +375,10 @@ def count_text(value: int) -> str:
 
 
 def as_delivered(register: Register) -> int | None:
-    """Return the factory default as stated, or from the fixed values of all fields, or None if a value is not known."""
+    """Return the factory default of a register: the stated one, or the documented values of all its fields.
+
+    Return None if it is not stated, and the value of a field is not documented.
+    """
     if register.default is not None:
         return register.default
     default = 0
@@ -436,7 +391,7 @@ def as_delivered(register: Register) -> int | None:
 
 
 def _documented_number(field: Field) -> int | None:
-    """Return the constant value of a field as a number, or None if it has none or the order code decides it."""
+    """Return the documented value of a field as a number, or None if it has none or it depends on the order code."""
     documented_value = field.equals
     if isinstance(documented_value, str):
         return int.from_bytes(documented_value.encode("ascii"), "big")
@@ -446,12 +401,15 @@ def _documented_number(field: Field) -> int | None:
 
 
 def same_name(names: str, other_names: str) -> bool:
-    """Return whether two readers have a printed name in common. Alternatives are as from ``printed_names``."""
+    """Return whether two readings have a printed name in common. Each text contains names joined by `` | ``."""
     common_names = set(names.split(_BETWEEN_NAMES)) & set(other_names.split(_BETWEEN_NAMES))
     return bool(common_names)
 
 
 def comparable_text(text: str) -> str:
-    """Return text without the differences between readers, capitals and punctuation: ``start bit`` for "Start-Bit"."""
+    """Return a text without capitals and punctuation, in which readers differ: ``start bit`` for "Start-Bit".
+
+    A text that only consists of punctuation is returned as it is.
+    """
     without_punctuation = _PUNCTUATION.sub(" ", text).strip()
-    return without_punctuation.casefold() or text  # The text itself if it is only punctuation.
+    return without_punctuation.casefold() or text

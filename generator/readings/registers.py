@@ -26,7 +26,7 @@ from .stated import FactSubject
 
 
 def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
-    """Add the facts of every register, its names, and its word, bit by bit."""
+    """Add the facts, the names and the bits of every register."""
     for register in reading.device.registers:
         key, place = reading.key_of(register), ("registers", register.name)
         subject = FactSubject(
@@ -40,13 +40,13 @@ def add_registers(reading: SpecReading, facts: ComparedFacts) -> None:
 
 
 def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -> None:
-    """Add the names that a register refers to: the field with limits, and the field that opens it.
+    """Add the names of the fields that a register refers to: the field that its limits apply to, and the opening field.
 
-    The first name is empty if the limits name no field, and the second name is "nothing" if no field opens the
-    register.
+    The register can only be written after the opening field has a certain value. If only a register is named there, the
+    name is "nothing".
     """
     name_of_limited_field = ComparedFact(
-        sort=FactClass.LIMIT,
+        fact_class=FactClass.LIMIT,
         key=subject.key,
         value=register.limits_of,
         description=f"field that the limits of {subject.description} apply to",
@@ -55,7 +55,7 @@ def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -
     facts.add_name(("bounded",), name_of_limited_field)
     if register.opened_by:
         name_of_opening_field = ComparedFact(
-            sort=FactClass.BEHAVIOUR,
+            fact_class=FactClass.BEHAVIOUR,
             key=subject.key,
             value=register.opened_by_field or NOTHING,
             description=f"field that opens {subject.description}",
@@ -65,7 +65,7 @@ def _add_names(subject: FactSubject, register: Register, facts: ComparedFacts) -
 
 
 def _register_facts(subject: FactSubject, register: Register) -> Iterator[ComparedFact]:
-    """Yield the facts of a register: its address and length, its stated members, default, opener and limits."""
+    """Yield the facts about a register: its address, length, default, opening register, limits and other members."""
     length_text = count_with_unit(register.length, "byte")
     yield subject.existence_fact(FactClass.ADDRESS, length_text, at="address", name=register.name)
     # A single byte has no byte order.
@@ -73,7 +73,7 @@ def _register_facts(subject: FactSubject, register: Register) -> Iterator[Compar
     yield from subject.stated_facts(register, without=members_without_fact)
     default = as_delivered(register)
     if default is not None:
-        # Without a stated default, it is computed from the fixed values of the fields.
+        # If the spec does not state the default, it follows from the documented values of the fields.
         stated_at = "fields" if register.default is None else "default"
         place = (*subject.place, stated_at)
         yield subject.detail_fact(FactClass.DEFAULT, "default", in_hex(default), "default", place)
@@ -83,9 +83,9 @@ def _register_facts(subject: FactSubject, register: Register) -> Iterator[Compar
 
 
 def _opener_text(reading: SpecReading, register: Register) -> str:
-    """Return the value that opens a register, and its bits: ``0x5A in register 0x49 bits 7:0``.
+    """Return the value that opens a register for writing, and its bits: ``0x5A in register 0x49 bits 7:0``.
 
-    Without such a value, the text is only the register that must be written: ``register 0x49``.
+    If the spec does not give a value, the text is only the register that must be written: ``register 0x49``.
     """
     opener = reading.register(register.opened_by)
     if opener is None:
@@ -101,16 +101,16 @@ def _opener_text(reading: SpecReading, register: Register) -> str:
 
 
 def _limit_facts(subject: FactSubject, register: Register) -> Iterator[ComparedFact]:
-    """Yield the bits that limits of the register or its meanings apply to, and the facts of each meaning.
+    """Yield the bits that the limits of a register apply to, and the facts about each of its meanings.
 
-    A meaning is how the register is read while another register has a given value.
+    A register has several meanings if a different register determines how it is interpreted.
     """
     reading = subject.reading
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
     if any(part.min is not None or part.max is not None for part in limited_parts):
         cases = reading.cases(register.interface)
         yield ComparedFact(
-            sort=FactClass.LIMIT,
+            fact_class=FactClass.LIMIT,
             key=(*subject.key, "bounded"),
             value={case: _limited_bits_text(register, parameters) for case, parameters in cases.items()},
             description=f"bits that the limits of {subject.description} apply to",
@@ -118,7 +118,7 @@ def _limit_facts(subject: FactSubject, register: Register) -> Iterator[ComparedF
             depends_on=subject.key,
         )
     for meaning in register.meanings:
-        # The condition is in words without names, so that it is also the key of the meaning.
+        # The condition contains no names, so it can also be the key of the meaning.
         description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
         yield from subject.inside((description,), ("meanings", meaning.name), description).stated_facts(meaning)
 

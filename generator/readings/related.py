@@ -1,4 +1,4 @@
-"""Disagreements that have one cause are one problem: a frame of another length, a name, texts that one file lacks."""
+"""Group disagreements between two readings that have the same cause, such as a frame of a different length."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import NamedTuple
 from .comparison import Disagreement
 from .reading import NOTHING, FactClass
 
-#: Classes of facts in words, of which a second reading may list some that the spec no longer has.
+#: Classes of facts in texts. A second reading may list texts that the spec no longer contains.
 _CLASSES_IN_WORDS = (FactClass.TEXT, FactClass.SECTION)
 
 
-#: Classes of facts whose values are places or words, with numbers that mean nothing elsewhere.
-_SORTS_WITH_OWN_NUMBERS = (
+#: Classes of facts whose values are places or words. Numbers in them are not related to equal numbers elsewhere.
+_CLASSES_WITH_OWN_NUMBERS = (
     FactClass.SECTION,
     FactClass.CONTENTS,
     FactClass.PRINTED,
@@ -23,7 +23,7 @@ _SORTS_WITH_OWN_NUMBERS = (
     FactClass.POSITION,
 )
 #: Classes of facts that can follow from the parameters of an order code.
-_SORTS_FROM_PARAMETERS = frozenset(
+_CLASSES_FROM_PARAMETERS = frozenset(
     (FactClass.POSITION, FactClass.LIMIT, FactClass.MEASUREMENT, FactClass.ORDER_CODE, FactClass.DEFAULT)
 )
 
@@ -36,7 +36,7 @@ _EDITION_OF_HISTORY = re.compile(r"of the edition '.*'")
 
 
 class _Renaming(NamedTuple):
-    """The cause of disagreements about a renamed item: its plain names in the spec and in the second reading."""
+    """A renamed item as the cause of disagreements: its names in the spec and in the second reading, without quotes."""
 
     spec_name: str
     second_name: str
@@ -44,22 +44,23 @@ class _Renaming(NamedTuple):
 
 @dataclass(frozen=True)
 class Related:
-    """A disagreement, and the others that have the same cause."""
+    """A disagreement, and other disagreements that have the same cause."""
 
     first_disagreement: Disagreement
     others: tuple[Disagreement, ...] = ()
 
     @property
     def is_text_without_spec(self) -> bool:
-        """True for a text under ``found`` that the spec does not have."""
-        return self.first_disagreement.sort in _CLASSES_IN_WORDS and self.first_disagreement.spec_value == NOTHING
+        """Whether this is about a text that the second reading lists, but the spec does not contain."""
+        return self.first_disagreement.fact_class in _CLASSES_IN_WORDS and self.first_disagreement.spec_value == NOTHING
 
 
 def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
-    """Return the disagreements in groups with the same cause. Names come first in a group.
+    """Return the disagreements in groups with the same cause.
 
-    A known cause is looked up first, then the disagreement's own cause (``_own_cause``) is used. One without a cause is
-    alone. In a frame with another length, all bits after the difference differ, so only the length is reported.
+    A disagreement joins the group of a cause that is already known and explains it. Otherwise, its own cause is a new
+    group. A disagreement without a cause is a group of its own. In a frame of a different length, many bits differ, so
+    only the length is reported.
     """
     resized_frames = [disagreement.resized_frame for disagreement in disagreements if disagreement.resized_frame]
     reported_disagreements = [
@@ -85,20 +86,19 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
 
 
 def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool]:
-    """Return a key that puts names first, since other disagreements are recognised by their causes.
+    """Return a key for sorting disagreements so that causes come before the disagreements that they explain.
 
-    Disagreements that depend on others are last: numbers in texts, open values of order codes, and times missing in the
-    spec.
+    Names come first. Numbers in texts, unlisted values of order codes, and times that are not in the spec come last.
     """
     is_open_value = disagreement.second_place[-1:] == ("open",)
-    is_time_without_spec = disagreement.sort is FactClass.TIME and disagreement.spec_value == NOTHING
-    return not disagreement.is_name, disagreement.sort in _CLASSES_IN_WORDS, is_open_value, is_time_without_spec
+    is_time_without_spec = disagreement.fact_class is FactClass.TIME and disagreement.spec_value == NOTHING
+    return not disagreement.is_name, disagreement.fact_class in _CLASSES_IN_WORDS, is_open_value, is_time_without_spec
 
 
 def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
-    """Return whether a disagreement is only about bits in one of these frames, given as ``of the encoder's frame``.
+    """Return whether a disagreement is only about bits in some frames, given as ``of the encoder's frame``.
 
-    Its description names the frame, or its values are lists that differ only in items which name it.
+    Either its description names a frame, or its values are lists that only differ in items that name a frame.
     """
     if disagreement.resized_frame or not frames:
         return False
@@ -115,50 +115,53 @@ def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
 
 
 def _own_cause(disagreement: Disagreement) -> object:
-    """Return what a disagreement has in common with others of the same cause, or None if it stands alone.
+    """Return the cause of a disagreement, which is equal for disagreements with the same cause, or None.
 
-    This is the pair of names of a renamed item, a fixed text for missing texts or order codes, the edition of a
-    revision, the table that lacks rows, or else the values in which the readings differ.
+    The cause is a renamed item, missing texts, missing order codes, an edition in the history, a table with missing
+    rows, or the values in which the readings differ.
     """
-    if disagreement.sort in _CLASSES_IN_WORDS and disagreement.spec_value == NOTHING:
+    if disagreement.fact_class in _CLASSES_IN_WORDS and disagreement.spec_value == NOTHING:
         return "text that only the second reading has"
     if disagreement.is_name:
         return _Renaming(_plain_name(disagreement.spec_value), _plain_name(disagreement.second_value))
-    if disagreement.sort is FactClass.ORDER_CODE and NOTHING in (disagreement.spec_value, disagreement.second_value):
+    if disagreement.fact_class is FactClass.ORDER_CODE and NOTHING in (
+        disagreement.spec_value,
+        disagreement.second_value,
+    ):
         return "order codes"
-    if disagreement.sort is FactClass.HISTORY:
+    if disagreement.fact_class is FactClass.HISTORY:
         edition = _EDITION_OF_HISTORY.search(disagreement.description)
         return edition[0] if edition is not None else None
     # The place of a whole table is ("tables", name), and the place of a row is longer.
     is_whole_table = len(disagreement.spec_place) == 2
-    if disagreement.sort is FactClass.TABLE and (is_whole_table or disagreement.spec_value == NOTHING):
+    if disagreement.fact_class is FactClass.TABLE and (is_whole_table or disagreement.spec_value == NOTHING):
         _, table_name, *_ = disagreement.second_place
         return "rows of a table", table_name
     return _changed_values(disagreement)
 
 
 def _changed_values(disagreement: Disagreement) -> object:
-    """Return the numbers in which the values differ, in any unit, or the two signals of a contact, or None.
+    """Return the numbers in which two values differ, without their units, or the two signals of a contact, or None.
 
-    ``("numbers", {"3"}, {"5"})`` means 30 ms in the spec and 50 ms in the second reading, and also times of 30,000 and
-    50,000 µs. Numbers of positions, addresses and the like mean nothing elsewhere.
+    ``("numbers", {"3"}, {"5"})`` is the cause of 30 ms in the spec and 50 ms in the second reading, and also of 30,000
+    and 50,000 µs. Numbers in positions and addresses are not related to equal numbers elsewhere.
     """
     spec_digits = _digits_of_numbers(disagreement.spec_value)
     second_digits = _digits_of_numbers(disagreement.second_value)
     only_in_spec, only_in_second = spec_digits - second_digits, second_digits - spec_digits
-    if only_in_spec and only_in_second and disagreement.sort not in _SORTS_WITH_OWN_NUMBERS:
+    if only_in_spec and only_in_second and disagreement.fact_class not in _CLASSES_WITH_OWN_NUMBERS:
         return "numbers", frozenset(only_in_spec), frozenset(only_in_second)
-    if disagreement.sort is FactClass.PIN:
+    if disagreement.fact_class is FactClass.PIN:
         return "signals", frozenset((disagreement.spec_value, disagreement.second_value))
     return None
 
 
 def _changed_parameters(disagreement: Disagreement, all_disagreements: Sequence[Disagreement]) -> object:
-    """Return the order codes whose other parameters explain other lengths, limits and bits of these codes, or None.
+    """Return the order codes whose different parameters explain a disagreement about the same order codes, or None.
 
-    For example, one wider field changes the length of a frame, the highest position and the limit of an offset.
+    A wider field, for example, changes the length of a frame, the highest position and the limit of an offset.
     """
-    if disagreement.sort not in _SORTS_FROM_PARAMETERS or not disagreement.order_codes:
+    if disagreement.fact_class not in _CLASSES_FROM_PARAMETERS or not disagreement.order_codes:
         return None
     for other_disagreement in all_disagreements:
         is_parameter = other_disagreement.spec_place[:1] == ("parameters",)
@@ -174,7 +177,7 @@ _REGISTER = re.compile(r"register (?P<address>0x[0-9A-F]+)(?: of bank .*)?")
 def _register_that_only_second_has(disagreement: Disagreement, all_disagreements: Sequence[Disagreement]) -> object:
     """Return the address of a register that only the second reading has, if it explains the disagreement, or None.
 
-    Alarms in a register that has moved, and procedures that access it, are missing in the spec as well.
+    Alarms in such a register and procedures that access it are also missing in the spec.
     """
     if disagreement.spec_value != NOTHING:
         return None
@@ -188,17 +191,17 @@ def _register_that_only_second_has(disagreement: Disagreement, all_disagreements
 
 
 def _digits_of_numbers(text: str) -> Set[str]:
-    """Return the digits of each number in a text without zeros at its ends: ``{"3", "25"}`` for ``30 ms to 2.5 s``."""
-    # Without zeros at the ends, 30 ms and 30,000 µs have the same digits. For zero itself, "0" remains.
+    """Return the digits of each number in a text without zeros at both ends: ``{"3", "25"}`` for ``30 ms to 2.5 s``."""
+    # Without these zeros, 30 ms and 30,000 µs have the same digits. For zero itself, "0" remains.
     return {number.replace(".", "").strip("0") or "0" for number in _NUMBER_IN_TEXT.findall(text)}
 
 
 def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
-    """Return a known renaming that explains an entry of the contents, or None.
+    """Return a known renaming that explains an entry of the table of contents, or None.
 
-    Only the second reading contains the entry, under the second name.
+    Only the second reading contains the entry, under the name that it uses.
     """
-    if disagreement.sort is not FactClass.CONTENTS or disagreement.spec_value != NOTHING:
+    if disagreement.fact_class is not FactClass.CONTENTS or disagreement.spec_value != NOTHING:
         return None
     entry_name = _plain_name(str(disagreement.second_place[-1]))
     for cause in known_causes:
@@ -208,8 +211,8 @@ def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[
 
 
 def _known_renaming_of_place(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
-    """Return a known renaming of a part that contains a source or a text, or None."""
-    if disagreement.sort not in _CLASSES_IN_WORDS:
+    """Return a known renaming of the part that contains a citation or a text, or None."""
+    if disagreement.fact_class not in _CLASSES_IN_WORDS:
         return None
     names_in_place = {_plain_name(str(step)) for step in disagreement.spec_place}
     for cause in known_causes:
@@ -219,15 +222,15 @@ def _known_renaming_of_place(disagreement: Disagreement, known_causes: Iterable[
 
 
 def _known_change_of_time(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
-    """Return the known change of a time that explains a time that only the second reading has, or None.
+    """Return a known change of a time that explains a time that only the second reading has, or None.
 
-    A time without a symbol is identified by its value, so a different value looks like another time. The cause is
-    ``("numbers", spec digits, second digits)``.
+    A time without a symbol is identified by its value, so a different value looks like an additional time.
     """
-    if disagreement.sort is not FactClass.TIME or disagreement.spec_value != NOTHING:
+    if disagreement.fact_class is not FactClass.TIME or disagreement.spec_value != NOTHING:
         return None
     digits = _digits_of_numbers(disagreement.second_value)
     for cause in known_causes:
+        # The cause is ("numbers", digits in the spec, digits in the second reading).
         if isinstance(cause, tuple) and cause[0] == "numbers" and cause[2] == digits:
             return cause
     return None

@@ -27,7 +27,7 @@ from .related import Related, group_by_cause
 def facts_of(reading: SpecReading) -> ComparedFacts:
     """Return all facts of a reading that can be compared with another reading.
 
-    ``decided`` lists facts that no manual prints, and is only in a second reading.
+    Facts under ``decided`` are printed in no manual. Only a second reading has such a list.
     """
     facts = ComparedFacts()
     order_codes.add_codes(reading, facts)
@@ -37,7 +37,7 @@ def facts_of(reading: SpecReading) -> ComparedFacts:
     facts.add(surroundings.surroundings(reading))
     facts.add(texts.content_facts(reading))
     facts.add(texts.text_facts(reading))
-    facts.printed_numbers = texts.by_path(reading)
+    facts.printed_numbers = texts.numbers_by_path(reading)
     facts.sections = texts.sections_by_path(reading)
     facts.decided = reading.document.data.get("decided", ())
     return facts
@@ -45,7 +45,13 @@ def facts_of(reading: SpecReading) -> ComparedFacts:
 
 @dataclass(frozen=True)
 class Coverage:
-    """Readings of the facts of a family: the comparison with its second reading, and the number of derived facts."""
+    """How often the facts of a family were read.
+
+    Attributes:
+        family: The family, without overlays.
+        outcome: Comparison of its spec with its second reading.
+        derived: Number of facts of each class that follow from other facts and are not read.
+    """
 
     family: Family
     outcome: Comparison
@@ -57,24 +63,24 @@ class Coverage:
 
     @cached_property
     def counts(self) -> Mapping[FactClass, TimesRead]:
-        """Counts of each class."""
-        return {sort: self._count_times_read(sort) for sort in FactClass}
+        """Numbers of facts of each class that were read twice, once and so on."""
+        return {fact_class: self._count_times_read(fact_class) for fact_class in FactClass}
 
-    def _count_times_read(self, sort: FactClass) -> TimesRead:
+    def _count_times_read(self, fact_class: FactClass) -> TimesRead:
         """Return how many facts of a class were read how often. Facts that were read differently are not counted."""
         all_reads = self.outcome.read_by_place.items()
-        reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is sort]
+        reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is fact_class]
         return TimesRead(
             twice=reads_of_sort.count(HowOftenRead.TWICE),
             explained=reads_of_sort.count(HowOftenRead.EXPLAINED),
             decided=reads_of_sort.count(HowOftenRead.DECIDED),
             once=reads_of_sort.count(HowOftenRead.ONCE),
-            derived=self.derived.get(sort, 0),
+            derived=self.derived.get(fact_class, 0),
         )
 
     @property
     def total(self) -> TimesRead:
-        """Counts of all classes together."""
+        """The same numbers for all classes together."""
         return add_counts(self.counts.values())
 
     @cached_property
@@ -85,13 +91,13 @@ class Coverage:
 
     def _order_in_file(self, fact: tuple[FactClass, Path]) -> tuple[tuple[int, int], str]:
         """Return line, column and class of a fact, by which facts are sorted."""
-        sort, place = fact
-        return self.spec.position(place), sort.value
+        fact_class, place = fact
+        return self.spec.position(place), fact_class.value
 
     @property
     def lacking(self) -> list[tuple[FactClass, Path]]:
         """Facts that must be read twice but were read once."""
-        return [(sort, place) for sort, place in self.once if sort.is_needed]
+        return [(fact_class, place) for fact_class, place in self.once if fact_class.is_needed]
 
 
 def add_counts(counts: Iterable[TimesRead]) -> TimesRead:
@@ -117,7 +123,7 @@ _ADVICE_ON_TEXT = "remove entries for texts that the spec no longer has"
 
 @dataclass(frozen=True)
 class SecondReading:
-    """A second reading: its file and its facts, or no facts if it has problems."""
+    """The second reading of a family, by another reader of its manual. Without ``facts`` if the file has problems."""
 
     document: Document
     facts: ComparedFacts | None
@@ -142,10 +148,10 @@ def second_of(document: Document, manufacturer: Manufacturer, report: ProblemRep
 
     The problems are added to ``report``.
     """
+    # A device can be built in spite of some problems, so new problems are counted.
     problem_count_before = len(report)
     valid_data = check_second(document, report)
     device = build_device(valid_data, manufacturer, report.for_document(document)) if valid_data is not None else None
-    # A device can be built although the report has new problems.
     has_new_problems = len(report) != problem_count_before
     if device is None or has_new_problems:
         return SecondReading(document, facts=None)
@@ -153,19 +159,24 @@ def second_of(document: Document, manufacturer: Manufacturer, report: ProblemRep
 
 
 def comparable_specs(families: Iterable[Family], report: ProblemReport) -> frozenset[str]:
-    """Return the files of the families whose documents have no faults in the report so far."""
+    """Return the spec files that can be compared with second readings: those without faults in the report so far."""
     valid_families = (family for family in families if not report.faults((family.plain or family).document))
     return frozenset(family.document.file for family in valid_families)
 
 
 def compare_readings(
-    families: Iterable[Family], sound: Collection[str], report: ProblemReport, read: Reader = read_beside
+    families: Iterable[Family], valid_files: Collection[str], report: ProblemReport, read: Reader = read_beside
 ) -> list[Coverage]:
     """Compare each family with its second reading, report the differences, and return the coverage.
 
-    ``sound`` are the files of specs without problems. Derived families are left out, and so are families without a
-    second reading and families with problems in one of the two files. A second reading is checked even if its spec has
-    problems. ``read`` returns the second reading of a family.
+    Derived families are left out, and so are families without a second reading, and families with problems in one of
+    the two files. A second reading is checked even if its spec has problems.
+
+    Args:
+        families: The families.
+        valid_files: The spec files without problems.
+        report: The differences and the problems of second readings are added to it.
+        read: Returns the second reading of a family.
     """
     coverages = []
     for loaded_family in families:
@@ -173,7 +184,7 @@ def compare_readings(
         family = loaded_family.plain or loaded_family
         is_derived = bool(family.device.base)
         second = read(family, report) if not is_derived else None
-        if second is None or second.facts is None or family.document.file not in sound:
+        if second is None or second.facts is None or family.document.file not in valid_files:
             continue
         facts = facts_of(SpecReading(family.device, family.document))
         outcome = compare(facts, second.facts)
@@ -185,8 +196,9 @@ def compare_readings(
 def explain(spec: Document, second: Document, outcome: Comparison, report: ProblemReport) -> None:
     """Count the disagreements explained by errata of the spec, and report the remaining disagreements, each once.
 
-    An erratum explains a disagreement with exactly its two values at a place that it affects. An erratum that explains
-    nothing is also reported.
+    An erratum can list two values under ``readings``, for example if the manual prints 5 ms in one section and 10 ms in
+    another. It explains a disagreement between exactly these values at a place that it affects. An erratum that
+    explains nothing is also reported.
     """
     explanations = list(_explained_differences(spec))
     used_explanations: set[Path] = set()
@@ -199,7 +211,7 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Probl
         used_explanations.update(explanation.place for explanation in matching)
         # A fact that the spec lacks is counted at its place in the second reading.
         counted_place = disagreement.spec_place or ("second", *disagreement.second_place)
-        outcome.read_by_place[disagreement.sort, counted_place] = HowOftenRead.EXPLAINED
+        outcome.read_by_place[disagreement.fact_class, counted_place] = HowOftenRead.EXPLAINED
     for disagreements in group_by_cause(unexplained):
         _report_disagreements(disagreements, spec, second, report)
     for explanation in explanations:
@@ -208,9 +220,9 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Probl
 
 @dataclass(frozen=True)
 class _Explanation:
-    """Two values of a fact that an erratum explains.
+    """Two values of a fact, of which an erratum explains why the two readings differ.
 
-    ``place`` is the place of the pair, ``printed`` the erratum's text.
+    ``place`` is the place of the pair in the spec, and ``printed`` the erratum's text.
     """
 
     place: Path
@@ -220,7 +232,10 @@ class _Explanation:
     spec_value: str
 
     def explains(self, disagreement: Disagreement) -> bool:
-        """Return whether a disagreement consists of exactly these two values, at an affected place or near it."""
+        """Return whether a disagreement is between exactly these two values, at a place that the erratum affects.
+
+        For a fact that the spec lacks, the nearest place in the spec counts.
+        """
         if (self.second_value, self.spec_value) != (disagreement.second_value, disagreement.spec_value):
             return False
         return any(touches(path, disagreement.spec_place_or_nearest) for path in self.affected_paths)
@@ -243,16 +258,16 @@ def _explained_differences(spec: Document) -> Iterator[_Explanation]:
 
 
 def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: ProblemReport) -> None:
-    """Report disagreements with one cause once: the first one, with the lines of the other ones.
+    """Report disagreements with one cause as one problem, for the first of them, with the lines of the others.
 
-    The report is about the spec, or about the second reading if only that has the fact.
+    The problem is in the spec, or in the second reading if only that has the fact.
     """
-    # ``first`` is the disagreement that is reported. NOTHING is the value of a fact that the spec lacks.
     first = disagreements.first_disagreement
     spec_place = first.spec_place_or_nearest
     others_text = _others_text(disagreements, spec, second)
     advice = _ADVICE_ON_TEXT if disagreements.is_text_without_spec else _ADVICE_TO_CHECK
-    if first.spec_value == NOTHING:
+    is_only_in_second = first.spec_value == NOTHING
+    if is_only_in_second:
         both_values = f"{first.second_value} here, {first.spec_value} in {_file_and_line(spec, spec_place)}"
         report.add(RULE, second, first.second_place, f"{first.description}: {both_values}{others_text}; {advice}")
     else:
@@ -261,7 +276,7 @@ def _report_disagreements(disagreements: Related, spec: Document, second: Docume
 
 
 def _file_and_line(document: Document, place: Path) -> str:
-    """Return the file of a place, and its line if the file has the place or one around it: ``tv62.yaml:127``."""
+    """Return the file of a place, with its line if the file has the place or its section: ``tv62.yaml:127``."""
     file_name = File(document.file).name
     if not place or not document.has(place[:1]):
         return file_name
@@ -301,25 +316,25 @@ def _others_text(disagreements: Related, spec: Document, second: Document) -> st
 
 
 def _check_explanation(explanation: _Explanation, spec: Document, report: ProblemReport, *, is_used: bool) -> None:
-    """Report an erratum that explains no disagreement, or whose printed text has other values.
+    """Report an erratum that explains no disagreement, or whose printed text contradicts the second reading.
 
-    In the second case, the printed text contains values with the same unit, but not the number of the second reading.
+    In the second case, the text contains values with the unit of the second reading, but not its number.
     """
     second_value = explanation.second_value
     if not is_used:
         both_values = f"{quoted(second_value)} in the second reading and {quoted(explanation.spec_value)} here"
         message = f"no fact affected by this erratum is {both_values}; correct or remove it"
         report.add("readings-unused", spec, explanation.place, message)
-    elif _lacks_number(explanation.printed, second_value):
+    elif _prints_other_number(explanation.printed, second_value):
         message = f"the printed text has other values than {second_value}, which the second reading has; correct it"
         erratum_place = explanation.place[:2]
         report.add("readings-unused", spec, (*erratum_place, "printed"), message)
 
 
-def _lacks_number(printed_text: str, value_with_unit: str) -> bool:
-    """Return whether a text lacks the number of a value such as ``5 ms``, but contains another value with its unit.
+def _prints_other_number(printed_text: str, value_with_unit: str) -> bool:
+    """Return whether a text contains other values with the unit of a value such as ``5 ms``, but not this value.
 
-    A value without a unit is not checked.
+    The result is False for a value without a unit.
     """
     quantity = _QUANTITY_IN_TEXT.fullmatch(value_with_unit)
     if quantity is None:
@@ -349,12 +364,12 @@ def touches(affected_path: str, place: Path) -> bool:
     """
     remaining_names = affected_path.split(".")
     for step in place:
-        # The place is at the path or inside it.
-        if not remaining_names:
+        is_inside_path = not remaining_names
+        if is_inside_path:
             break
         if step == remaining_names[0]:
             remaining_names = remaining_names[1:]
         elif not isinstance(step, int) and step not in _KEYS_LEFT_OUT_OF_PATHS:
             return False
-    # If names remain, the path is inside the place.
+    # No step differs. If names remain, the path is a part of the place.
     return True

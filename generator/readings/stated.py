@@ -43,7 +43,7 @@ from .reading import (
 class _Detail(NamedTuple):
     """A fact about part of a procedure. Its key and its place are within the procedure."""
 
-    sort: FactClass
+    fact_class: FactClass
     key: FactKey
     place: Path
     value: str
@@ -53,14 +53,15 @@ class _Detail(NamedTuple):
 def procedures(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the facts of every procedure: its steps as text, and its argument limits, waits and repetitions.
 
-    A procedure is identified by its interface and the text of its steps, such as ``write 0x49 = 05; read 0x4A``.
+    Two readers give procedures different names. A procedure is therefore identified by its interface and the text of
+    its steps, such as ``write 0x49 = 05; read 0x4A``.
     """
     for procedure in reading.device.procedures:
         steps_text = program_text(reading, procedure)
         procedure_key: FactKey = ("procedure", procedure.interface, steps_text)
         procedure_place: Path = ("procedures", procedure.name)
         yield ComparedFact(
-            sort=FactClass.PROCEDURE,
+            fact_class=FactClass.PROCEDURE,
             key=procedure_key,
             value=steps_text,
             description=f"a procedure over {interface_label(procedure.interface)}",
@@ -70,7 +71,7 @@ def procedures(reading: SpecReading) -> Iterator[ComparedFact]:
         )
         for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
             yield ComparedFact(
-                sort=detail.sort,
+                fact_class=detail.fact_class,
                 key=(*procedure_key, *detail.key),
                 value=detail.value,
                 description=detail.description,
@@ -82,7 +83,8 @@ def procedures(reading: SpecReading) -> Iterator[ComparedFact]:
 def _argument_limits(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield for each argument the register whose limits apply to it: ``register 0x49``.
 
-    For an argument that is meant in one of several ways, the condition follows: ``while register 0x4A bits 1:0 is 3``.
+    If another register determines what the argument means, the condition for its meaning follows: ``register 0x49 while
+    register 0x4A bits 1:0 is 3``.
     """
     for number, argument in enumerate(procedure.arguments, 1):
         register = reading.device.register(argument.of)
@@ -91,7 +93,7 @@ def _argument_limits(reading: SpecReading, procedure: Procedure) -> Iterator[_De
             if meaning.name == argument.meant_as:
                 while_text = f" while {reading.state(meaning.when, meaning.value)}"
         yield _Detail(
-            sort=FactClass.LIMIT,
+            fact_class=FactClass.LIMIT,
             key=("argument", number),
             place=("arguments", argument.name, "of"),
             value=f"{register_text(register)}{while_text}",
@@ -102,8 +104,8 @@ def _argument_limits(reading: SpecReading, procedure: Procedure) -> Iterator[_De
 def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the waits, the bits that are read, and the repetitions of requests.
 
-    Consecutive waits are added up. A step is identified by its number among the steps other than waits, and a wait by
-    the number of the step before it, or 0.
+    A step is identified by its number, for which waits are not counted. Consecutive waits are added up, and are
+    identified by the number of the step before them, or 0 at the start.
     """
     step_number, total_wait_us, position_text = 0, 0, "at its start"
     for index, step in enumerate(procedure.steps):
@@ -116,7 +118,7 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
                 description = f"wait {position_text} in the procedure '{procedure.name}'"
                 wait_text = f"{total_wait_us // 1000} ms"
                 yield _Detail(
-                    sort=FactClass.WAIT,
+                    fact_class=FactClass.WAIT,
                     key=("wait", step_number),
                     place=(*step_place, "at_least_ms"),
                     value=wait_text,
@@ -130,7 +132,7 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
             bits_read = _register_and_bits(reading, step.register, step.field)
             description = f"bits used by {step_text}"
             yield _Detail(
-                sort=FactClass.PROCEDURE,
+                fact_class=FactClass.PROCEDURE,
                 key=("bits", step_number),
                 place=(*step_place, "field"),
                 value=bits_read,
@@ -145,7 +147,7 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
 def _repetition_details(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
     """Yield how often a request is sent, at which interval, and whether in succession without other requests."""
     yield _Detail(
-        sort=FactClass.PROCEDURE,
+        fact_class=FactClass.PROCEDURE,
         key=("times", step_number),
         place=(*place, "times"),
         value=str(step.times),
@@ -153,7 +155,7 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
     )
     if step.microseconds:
         yield _Detail(
-            sort=FactClass.WAIT,
+            fact_class=FactClass.WAIT,
             key=("every", step_number),
             place=(*place, "every_at_least_us"),
             value=f"{step.microseconds} µs",
@@ -161,7 +163,7 @@ def _repetition_details(step: SendStep, step_number: int, place: Path, request_t
         )
     if step.in_succession:
         yield _Detail(
-            sort=FactClass.PROCEDURE,
+            fact_class=FactClass.PROCEDURE,
             key=("succession", step_number),
             place=(*place, "in_succession"),
             value="yes",
@@ -229,10 +231,17 @@ _UNIT_BY_ENDING = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " 
 
 @dataclass(frozen=True)
 class FactSubject:
-    """Something that facts are about: its key without names, its place in the file, and its name in messages.
+    """A thing that facts are about, such as a register.
 
-    ``interface`` determines the order codes for which its expressions have values. ``depends_on`` is the key of the
-    fact that its other facts depend on, by default its own. ``joint`` precedes its name.
+    Attributes:
+        reading: The reading with the facts.
+        key: Key of the thing, without the names that a reader chooses.
+        place: Place of the thing in the file.
+        description: Its name in messages, such as ``register 0x49``.
+        interface: Interface whose order codes determine the values of its expressions.
+        depends_on: Key of the fact without which the other facts of the thing are not compared. By default, this is its
+            own key.
+        joint: Text between the name of a fact and the description: "default of register 0x49".
     """
 
     reading: SpecReading
@@ -244,9 +253,9 @@ class FactSubject:
     joint: str = " of "
 
     def inside(self, key: FactKey, place: Path, description: str) -> FactSubject:
-        """Return a part of the subject, whose facts depend on the fact that the subject exists.
+        """Return a part of the subject. Its facts are only compared if the subject exists in both readings.
 
-        Key and place are within the key and place of the subject.
+        ``key`` and ``place`` are relative to the key and place of the subject.
         """
         return FactSubject(
             self.reading,
@@ -258,15 +267,15 @@ class FactSubject:
         )
 
     def existence_fact(
-        self, sort: FactClass, value: FactValue, at: str = "", name: str = "", depends_on: FactKey = ()
+        self, fact_class: FactClass, value: FactValue, at: str = "", name: str = "", depends_on: FactKey = ()
     ) -> ComparedFact:
         """Return the fact that the subject exists, with a value such as "present".
 
-        ``at`` is the member at which the file states it, and ``name`` is the reader's name of the subject.
+        ``at`` is the key inside the subject where the file states it, and ``name`` is the reader's name of the subject.
         """
         place = (*self.place, at) if at else self.place
         return ComparedFact(
-            sort=sort,
+            fact_class=fact_class,
             key=self.key,
             value=value,
             description=self.description,
@@ -277,30 +286,35 @@ class FactSubject:
         )
 
     def all_facts(
-        self, sort: FactClass, model_part: Any, value: str = "present", at: str = ""
+        self, fact_class: FactClass, model_part: Any, value: str = "present", at: str = ""
     ) -> Iterator[ComparedFact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
-        yield self.existence_fact(sort, value, at, getattr(model_part, "name", ""))
+        yield self.existence_fact(fact_class, value, at, getattr(model_part, "name", ""))
         yield from self.stated_facts(model_part)
 
     def detail_fact(
         self,
-        sort: FactClass,
+        fact_class: FactClass,
         name: str,
         value: FactValue,
         noun: str,
         at: Path | None = None,
         may_be_missing: bool = False,
     ) -> ComparedFact:
-        """Return another fact about the subject, whose description is ``noun``, ``joint`` and the subject's.
+        """Return another fact about the subject, such as "default of register 0x49".
 
-        ``name`` identifies it, such as ``default`` for "default of register 0x49". ``at`` is its place, by default the
-        member of this name.
+        Args:
+            fact_class: Class of the fact.
+            name: Identifies the fact, such as ``default``.
+            value: Its value.
+            noun: Its name in messages, to which ``joint`` and the description of the subject are added.
+            at: Its place, by default the member ``name`` of the subject.
+            may_be_missing: True if one of the two readings may lack the fact.
         """
         depends_on = self.key if self.depends_on is None else self.depends_on
         place = (*self.place, name) if at is None else at
         return ComparedFact(
-            sort=sort,
+            fact_class=fact_class,
             key=(*self.key, name),
             value=value,
             description=f"{noun}{self.joint}{self.description}",
@@ -310,10 +324,10 @@ class FactSubject:
         )
 
     def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[ComparedFact]:
-        """Yield a fact for each member that the spec states, and for each printed name of the part.
+        """Yield a fact for each member of the part that the spec states, and for each name that the manual prints.
 
-        The table of members states the class of a fact in ``read``. Members without a class and members in ``without``
-        have no fact.
+        In the table of members, ``read`` is the class of the fact. Members without it have no fact, and neither have
+        members in ``without``.
         """
         attributes = {member_field.name for member_field in fields(model_part)}
         for member in PARTS_BY_CLASS[type(model_part).__name__].members:
@@ -334,7 +348,10 @@ class FactSubject:
             )
 
     def stated_facts_by_code(self, rows: Sequence[Any]) -> Iterator[ComparedFact]:
-        """Yield a fact for each member of rows that apply to different order codes, with its value for each code."""
+        """Yield a fact for each member of ``rows``, with its value for each order code.
+
+        Each row states the values for some order codes, such as the clock limits of one output.
+        """
         for member in PARTS_BY_CLASS[type(rows[0]).__name__].members:
             values: dict[CodeAndState, str] = {}
             for case in self.reading.cases(self.interface):
@@ -349,9 +366,9 @@ class FactSubject:
 
 
 def _value_text(reading: SpecReading, member: ModelMember, member_value: Any, interface: str) -> FactValue:
-    """Return a stated value in words without names, or a text for each case if it is an expression.
+    """Return a stated value as text, such as ``16 µs``, ``0x1A`` or ``yes``, without names that a reader chooses.
 
-    Numbers come with the unit of the member: ``16 µs``, ``0x1A``, ``yes``.
+    For an expression, return its value for each order code.
     """
     if member.refers_to:
         return _referred_text(reading, member, member_value, interface)
@@ -378,7 +395,7 @@ def _value_text(reading: SpecReading, member: ModelMember, member_value: Any, in
         factor = member_value.quantity(1) - member_value.quantity(0)
         offset = member_value.quantity(0)
         return f"number * {factor} + {offset} {member_value.unit}"
-    # Of any other part, the first member is its value.
+    # The first member of any other part is its value, such as the code of ``output_code``.
     if is_dataclass(member_value):
         return str(getattr(member_value, fields(member_value)[0].name))
     return kind_of_unit(member_value) if member.form == "unit" else str(member_value)
@@ -399,9 +416,9 @@ def _part_text(value_or_part: object) -> str:
 
 
 def _referred_text(reading: SpecReading, member: ModelMember, referred_names: Any, interface: str) -> str:
-    """Return the things that a member names, in words without names, sorted.
+    """Return the things that a member refers to, without the names that a reader gave them, sorted.
 
-    Registers give their addresses, register fields and flags of frames their bits, and procedures their steps.
+    Registers are described by their addresses, fields by their bits, and procedures by their steps.
     """
     names = (referred_names,) if isinstance(referred_names, str) else referred_names
     match member.refers_to.removesuffix("s"):

@@ -1,4 +1,4 @@
-"""Facts about everything other than data: alarms, connectors, inputs, editions, characteristics, tables and LEDs."""
+"""Facts other than frames and registers: alarms, connectors, inputs, editions, characteristics, tables and LEDs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .texts import numbers_in
 def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the facts about connectors, alarms, inputs, editions, characteristics, tables and LEDs.
 
-    An alarm is identified by the place of its bits, of which it can have several.
+    An alarm is identified by its bits. It can be in several places, such as a register and the frames.
     """
     yield from _connector_facts(reading)
     for alarm in reading.device.alarms:
@@ -42,7 +42,8 @@ def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
 def _connector_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield the connectors and cables of each interface with their contacts.
 
-    They are numbered from 1 for each interface and kind. One without interfaces belongs to the interface "".
+    The connectors of an interface are numbered from 1, and so are its cables. Those that are for no particular
+    interface are numbered together.
     """
     counts: Counter[tuple[str, str]] = Counter()
     for connector in reading.device.connectors:
@@ -72,7 +73,7 @@ def _contact_facts(
             description=f"contact {contact.contact} of {connector_text}",
             joint=" with ",
         )
-        # Two readers differ in capitals and blanks, but not in the sign of a signal.
+        # Two readers may write capitals and spaces differently, but not the + or - of a signal.
         signal = "".join(contact.signal.casefold().split())
         yield subject.existence_fact(FactClass.PIN, signal, at="signal", depends_on=owner.key)
         yield from subject.stated_facts(contact)
@@ -81,7 +82,8 @@ def _contact_facts(
 def _alarm_bits_texts(reading: SpecReading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of an alarm: ``register 0x49 bit 3``, a whole register, and its bit in each frame.
 
-    A bit in a frame is the bit of the alarm's field in a field group, with the interface: ``bit 3 of … over SSI``.
+    An alarm in frames belongs to a field group. Its bits are given for each frame with that group: ``bit 3 of … over
+    SSI``.
     """
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None and alarm.field:

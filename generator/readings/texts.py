@@ -1,6 +1,6 @@
-"""Numbers and cited sections of the texts in a spec, and the pages of the table of contents, as facts.
+"""Facts in the texts of a spec: the numbers in them, the sections that they cite, and the pages of the contents.
 
-Two readers use different words, so only numbers and cited sections are compared.
+Two readers write texts in different words, so only the numbers and cited sections of texts are compared.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ _THOUSANDS_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
 
 def numbers_in(text: str) -> str:
-    """Return the numbers in a text in their order, each with its unit: ``5V 10ms``. Empty if there is none."""
+    """Return the numbers in a text in their order, each with its unit: ``5V 10ms``. Return "" if there are none."""
     # 4,096 is read as 4096.
     without_commas = _THOUSANDS_COMMA.sub("", text)
-    # The expression may include punctuation after a number.
+    # The pattern also matches a comma, point or hyphen after a number.
     numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER_IN_TEXT.findall(without_commas))
     return " ".join(numbers).replace("−", "-")
 
@@ -46,7 +46,7 @@ def content_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             if page is not None:
                 description = f"page of {dotted_path(page_place[2:])} in the contents"
                 yield ComparedFact(
-                    sort=FactClass.CONTENTS,
+                    fact_class=FactClass.CONTENTS,
                     key=("contents", *page_place),
                     value=str(page),
                     description=description,
@@ -62,7 +62,7 @@ def text_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             continue
         if is_source(place[-1]):
             yield ComparedFact(
-                sort=FactClass.SECTION,
+                fact_class=FactClass.SECTION,
                 key=(CITED, *place),
                 value=numbers_or_sections,
                 description=f"section cited at {dotted_path(place)}",
@@ -70,7 +70,7 @@ def text_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             )
         else:
             yield ComparedFact(
-                sort=FactClass.TEXT,
+                fact_class=FactClass.TEXT,
                 key=(NUMBERS, *place),
                 value=numbers_or_sections,
                 description=f"numbers in {dotted_path(place)}",
@@ -79,11 +79,15 @@ def text_facts(reading: SpecReading) -> Iterator[ComparedFact]:
 
 
 def is_source(key: str | int) -> bool:
+    """Return whether a key of a spec contains a citation of a manual, such as ``source`` or ``default_source``."""
     return key == "source" or str(key).endswith("_source")
 
 
 def _compared_text(key: str | int, text: str) -> str:
-    """Return the compared part of a text: its numbers, or the sections of the manual itself that a source cites."""
+    """Return the part of a text that is compared: its numbers, or the sections of the manual that a source cites.
+
+    Citations of other documents are left out.
+    """
     if not is_source(key):
         return numbers_in(text)
     # A source without a document cites the manual itself.
@@ -91,10 +95,11 @@ def _compared_text(key: str | int, text: str) -> str:
     return ", ".join(sorted(sections))
 
 
-def by_path(reading: SpecReading) -> dict[str, tuple[str, Path]]:
-    """Return what a second reading gives for texts and sources by their paths, with the places there.
+def numbers_by_path(reading: SpecReading) -> dict[str, tuple[str, Path]]:
+    """Return the numbers, or cited sections, that a second reading has under ``found`` for texts of the spec.
 
-    ``{"registers.mode.meaning": ("5V 10ms", ("found", "registers.mode.meaning"))}``
+    The keys are the paths of the texts. Each value has its place in the second reading:
+    ``{"registers.mode.meaning": ("5V 10ms", ("found", "registers.mode.meaning"))}``.
     """
     numbers_and_places: dict[str, tuple[str, Path]] = {}
     for path, text in reading.document.data.get("found", {}).items():
@@ -104,7 +109,7 @@ def by_path(reading: SpecReading) -> dict[str, tuple[str, Path]]:
 
 
 def sections_by_path(reading: SpecReading) -> dict[str, list[str]]:
-    """Return the sections that a second reading gives for everything under a path: ``{"registers": ["4.3"]}``."""
+    """Return the sections that a second reading cites for whole parts of the spec: ``{"registers": ["4.3"]}``."""
     cited_sections: dict[str, list[str]] = {}
     for section, paths in reading.document.data.get("sections", {}).items():
         for path in paths:
@@ -113,10 +118,10 @@ def sections_by_path(reading: SpecReading) -> dict[str, list[str]]:
 
 
 def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
-    """Yield every text and source in part of a spec, with its place.
+    """Yield every text and source in a spec, with its place.
 
-    In a place, items of lists are given by their names, or else by their indices. Call it with ``()`` and the whole
-    spec.
+    Call it with ``()`` and the data of the spec. It calls itself for each part. In a place, an item of a list is given
+    by its name, or by its index if it has none.
     """
     if isinstance(node, dict):
         for key, member in node.items():

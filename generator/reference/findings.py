@@ -26,7 +26,8 @@ from ..model import (
 )
 from ..model.order_codes import fits
 from ..model.record import dataclass
-from ..order_codes.labels import LabelMatch, edition_before, tests_of
+from ..order_codes.editions import edition_before, tests_of
+from ..order_codes.labels import LabelMatch
 from ..say import report
 from ..say.report import alarm_of, alarm_source, meaning, of_older_edition, remedy
 from .codec import DecodedField, DecodedFrame, number_of_text

@@ -1,4 +1,8 @@
-"""Align the words of two texts in time that grows with their length, not with its square."""
+"""Find the words that differ between two long texts.
+
+The time for comparing all words grows with the square of the length, so it would be too long for manuals. The texts are
+therefore first divided at phrases that occur once in both.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +14,13 @@ from typing import NamedTuple
 
 #: Lengths of the phrases that align two texts, longest first. In a text of few words, only long ones occur once.
 _PHRASE_LENGTHS = (16, 8, 4, 2, 1)
-#: Most pairs of equal words that are compared with each other. More are first divided at common phrases.
+#: Most pairs of equal words for which ranges are compared word by word. Ranges with more are first divided at phrases.
 _MOST_PAIRS = 20_000
-#: The same without any common phrase that occurs once. More count as one difference.
+#: The same for ranges that no phrase divides. Ranges with more count as one difference.
 _MOST_PAIRS_WITHOUT_PHRASE = 400_000
 
 
-class Ranges(NamedTuple):
+class RangePair(NamedTuple):
     """A range of words of the old edition, and the range that replaces it in the new edition."""
 
     low: int
@@ -29,13 +33,13 @@ class Ranges(NamedTuple):
         return self.low == self.high and self.new_low == self.new_high
 
 
-def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
+def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[RangePair]:
     """Yield the ranges of words that differ, in order.
 
-    Ranges with few pairs of equal words are compared word by word. Other ranges are first divided at common phrases,
-    with shorter and shorter phrases. Ranges that are still too large count as one difference.
+    Short ranges are compared word by word. Long ranges are first divided at phrases that both texts contain once: at
+    phrases of 16 words, then of 8 words, and so on. Ranges that are then still too long count as one difference.
     """
-    whole_texts = Ranges(low=0, high=len(old), new_low=0, new_high=len(new))
+    whole_texts = RangePair(low=0, high=len(old), new_low=0, new_high=len(new))
     # The ranges to compare, last first, with the index of the length of the phrases that divide them next.
     ranges_to_compare = [(whole_texts, 0)]
     while ranges_to_compare:
@@ -48,27 +52,27 @@ def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]
         if _has_few_equal_pairs(old, new, ranges, most_pairs):
             yield from _differences_within(old, new, ranges)
         elif has_more_lengths:
-            # In reverse order, so that the first of them is taken from the end of the list next.
+            # The list is processed from its end, so the order is reversed.
             smaller_ranges = _divide_at_phrases(old, new, ranges, _PHRASE_LENGTHS[length_index])
             ranges_to_compare += [(smaller, length_index + 1) for smaller in reversed(smaller_ranges)]
         else:
             yield ranges
 
 
-def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: Ranges) -> Ranges:
-    """Return the ranges without the words at their beginning and end that are equal."""
+def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: RangePair) -> RangePair:
+    """Return the ranges without equal words at their beginnings and ends."""
     low, high, new_low, new_high = ranges
     while low < high and new_low < new_high and old[low] == new[new_low]:
         low, new_low = low + 1, new_low + 1
     while low < high and new_low < new_high and old[high - 1] == new[new_high - 1]:
         high, new_high = high - 1, new_high - 1
-    return Ranges(low=low, high=high, new_low=new_low, new_high=new_high)
+    return RangePair(low=low, high=high, new_low=new_low, new_high=new_high)
 
 
-def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: Ranges, most_pairs: int) -> bool:
+def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: RangePair, most_pairs: int) -> bool:
     """Return whether two ranges have at most ``most_pairs`` pairs of equal words.
 
-    A word that occurs 3 times in one range and twice in the other leads to 6 pairs.
+    A word that occurs 3 times in one range and twice in the other results in 6 pairs.
     """
     old_counts = Counter(old[ranges.low : ranges.high])
     new_counts = Counter(new[ranges.new_low : ranges.new_high])
@@ -76,31 +80,33 @@ def _has_few_equal_pairs(old: Sequence[str], new: Sequence[str], ranges: Ranges,
     return pair_count <= most_pairs
 
 
-def _differences_within(old: Sequence[str], new: Sequence[str], ranges: Ranges) -> Iterator[Ranges]:
+def _differences_within(old: Sequence[str], new: Sequence[str], ranges: RangePair) -> Iterator[RangePair]:
     """Yield the differences between two ranges, compared word by word, as ranges of the whole texts."""
     low, high, new_low, new_high = ranges
     matcher = SequenceMatcher(None, old[low:high], new[new_low:new_high], autojunk=False)
     for tag, start, end, new_start, new_end in matcher.get_opcodes():
         if tag != "equal":
-            yield Ranges(low=low + start, high=low + end, new_low=new_low + new_start, new_high=new_low + new_end)
+            yield RangePair(low=low + start, high=low + end, new_low=new_low + new_start, new_high=new_low + new_end)
 
 
-def _divide_at_phrases(old: Sequence[str], new: Sequence[str], ranges: Ranges, phrase_length: int) -> list[Ranges]:
+def _divide_at_phrases(
+    old: Sequence[str], new: Sequence[str], ranges: RangePair, phrase_length: int
+) -> list[RangePair]:
     """Return the ranges between phrases of this length that occur once in each range and in the same order.
 
-    Phrases that overlap the previous phrase are skipped. Without any phrase, the whole ranges are returned.
+    Phrases that overlap the previous phrase are skipped. If there is no phrase, the result is the undivided ranges.
     """
     old_places = _places_of_phrases(old, ranges.low, ranges.high, phrase_length)
     new_places = _places_of_phrases(new, ranges.new_low, ranges.new_high, phrase_length)
     common_places = [(place, new_places[phrase]) for phrase, place in old_places.items() if phrase in new_places]
-    ranges_between: list[Ranges] = []
+    ranges_between: list[RangePair] = []
     low, new_low = ranges.low, ranges.new_low
     for place, new_place in _longest_increasing(sorted(common_places)):
         is_after_last_phrase = place >= low and new_place >= new_low
         if is_after_last_phrase:
-            ranges_between.append(Ranges(low=low, high=place, new_low=new_low, new_high=new_place))
+            ranges_between.append(RangePair(low=low, high=place, new_low=new_low, new_high=new_place))
             low, new_low = place + phrase_length, new_place + phrase_length
-    return [*ranges_between, Ranges(low=low, high=ranges.high, new_low=new_low, new_high=ranges.new_high)]
+    return [*ranges_between, RangePair(low=low, high=ranges.high, new_low=new_low, new_high=ranges.new_high)]
 
 
 def _places_of_phrases(words: Sequence[str], low: int, high: int, length: int) -> dict[tuple[str, ...], int]:
@@ -119,24 +125,24 @@ def _places_of_phrases(words: Sequence[str], low: int, high: int, length: int) -
 
 
 def _longest_increasing(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return the longest run of pairs in which the second number increases, too.
+    """Return the longest series of pairs in which both numbers increase. Other pairs may be between them.
 
-    The pairs are sorted by their first number. For ``[(1, 5), (2, 3), (3, 4)]`` this is ``[(2, 3), (3, 4)]``.
+    The pairs are sorted by their first number. For ``[(1, 5), (2, 3), (3, 4)]`` the result is ``[(2, 3), (3, 4)]``.
     """
-    # For each length of a run: the lowest second number at its end, and the index of that pair.
+    # For each length of a series: the lowest second number at its end, and the index of that pair.
     lowest_ends: list[int] = []
     last_indices: list[int] = []
-    # For each pair: the index of the pair before it in the longest run that it ends, or -1.
+    # For each pair: the index of the pair before it in the longest series that ends with it, or -1.
     previous_indices: list[int] = []
     for index, (_, new_place) in enumerate(pairs):
-        # The longest run that this pair can continue: its last second number must be lower.
+        # The pair continues the longest series that ends with a lower second number.
         length_before = bisect_left(lowest_ends, new_place)
         previous_indices.append(last_indices[length_before - 1] if length_before else -1)
         lowest_ends[length_before : length_before + 1] = [new_place]
         last_indices[length_before : length_before + 1] = [index]
-    run: list[tuple[int, int]] = []
+    series: list[tuple[int, int]] = []
     index = last_indices[-1] if last_indices else -1
     while index >= 0:
-        run.append(pairs[index])
+        series.append(pairs[index])
         index = previous_indices[index]
-    return run[::-1]
+    return series[::-1]

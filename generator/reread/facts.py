@@ -16,26 +16,26 @@ from ..model import Sources
 from .passages import Passage
 from .sections import COVER, WORD, plain_line
 
-#: Keys that hold no fact of the manual: places, names, and the judgement of an erratum.
-_NO_FACTS = frozenset({"source", "name", "erratum", "affects", "severity", "status"})
-#: Words that manuals print for keys whose own words they never print.
+#: Keys whose values are not facts of the manual: sources, names, and our assessment of an erratum.
+_KEYS_WITHOUT_FACTS = frozenset({"source", "name", "erratum", "affects", "severity", "status"})
+#: Words that manuals use for these keys, whose own words they never use.
 _PRINTED_FOR_KEY = {"init": "start value", "poly": "polynomial", "xorout": "inverted output"}
-#: Keys of the words that a manual prints next to a value.
+#: Keys with the words that a manual prints next to a value.
 _KEYS_OF_LABELS = ("name", "printed_name", "title", "symbol", "contact", "signal")
-#: Letters of a value shown with its fact.
+#: Most characters of a value that are shown with its fact.
 _SHOWN_LETTERS = 60
-#: Words that manuals print for values of the spec language.
+#: Words that manuals use for values of the spec language.
 _PRINTED_FOR_VALUE = {
     "read_only": ("ro", "r"),
     "read_write": ("rw",),
     "write_only": ("wo", "w"),
 }
-#: Words that manuals print for the order of bytes, of which every number of several bytes has one.
+#: Words that manuals use for the byte order, which every number of several bytes has.
 _PRINTED_FOR_BYTE_ORDER = {
     "low_byte_first": ("low", "first", "lsb", "msb"),
     "high_byte_first": ("high", "first", "msb", "lsb"),
 }
-#: A number in hexadecimal in a text, which a manual may print without the letter.
+#: A hexadecimal number in a text, such as ``fa0h``. A manual may print it without the ``h``.
 HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
 #: The path of a fact about an option of the order code.
 _PATH_OF_OPTION = re.compile(r"order_code\.parts\.[^.]+\.values\.([^.]+)(?:\..*)?")
@@ -48,7 +48,7 @@ ORDER_CODE = re.compile(r"[a-z]{2}\w*?(\d\d)")
 
 
 @dataclass(frozen=True)
-class Citing:
+class CitingFact:
     """A fact that cites the manual: its place in the spec, its value, and the sections and pages that it cites.
 
     ``spelling`` is a number as spelled in the spec, ``item`` the path of the part of the spec that has the fact, and
@@ -81,7 +81,7 @@ class Citing:
 
     @cached_property
     def words(self) -> frozenset[str]:
-        """The words of the value as a manual may print them, such as ``4,000`` and ``fa0h`` for 4000."""
+        """The words that a manual may print for the value, such as ``4,000`` or ``fa0h`` for 4000."""
         printed_words = frozenset(_printed_words(self.value))
         if self.path.endswith(".poly"):
             printed_words |= _with_top_bit(self.value)
@@ -89,12 +89,12 @@ class Citing:
 
     @cached_property
     def text(self) -> str:
-        """The words of the value in order, with spaces between them and around them. Empty for a number."""
+        """The words of the value, with spaces around and between them: `` not used ``. Empty for a number."""
         return "" if isinstance(self.value, int) else spaced(str(self.value))
 
     @cached_property
     def own_name_text(self) -> str:
-        """The words of the last of its names in order, as in ``text``."""
+        """The words of the last of its names, in the form of ``text``."""
         return spaced(self.names[-1]) if self.names else ""
 
     @property
@@ -103,7 +103,7 @@ class Citing:
         return isinstance(self.value, int) and self.path.startswith("manual.contents.")
 
     @cached_property
-    def named(self) -> frozenset[str]:
+    def name_words(self) -> frozenset[str]:
         """The words of its name and of the names above it."""
         words: set[str] = set()
         for name in self.names:
@@ -111,17 +111,20 @@ class Citing:
         return frozenset(words)
 
     @cached_property
-    def own_name(self) -> frozenset[str]:
+    def own_name_words(self) -> frozenset[str]:
         """The words of the last of its names."""
         if not self.names:
             return frozenset()
         return frozenset(_words_of_name(self.names[-1]))
 
     def is_at(self, sections: Collection[str], passage: Passage) -> bool:
-        """Return whether the fact cites one of the sections, or is an option of the order code that the passage names.
+        """Return whether a change of the passage can affect the fact.
 
-        Manuals print order codes in many sections and headings, few of which a spec cites. A fact of the edition is
-        instead at a passage that changes it on the cover, has a date, or adds a row to the history below its own row.
+        The fact cites one of the sections, or is about an option of the order code that the passage contains. Manuals
+        print order codes in many sections, few of which a spec cites.
+
+        Facts about the edition, such as its date, do not cite sections. They are at passages that contain a date,
+        change a word of the fact on the cover, or add a row to the history below the row of the fact.
         """
         if self.is_of_edition:
             is_on_cover = passage.section.number == COVER and not self.words.isdisjoint(passage.old)
@@ -130,9 +133,10 @@ class Citing:
         return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
 
     def _is_above_new_row_of_history(self, passage: Passage) -> bool:
-        """Return whether a passage adds a row with another revision below the row of this fact.
+        """Return whether a passage adds a row with another revision to the history, below the row of this fact.
 
-        The row can be part of a larger change. The words of the fact are then among the old words.
+        If the row is part of a larger change, the words of the fact are among the old words. Otherwise they are close
+        to the passage.
         """
         added_words = [word for word in passage.new if word not in passage.old]
         adds_revision = any(_REVISION_NUMBER.fullmatch(word) for word in added_words)
@@ -145,14 +149,14 @@ class Citing:
     def _is_option_named_in(self, passage: Passage) -> bool:
         """Return whether the fact is about an option of the order code whose label is in the passage.
 
-        The label is one of the old words, or is the last two digits of an order code among them. For a passage that
-        adds an order code, the words around it count instead of the old words.
+        The label is one of the old words, or the last two digits of an order code among them. If the passage only adds
+        an order code, the words around it count as the old words, since tables list similar order codes in adjacent
+        rows.
         """
         option_match = _PATH_OF_OPTION.fullmatch(self.path)
         if option_match is None:
             return False
         label = option_match[1].casefold()
-        # A row with a new order code is next to rows of other order codes.
         adds_order_code = not passage.old and bool(_last_digits(word.casefold() for word in passage.new))
         words_of_passage = passage.close if adds_order_code else passage.old
         folded_words = {word.casefold() for word in words_of_passage}
@@ -168,16 +172,15 @@ def _words_of_name(name: str) -> list[str]:
 
 
 def spaced(text: str) -> str:
-    """Return the words of a text or of an identifier, with spaces between them and around them."""
+    """Return the words of a text or of an identifier, with spaces around and between them, for searches of phrases."""
     words = " ".join(_words_of_name(plain_line(text)))
     return f" {words} "
 
 
 def _is_order_code_label(words_text: str) -> bool:
-    """Return whether a text can only be a label of an order code.
+    """Return whether a text is so specific that it is the label of an option where it occurs.
 
-    Such a text is a number of 4 or more digits, or another text of 3 or more characters or with a digit. A or TO can be
-    words.
+    Numbers with fewer than 4 digits and words with fewer than 3 letters are not: A or TO can be ordinary words.
     """
     if words_text.isdigit():
         return len(words_text) >= 4
@@ -203,9 +206,9 @@ def _relative_path(file: str) -> str:
 
 
 def _printed_words(value: object) -> Iterator[str]:
-    """Yield the words of a value in lower case. A truth value has none.
+    """Yield the words that manuals print for a value, in lower case. A Boolean has none.
 
-    A number can be printed in hexadecimal, with separators, or in a larger unit. For example, 4000 is printed as
+    A number can be printed in hexadecimal, with separators, or in another unit. For example, 4000 is printed as
     ``4,000``, ``4.000``, ``4``, ``400.0`` or ``fa0h``.
     """
     if isinstance(value, bool) or value is None:
@@ -224,7 +227,7 @@ def _printed_words(value: object) -> Iterator[str]:
     yield from (with_commas, with_commas.replace(",", "."))
     yield f"{value:g}"
     for scale in (1000, 1_000_000):
-        # With a scale of 1000, a value of 100 can be printed as 0.1 of the larger unit.
+        # With a factor of 1000, a value of 100 can be printed as 0.1 of the larger unit.
         if value >= scale // 10:
             yield f"{value / scale:g}"
     yield from (str(value), f"{value / 10:.1f}")
@@ -232,9 +235,10 @@ def _printed_words(value: object) -> Iterator[str]:
 
 
 def _with_top_bit(polynomial: object) -> frozenset[str]:
-    """Return a polynomial as manuals print it with its top bit, in hexadecimal or binary.
+    """Return a CRC polynomial with its highest bit, in the notations of manuals: hexadecimal and binary.
 
-    The spec leaves out the top bit, whose position is the width of the CRC. Each width up to 32 is tried.
+    The spec leaves out the highest bit, whose position is the width of the CRC. The width is not known here, so all
+    widths up to 32 are included.
     """
     if not isinstance(polynomial, int):
         return frozenset()
@@ -262,7 +266,7 @@ class _Surroundings:
     refers_to: frozenset[str] = frozenset()
 
 
-def facts_with_citations(document: Document) -> list[Citing]:
+def facts_with_citations(document: Document) -> list[CitingFact]:
     """Return the facts of a spec with what they cite. A fact without a source has the source of the item around it."""
     return list(_facts_in(document, document.data, path=(), around=_Surroundings()))
 
@@ -272,16 +276,16 @@ def _parse_source(source: str) -> Sources:
     return parse_sources(source.replace("TODO ", ""))
 
 
-def _facts_in(document: Document, node: Any, path: Path, around: _Surroundings) -> Iterator[Citing]:
+def _facts_in(document: Document, node: Any, path: Path, around: _Surroundings) -> Iterator[CitingFact]:
     """Yield the facts in part of a spec, with names, source and references from the items around them.
 
-    A fact is a value, neither map nor list, with a source, or any value about the manual. Keys of ``_NO_FACTS`` and
-    sources themselves are left out.
+    Every single value with a source is a fact, and so is every value about the manual itself. Sources and the keys in
+    ``_KEYS_WITHOUT_FACTS`` are left out.
     """
     if isinstance(node, dict):
         in_map = _surroundings_in(node, path, around)
         for key, member in node.items():
-            is_fact = key not in _NO_FACTS and not str(key).endswith("_source")
+            is_fact = key not in _KEYS_WITHOUT_FACTS and not str(key).endswith("_source")
             if is_fact:
                 printed_key = _PRINTED_FOR_KEY.get(str(key), str(key))
                 around_member = replace(
@@ -299,9 +303,9 @@ def _facts_in(document: Document, node: Any, path: Path, around: _Surroundings) 
 
 
 def _source_of_member(item: Mapping[str, Any], path: Path, member_name: str, in_map: _Surroundings) -> Sources:
-    """Return the citations of a map's member: its own source, ``<key>_source``, or else the source of the map.
+    """Return the citations of a member of a map: its own source, ``<key>_source``, or else the source of the map.
 
-    Contents without a source cite their section, which is the step after ``manual.contents`` in the path of the member.
+    An entry of the table of contents without a source cites its section, such as ``manual.contents.4.2``.
     """
     own_source = item.get(f"{member_name}_source")
     source = _parse_source(own_source) if isinstance(own_source, str) else in_map.source
@@ -312,9 +316,10 @@ def _source_of_member(item: Mapping[str, Any], path: Path, member_name: str, in_
 
 
 def _surroundings_in(item: Mapping[str, Any], path: Path, around: _Surroundings) -> _Surroundings:
-    """Return the context of the facts in a map: from the map and from the items around it.
+    """Return the item, source, names and references for the facts in a map.
 
-    An item is a map in a list, with a source, or in a map of items. Other maps belong to the item around them.
+    A map is an item itself if it is in a list or in a map of items, or has a source. Other maps belong to the item
+    around them.
     """
     is_in_map_of_items = len(path) > 1 and path[-2] in _MAPS_OF_ITEMS
     is_item = bool(path) and (isinstance(path[-1], int) or "source" in item or is_in_map_of_items)
@@ -341,7 +346,7 @@ def _references_in(item: Mapping[str, Any]) -> Iterator[str]:
                 yield name
 
 
-def _build_fact(document: Document, fact_value: object, path: Path, around: _Surroundings) -> Citing:
+def _build_fact(document: Document, fact_value: object, path: Path, around: _Surroundings) -> CitingFact:
     """Return the value at a path as a fact, with the sections and pages of the manual that it cites.
 
     Citations of other documents are left out.
@@ -349,7 +354,7 @@ def _build_fact(document: Document, fact_value: object, path: Path, around: _Sur
     # A citation without a document is one of the manual itself.
     in_manual = [citation for citation in around.source if not citation.document]
     line, _ = document.position(path)
-    return Citing(
+    return CitingFact(
         file=document.file,
         line=line,
         path=document.name_path(path),

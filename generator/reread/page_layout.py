@@ -12,13 +12,13 @@ _PAGE_NUMBER = re.compile(
 )
 #: Least number of times that a line is printed to be a running head, and the longest such line.
 LEAST_REPETITIONS, LONGEST_HEAD = 4, 120
-#: Number of lines at the top or bottom of a page, and the least share of a running head that is printed there.
+#: Number of lines at the top or bottom of a page, and the least share of the lines of a running head that are there.
 _EDGE_LINES, _LEAST_HEAD_SHARE = 4, 0.8
 #: The same with a form feed between pages, which shows where they end.
 _PAGE_EDGE = 2
-#: Least share of a text over which page numbers are spread, unlike the numbers of steps or of the rows of a table.
+#: Least part of a text that page numbers span. The numbers of steps or of the rows of a table span less.
 _LEAST_PAGE_SPREAD = 0.5
-#: Least number of lines from one page to the next, and largest factor by which a page is longer or shorter than usual.
+#: Least usual number of lines on a page, and largest factor by which a page is longer or shorter than usual.
 _SHORT_PAGE, _LARGEST_PAGE_FACTOR = 12, 2
 #: Largest step between two page numbers that are found. The first page of a chapter often has no page number.
 _PAGE_STEP = 3
@@ -34,7 +34,7 @@ def find_page_numbers(lines: Sequence[str]) -> set[int]:
 
     The page numbers are the longest series of numbers that increase by 1 to 3.
     """
-    #: The lines of the longest series that ends with each page.
+    # For each page: the lines of the longest series that ends with it.
     series_by_last_page: dict[int, list[int]] = {}
     for index, line in enumerate(lines):
         is_only_page = _PAGE_NUMBER.fullmatch(line) is not None
@@ -52,10 +52,10 @@ def find_page_numbers(lines: Sequence[str]) -> set[int]:
 
 
 def find_running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
-    """Return the indices of lines that are printed on many pages: page numbers, and identical lines next to them.
+    """Return the indices of the lines of running heads, which are printed on many pages.
 
-    Lines are identical if only their numbers differ. A row of a table can also occur often. Its numbers do not increase
-    each time, or the rows are close together.
+    The lines of a running head differ only in their numbers. They contain increasing page numbers, occur at regular
+    distances, or are close to such lines. Rows of tables can also repeat, but without these properties.
     """
     indices_by_head: dict[str, list[int]] = {}
     for index, line in enumerate(lines):
@@ -78,7 +78,7 @@ def find_running_heads(lines: Sequence[str], headings: set[int]) -> set[int]:
 
 
 def _spread_heads(indices_by_head: Mapping[str, list[int]], line_count: int) -> dict[str, list[int]]:
-    """Return the lines that are printed at least 4 times, with the first and the last at least half the text apart.
+    """Return the lines that are printed at least 4 times, the first and the last at least half of the text apart.
 
     ``indices_by_head`` contains the indices of each line, without its numbers, in ascending order.
     """
@@ -95,7 +95,7 @@ def _count_near_pages(lines: Sequence[str], lines_with_page: Sequence[int]) -> C
     counts: Counter[str] = Counter()
     last_edge: int | None = None
     for index in lines_with_page:
-        # One page has only one edge, or the lines near it would count twice.
+        # If two page numbers are close together, they are at the same edge, whose lines are counted once.
         if last_edge is None or index - last_edge > _EDGE_LINES:
             lines_at_edge = lines[max(index - _EDGE_LINES, 0) : index + _EDGE_LINES + 1]
             counts.update({without_digits(line) for line in lines_at_edge})
@@ -104,14 +104,14 @@ def _count_near_pages(lines: Sequence[str], lines_with_page: Sequence[int]) -> C
 
 
 def _is_regular(indices: Sequence[int]) -> bool:
-    """Return whether a line is printed at about the same distance each time, as once on each page.
+    """Return whether a line is printed at regular distances, like a line that is on each page.
 
-    At least 80 % of the distances are between half and twice the usual one, which is at least 12 lines.
+    At least 80 % of the distances are between half and twice the median distance, which is at least 12 lines.
     """
     distances = sorted(following - previous for previous, following in pairwise(indices))
     median_index = len(distances) // 2
     usual_distance = distances[median_index]
-    # With whole numbers: from usual / factor to usual * factor.
+    # From usual / factor to usual * factor, multiplied by the factor to avoid fractions.
     distances_near_usual = [
         distance
         for distance in distances
@@ -124,7 +124,7 @@ def _is_regular(indices: Sequence[int]) -> bool:
 def find_heads_at_edges(pages: Sequence[Sequence[str]]) -> set[str]:
     """Return the lines, with # for numbers, that occur at least 4 times at the edges of pages, and mostly there.
 
-    An edge is the first or last 2 lines of a page. 80 % of the lines must be there.
+    An edge is the first or last 2 lines of a page. At least 80 % of the occurrences must be there.
     """
     counts_anywhere: Counter[str] = Counter()
     counts_at_edges: Counter[str] = Counter()
@@ -157,9 +157,10 @@ def without_edges(pages: Sequence[Sequence[str]], heads: Collection[str]) -> Ite
 
 
 def _counts_pages(lines: Sequence[str]) -> bool:
-    """Return whether the numbers in lines increase from line to line, except those that are always the same.
+    """Return whether the numbers in lines increase from line to line like page numbers.
 
-    ``Manual 1.2 page 3`` and ``Manual 1.2 page 4`` do. At least one number must change.
+    Numbers that are the same in all lines are ignored, but at least one must change: ``Manual 1.2 page 3`` and
+    ``Manual 1.2 page 4``.
     """
     numbers_by_line = [list(map(int, re.findall(r"\d{1,4}", line))) for line in lines]
     # The first numbers of all lines, the second numbers of all lines, and so on.

@@ -1,16 +1,16 @@
-"""Passages that differ between two editions, section by section."""
+"""Pair the sections of two editions of a manual, and find the passages that differ between them."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from .alignment import Ranges, differing_ranges
-from .sections import WORD, Manual, Section, joined_letters, pair_sections
+from .alignment import RangePair, differing_ranges
+from .sections import WORD, Manual, Section, joined_letters
 
-#: Differences with no more equal words between them are one passage.
-_MOST_EQUAL_WORDS_BETWEEN = 6
+#: Differences with at most this number of equal words between them are one passage.
+_MAX_EQUAL_WORDS_BETWEEN = 6
 #: Words before and after a difference that belong to its passage. The name of a register is often far above.
 _WORDS_BEFORE, _WORDS_AFTER = 60, 20
 #: Words before and after a difference that are close to it, such as the rest of a row.
@@ -19,45 +19,46 @@ _CLOSE_WORDS = 8
 _WORDS_NEXT_TO_INSERTION = 1
 #: Words shown before and after a difference.
 _SHOWN_WORDS = 5
-#: Least share of common words for texts in the same language.
+#: Lowest share of common words for texts in the same language.
 _SAME_LANGUAGE = 0.5
 
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """A difference: its ``section`` in the old edition, or in the new one if it is new.
+    """A difference between two editions of a manual."""
 
-    ``old`` and ``new`` contain the words that differ. ``close`` has these words and 8 words on both sides in both
-    editions, about a row of a table, and ``around`` has about a paragraph. ``shown`` is the old and the new text for
-    display. ``next_to`` contains the words next to an insertion, and is empty if there are old words.
-    """
-
+    #: Section in the old edition, or in the new edition if the section is new.
     section: Section
+    #: Words that only the old and only the new edition has.
     old: tuple[str, ...]
     new: tuple[str, ...]
+    #: Differing words with 8 words before and after them, in both editions. This is about a row of a table.
     close: tuple[str, ...]
+    #: Differing words with more words around them, in both editions. This is about a paragraph.
     around: tuple[str, ...]
+    #: The old and the new text for display.
     shown: tuple[str, str]
+    #: Words directly before and after an insertion. Empty if there are old words.
     next_to: tuple[str, ...] = ()
 
 
 def same_language(old: Manual, new: Manual) -> bool:
     """Return whether two texts have enough words in common to be compared word by word.
 
-    These are at least half of the words of the shorter text, without numbers and signs.
+    At least half of the words in the shorter text, without numbers and signs, must be common.
     """
     old_words = Counter(filter(str.isalpha, old.words.elements()))
     new_words = Counter(filter(str.isalpha, new.words.elements()))
-    # A word that occurs several times counts as often as both texts have it.
+    # The intersection of two counters contains a word as often as both texts contain it.
     common_count = (old_words & new_words).total()
     return common_count >= _SAME_LANGUAGE * min(old_words.total(), new_words.total())
 
 
 def differing_passages(old: Manual, new: Manual) -> Iterator[Passage]:
-    """Yield the passages that differ. A section that only one edition has is one passage.
+    """Yield the passages that differ between two editions. A section that only one edition has is one passage.
 
-    Sections that were only renumbered or moved do not differ. A running head of one edition can be the title on the
-    cover of both, so text that only one edition has is skipped if it is a running head.
+    Sections that were only renumbered or moved do not differ. A text that only one edition has is skipped if it is a
+    running head in either edition.
     """
     heads = old.heads | new.heads
     for old_section, new_section in pair_sections(old, new):
@@ -92,15 +93,15 @@ def _whole_section_text(section: Section) -> str:
 def _passages_of_section(
     section: Section, old: Sequence[str], new: Sequence[str], heads: Collection[str]
 ) -> Iterator[Passage]:
-    """Yield the passages that differ between the words ``old`` and ``new`` of a section.
+    """Yield the passages that differ between the old and the new words of a section.
 
-    ``heads`` contains the letters of running heads, which are skipped if only one edition has them here.
+    ``heads`` contains the letters of running heads. They are skipped if only one edition has them here.
     """
     if old == new:
         return
     for low, high, new_low, new_high in _differences_with_near_joined(old, new):
         old_words, new_words = tuple(old[low:high]), tuple(new[new_low:new_high])
-        # Words that are only divided differently at the end of a line have the same letters.
+        # Words that are only hyphenated differently at the end of a line have the same letters.
         if "".join(old_words) == "".join(new_words):
             continue
         is_in_one_edition = not old_words or not new_words
@@ -110,7 +111,7 @@ def _passages_of_section(
         new_row = _with_words_around(new, new_low, new_high, count_before=_CLOSE_WORDS, count_after=_CLOSE_WORDS)
         old_paragraph = _with_words_around(old, low, high, count_before=_WORDS_BEFORE, count_after=_WORDS_AFTER)
         new_paragraph = _with_words_around(new, new_low, new_high, count_before=_WORDS_BEFORE, count_after=_WORDS_AFTER)
-        # Only an insertion has words next to it. It contains no old words for finding facts.
+        # An insertion contains no old words, so facts are found by the words next to it.
         words_next_to = _with_words_around(
             old, low, high, count_before=_WORDS_NEXT_TO_INSERTION, count_after=_WORDS_NEXT_TO_INSERTION
         )
@@ -129,18 +130,18 @@ def _passages_of_section(
 def _with_words_around(
     words: Sequence[str], low: int, high: int, *, count_before: int, count_after: int
 ) -> Sequence[str]:
-    """Return the words from ``low`` to before ``high``, with some words before and after them."""
+    """Return the words from index ``low`` to before ``high``, with some words before and after them."""
     return words[max(low - count_before, 0) : high + count_after]
 
 
-def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
-    """Yield the ranges of words that differ in the old and the new text.
+def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Iterator[RangePair]:
+    """Yield the ranges of words that differ between the old and the new text.
 
-    If at most 6 equal words of the old text are between two passages, they are joined into one, with these words.
+    Two ranges with at most 6 equal words between them are joined into one, which includes these words.
     """
-    joined_ranges: Ranges | None = None
+    joined_ranges: RangePair | None = None
     for ranges in differing_ranges(old, new):
-        if joined_ranges is not None and ranges.low - joined_ranges.high <= _MOST_EQUAL_WORDS_BETWEEN:
+        if joined_ranges is not None and ranges.low - joined_ranges.high <= _MAX_EQUAL_WORDS_BETWEEN:
             joined_ranges = joined_ranges._replace(high=ranges.high, new_high=ranges.new_high)
             continue
         if joined_ranges is not None:
@@ -159,9 +160,9 @@ def _shown_text(words: Sequence[str], low: int, high: int) -> str:
 
 
 def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
-    """Yield a passage for each section in which other numbers occur, for editions in two languages.
+    """Yield a passage for each section whose numbers differ between two editions in different languages.
 
-    Only the numbers are compared, without their order, so ``old`` and ``new`` contain the numbers that only one edition
+    The order of the numbers does not matter. ``old`` and ``new`` of a passage contain the numbers that only one edition
     has.
     """
     for old_section, new_section in pair_sections(old, new):
@@ -183,9 +184,51 @@ def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
 
 
 def _count_numbers(section: Section) -> Counter[str]:
-    """Return the numbers in a section, with a decimal point in every language."""
+    """Return how often each number occurs in a section. A decimal comma is replaced by a decimal point."""
     return Counter(word.replace(",", ".") for word in section.words if _is_number(word))
 
 
 def _is_number(word: str) -> bool:
     return any(letter.isdigit() for letter in word)
+
+
+def pair_sections(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Section | None]]:
+    """Yield the sections of two editions in pairs, with None for a section that is not in the other edition.
+
+    Sections are paired by number and title, then by title, then by number. Sections that are only in the new edition
+    come last.
+    """
+    unpaired_by_number = {section.number: section for section in new.sections}
+    new_section_by_old_number: dict[str, Section] = {}
+    # Each rule is tried for all sections before the next rule, so that better pairs are found first.
+    for find_number in (_same_number_and_title, _number_with_same_title, _same_number):
+        for section in old.sections:
+            if section.number in new_section_by_old_number:
+                continue
+            new_number = find_number(section, unpaired_by_number)
+            if new_number is not None:
+                new_section_by_old_number[section.number] = unpaired_by_number.pop(new_number)
+    for section in old.sections:
+        yield section, new_section_by_old_number.get(section.number)
+    for section in unpaired_by_number.values():
+        yield None, section
+
+
+def _same_number_and_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
+    """Return the number of an old section if the new section with this number has the same title, or None."""
+    new_section = new_sections.get(old_section.number)
+    if new_section is None or new_section.title.casefold() != old_section.title.casefold():
+        return None
+    return old_section.number
+
+
+def _number_with_same_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
+    """Return the number of the first new section with the same title, regardless of case, or None."""
+    for number, new_section in new_sections.items():
+        if new_section.title.casefold() == old_section.title.casefold():
+            return number
+    return None
+
+
+def _same_number(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
+    return old_section.number if old_section.number in new_sections else None

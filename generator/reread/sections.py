@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import chain
@@ -21,7 +21,7 @@ from .page_layout import (
     without_edges,
 )
 
-#: Largest text that is read, in bytes. Manuals have some 100,000.
+#: Largest text that is read, in bytes. Manuals have about 100,000 bytes.
 MOST_BYTES = 20_000_000
 #: Section of the text before the first heading.
 COVER = "Cover"
@@ -42,9 +42,9 @@ _PAGE_REFERENCE = re.compile(
 _SECTION_REFERENCE = re.compile(
     r"\"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\s*(?:-\s*)?(?=(?P<title>[^\W\d][^\"]*|\"\w[^\"]*))"
 )
-#: Number of lines with a page from which contents are taken to be complete.
-_LEAST_COMPLETE_CONTENTS = 12
-#: Key of a number after the numbers of all sections.
+#: A table of contents is assumed to be complete if at least this number of lines have a page.
+_COMPLETE_CONTENTS = 12
+#: Sort key that comes after the numbers of all sections.
 _AFTER_ALL_SECTIONS = (999,)
 _PLAIN_MARKS = str.maketrans(dict.fromkeys("‐‑‒–—−", "-") | {"\u00ad": "", "\u200b": "", "’": "'", "“": '"', "”": '"'})
 
@@ -55,8 +55,9 @@ class NoText(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A section: its number or, without one, its title, the whole title, its words in order, and its page if known."""
+    """A section of a manual: its number, its title, its words in order, and its page if this is known."""
 
+    #: Number of the section, or its title if it has no number.
     number: str
     title: str
     words: tuple[str, ...]
@@ -71,8 +72,8 @@ class Section:
 class Manual:
     """The text of an edition.
 
-    ``missing`` contains the listed sections for which the text has no heading.
-    ``heads`` contains the letters of each running head.
+    ``missing`` contains the sections in the table of contents for which the text has no heading. ``heads`` contains the
+    letters of each running head.
     """
 
     sections: tuple[Section, ...]
@@ -84,10 +85,9 @@ class Manual:
         return Counter(word for section in self.sections for word in section.words)
 
     def without_heading_after(self, number: str) -> set[str]:
-        """Return the sections whose heading is missing, and whose text therefore counts as part of ``number``.
+        """Return the numbers of the sections whose text follows section ``number`` without a heading of its own.
 
-        Their numbers are between ``number`` and the next number in the text. A section without a number has no such
-        sections.
+        These are the numbers in the table of contents between ``number`` and the next number in the text.
         """
         section_numbers = [section.number for section in self.sections if _SECTION_NUMBER.fullmatch(section.number)]
         if number not in section_numbers:
@@ -116,10 +116,10 @@ def read_manual(path: Path) -> Manual:
         try:
             manual_text = file_bytes.decode("utf-8-sig")
         except UnicodeDecodeError:
-            raise NoText(f"{path} is not text in UTF-8; convert it, or give the PDF") from None
+            raise NoText(f"{path} is not UTF-8 text; convert it, or give the PDF") from None
     manual = divide_into_sections(manual_text)
     if not manual.words:
-        raise NoText(f"{path} has no text; a scanned manual must be recognised (OCR) first")
+        raise NoText(f"{path} has no text; run text recognition (OCR) on a scanned manual first")
     return manual
 
 
@@ -144,10 +144,10 @@ _Heading = tuple[str, str]
 
 
 def divide_into_sections(text: str) -> Manual:
-    """Return a manual divided into its sections, without the contents, page numbers and running heads.
+    """Divide the text of a manual into its sections, without the table of contents, page numbers and running heads.
 
-    Pages are separated by form feeds. With at least 4 of them, running heads are found at their edges, otherwise by
-    repetition.
+    Form feeds separate pages. Running heads are found at the edges of the pages, or, if there are fewer than 4 pages,
+    by their repetition.
     """
     text_without_links = _MARKDOWN_LINK.sub(lambda match: match["shown"], text)
     pages = [_plain_lines(page) for page in text_without_links.split("\f")]
@@ -161,7 +161,8 @@ def divide_into_sections(text: str) -> Manual:
         if heading is not None:
             numbered_lines[index] = heading
     contents_lines = _contents_lines(lines, numbered_lines)
-    # Later pairs replace earlier pairs, so with the last line first, the first of two entries with one number counts.
+    # If two entries have the same number, the first one is valid. Later pairs replace earlier ones in ``dict``, so the
+    # lines are in reverse order.
     title_by_number = dict(numbered_lines[index] for index in sorted(contents_lines, reverse=True))
     headings, page_by_title = _find_headings(lines, numbered_lines, contents_lines, title_by_number)
     running_heads: set[int] = set()
@@ -175,10 +176,9 @@ def divide_into_sections(text: str) -> Manual:
     ):
         words = tuple(_words_without_numbers(body_lines, title_by_number))
         sections.append(Section(number=number, title=title, words=words, page=page_by_title.get(number)))
-    # Running heads are compared by their letters, since their page numbers change.
-    letters_of_running_heads = {
-        joined_letters([line]) for line in (*heads_at_edges, *(lines[index] for index in running_heads))
-    }
+    # Running heads are compared by their letters, because their page numbers change.
+    lines_of_heads = [*heads_at_edges, *(lines[index] for index in running_heads)]
+    letters_of_running_heads = {joined_letters([line]) for line in lines_of_heads}
     return Manual(
         sections=tuple(sections),
         missing=_missing_titles(title_by_number, headings),
@@ -189,10 +189,10 @@ def divide_into_sections(text: str) -> Manual:
 def _lines_below_headings(
     lines: Sequence[str], headings: Mapping[int, _Heading], contents_lines: set[int], left_out: set[int]
 ) -> list[tuple[_Heading, list[str]]]:
-    """Return each heading with the lines below it, the cover first, without the contents and the lines to leave out.
+    """Return each heading with the lines below it, beginning with the cover, the text before the first heading.
 
-    ``left_out`` are the indices of lines to leave out. Text before the first heading is on the cover. A title that
-    continues on the next lines is not part of the body.
+    Lines of the table of contents and lines with an index in ``left_out`` are left out. If a title continues on the
+    next lines, these are not part of the text below it.
     """
     numbered_headings = [index for index, (number, _) in headings.items() if number[0].isdigit()]
     first_numbered_heading = min(numbered_headings, default=0)
@@ -200,7 +200,7 @@ def _lines_below_headings(
     rest_of_title: list[str] = []
     for index, line in enumerate(lines):
         folded_words = _folded_words(line)
-        # A line with dots and a page is only an entry of the contents before the first heading.
+        # A line with dots and a page only belongs to the table of contents if it is before the first heading.
         is_in_contents = index < first_numbered_heading and (index in contents_lines or _IN_CONTENTS.search(line))
         if index in headings:
             _, title = headings[index]
@@ -216,9 +216,9 @@ def _lines_below_headings(
 
 
 def _missing_titles(title_by_number: Mapping[str, str], headings: Mapping[int, _Heading]) -> dict[str, str]:
-    """Return the titles in the contents, by number, for which the text has no heading: ``{"4.3": "Preset"}``.
+    """Return the titles in the table of contents for which the text has no heading, by number: ``{"4.3": "Preset"}``.
 
-    Numbers that begin with 0, such as those of revisions, are left out.
+    Numbers that begin with 0, such as numbers of revisions, are left out.
     """
     numbers_in_text = {number for number, _ in headings.values()}
     missing_titles: dict[str, str] = {}
@@ -243,9 +243,9 @@ def plain_line(line: str) -> str:
 
 
 def _join_entry_lines(lines: Sequence[str]) -> list[str]:
-    """Return the lines, in which a long entry of the contents is one line. Its page is at the end of its second line.
+    """Return the lines of a manual, with each entry of the table of contents that occupies two lines on one line.
 
-    A running head between two rows of a table can look like one, but occurs often.
+    A running head between two rows of a table can look like the first line of an entry, but is repeated often.
     """
     repetitions = Counter(map(without_digits, lines))
     joined_lines: list[str] = []
@@ -260,9 +260,10 @@ def _join_entry_lines(lines: Sequence[str]) -> list[str]:
 
 
 def _continues_entry(line_before: str, first_line: str, second_line: str) -> bool:
-    """Return whether two lines are one entry of the contents.
+    """Return whether two lines are one entry of the table of contents.
 
-    The line before them is an entry with a page. The first line has a number but no page, the second line only a page.
+    The line before them must be an entry with a page. The first of the two lines has a number but no page, and the
+    second one only has a page.
     """
     is_after_entry = bool(_IN_CONTENTS.search(line_before))
     begins_entry = _numbered_heading(first_line) is not None and not _IN_CONTENTS.search(first_line)
@@ -271,14 +272,14 @@ def _continues_entry(line_before: str, first_line: str, second_line: str) -> boo
 
 
 def _words_without_numbers(lines: Iterable[str], title_by_number: Mapping[str, str]) -> list[str]:
-    """Return the words of lines, without the numbers of pages and sections in references.
+    """Return the words in some lines, without the numbers in references to pages and sections.
 
-    A word that is hyphenated at the end of a line is one word. The number of a reference such as ``"4.3 Preset"`` is
-    removed if the contents list it with this title.
+    A word that is hyphenated at the end of a line is one word. The number in a reference such as ``"4.3 Preset"`` is
+    removed if the table of contents lists it with this title.
     """
 
     def without_number(reference: re.Match[str]) -> str:
-        """Return the quote before a reference without its number. The match does not contain the title."""
+        """Return the opening quotation mark of a reference, without the number after it. The title is not matched."""
         listed_title = title_by_number.get(reference["number"], "")
         is_reference = _have_same_start(listed_title, reference["title"])
         return '"' if is_reference else reference[0]
@@ -299,10 +300,11 @@ def _find_headings(
     contents_lines: set[int],
     title_by_number: Mapping[str, str],
 ) -> tuple[dict[int, _Heading], dict[str, int]]:
-    """Return number and title of the headings by line, and the pages of headings without a number by title.
+    """Return the number and title of each heading by line, and the pages of headings without a number by title.
 
-    A numbered line is a heading if its number increases, and the contents list it with the same first words or skip it.
-    A line without a number, such as a preface, is a heading if the contents before it have an entry with its text.
+    A numbered line is a heading if its number is higher than those before it, and the table of contents lists it with
+    the same first words or skips it. A line without a number, such as a preface, is a heading if the table of contents
+    before it has an entry with the same text.
     """
     headings: dict[int, _Heading] = {}
     last_number_key: tuple[int, ...] = ()
@@ -319,7 +321,7 @@ def _find_headings(
             last_number_key = number_key
     first_numbered_heading = min(headings, default=len(lines))
     lines_before = lines[:first_numbered_heading]
-    # Index of the line of each entry. Headings without a number are only looked for before the numbered headings.
+    # Headings without a number are only searched for before the numbered headings.
     entry_index_by_title = {
         _entry_title(line): index for index, line in enumerate(lines_before) if _IN_CONTENTS.search(line)
     }
@@ -337,9 +339,10 @@ def _find_headings(
 def _is_skipped_in_contents(
     number_key: tuple[int, ...], last_key: tuple[int, ...], title_by_number: Mapping[str, str]
 ) -> bool:
-    """Return whether the contents list the sections before and after a number, but not the number itself.
+    """Return whether the table of contents lists the sections before and after a number, but not the number itself.
 
-    ``number_key`` is the number, such as ``(4, 3)``. ``last_key`` must be ``(4, 2)``, and the contents must list 4.4.
+    ``number_key`` is the number, such as ``(4, 3)``. The last heading, ``last_key``, must then be ``(4, 2)``, and the
+    contents must list 4.4.
     """
     *chapter, last_number = number_key
     key_before = (*chapter, last_number - 1)
@@ -348,13 +351,13 @@ def _is_skipped_in_contents(
 
 
 def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]) -> set[int]:
-    """Return the numbered lines of the contents.
+    """Return the indices of the numbered lines of the table of contents.
 
-    If 12 or more lines have a page, these are all lines of the contents. Otherwise they are all lines from the first
-    line up to the first lower chapter, since there the text begins again with chapter 1.
+    If at least 12 lines have a page, these are all lines of the table. Otherwise, the table ends before the first line
+    with a lower chapter, where the text begins with chapter 1 again.
     """
     lines_with_page = {index for index in numbered_lines if _IN_CONTENTS.search(lines[index])}
-    if len(lines_with_page) >= _LEAST_COMPLETE_CONTENTS:
+    if len(lines_with_page) >= _COMPLETE_CONTENTS:
         return lines_with_page
     first_line = min(lines_with_page or numbered_lines, default=len(lines))
     contents_lines: set[int] = set()
@@ -372,12 +375,15 @@ def _contents_lines(lines: Sequence[str], numbered_lines: Mapping[int, _Heading]
 
 
 def _number_key(section_number: str) -> tuple[int, ...]:
-    """Return the number of a section in a form that sorts: ``(4, 3, 2)`` for ``4.3.2``."""
+    """Return the number of a section as a key for sorting: ``(4, 3, 2)`` for ``4.3.2``."""
     return tuple(map(int, section_number.split(".")))
 
 
 def _numbered_heading(line: str) -> _Heading | None:
-    """Return ``("4.3", "Preset")`` for ``4.3 Preset ..... 21``, or None without a number or for a very long line."""
+    """Return the number and title of a line: ``("4.3", "Preset")`` for ``4.3 Preset ..... 21``.
+
+    Return None for a line without a number and for a very long line.
+    """
     match = _HEADING_LINE.fullmatch(_entry_title(line))
     if match is None or len(line) > LONGEST_HEAD:
         return None
@@ -385,7 +391,7 @@ def _numbered_heading(line: str) -> _Heading | None:
 
 
 def _entry_title(line: str) -> str:
-    """Return a line without the dots and the page at the end of an entry of the contents."""
+    """Return a line without the dots and the page at the end of an entry of the table of contents."""
     return _IN_CONTENTS.sub("", line).strip()
 
 
@@ -407,44 +413,3 @@ def _have_same_start(listed_title: str, title: str) -> bool:
     listed_words, words = _folded_words(listed_title)[:3], _folded_words(title)[:3]
     common_length = min(len(listed_words), len(words))
     return bool(listed_words) and listed_words[:common_length] == words[:common_length]
-
-
-def pair_sections(old: Manual, new: Manual) -> Iterator[tuple[Section | None, Section | None]]:
-    """Yield the sections of two editions in pairs, with None for a section that the other edition lacks.
-
-    Sections are paired by number and title, then by title, then by number. Sections of the new edition alone come last.
-    """
-    unpaired_by_number = {section.number: section for section in new.sections}
-    new_section_by_old_number: dict[str, Section] = {}
-    # Each rule is tried for all sections before the next one, so that a better pair comes first.
-    for find_number in (_same_number_and_title, _number_with_same_title, _same_number):
-        for section in old.sections:
-            if section.number in new_section_by_old_number:
-                continue
-            new_number = find_number(section, unpaired_by_number)
-            if new_number is not None:
-                new_section_by_old_number[section.number] = unpaired_by_number.pop(new_number)
-    for section in old.sections:
-        yield section, new_section_by_old_number.get(section.number)
-    for section in unpaired_by_number.values():
-        yield None, section
-
-
-def _same_number_and_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
-    """Return the number of a section if a new section by this number has the same title, or None."""
-    new_section = new_sections.get(old_section.number)
-    if new_section is None or new_section.title.casefold() != old_section.title.casefold():
-        return None
-    return old_section.number
-
-
-def _number_with_same_title(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
-    """Return the number of the first new section with the same title, apart from capitals, or None."""
-    for number, new_section in new_sections.items():
-        if new_section.title.casefold() == old_section.title.casefold():
-            return number
-    return None
-
-
-def _same_number(old_section: Section, new_sections: Mapping[str, Section]) -> str | None:
-    return old_section.number if old_section.number in new_sections else None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..language.problems import ProblemReport
 from ..loading.editions import revision_for
-from ..loading.library import Family, in_edition, load_families, sound_families
+from ..loading.library import Family, families_without_problems, in_edition, load_families
 from ..model import Device
 from ..one_line.encoder import device_of_line
 from ..one_line.parse import is_line
@@ -22,7 +22,7 @@ def _load_families(specs: tuple[Path, ...]) -> tuple[Family, ...]:
         ValueError: No family is valid. The message lists the problems in the specs.
     """
     families, report = load_families(specs or None)
-    valid_families = tuple(sound_families(families, report))
+    valid_families = tuple(families_without_problems(families, report))
     if not valid_families:
         problems_text = "\n".join(problem.format() for problem in report.shown)
         raise ValueError(problems_text or "there are no specs")

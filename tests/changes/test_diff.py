@@ -267,7 +267,7 @@ def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytes
     exit_code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
     assert out.splitlines()[0] == (
         "the current spec language finds 2 problems in HEAD:specs. "
-        "The faulty parts are omitted and may be listed as new"
+        "The faulty parts are left out and may be listed as new"
     )
 
 

@@ -99,7 +99,7 @@ def test_a_name_that_leads_elsewhere_is_refused(
     assert main(["diff", "HEAD:specs", argument]) == 2
     name = f"specs/{path_text.format(tmp=tmp_path)}"
     assert capsys.readouterr().err == (
-        f"codewheel: evil holds a file '{name}'; '{unsafe_name}' is not a safe name, so the revision is not read\n"
+        f"codewheel: evil contains a file '{name}'; '{unsafe_name}' is not a safe name, so the revision is not read\n"
     )
     assert files_below(tmp_path) == before
 

@@ -24,7 +24,7 @@ EXCHANGED = [
     ("amm5", ["sma21"], "{contact: Brown_Green,", "{contact: White_Green,", "'+V' is on contact 'Brown_Green' here"),
     ("sma21", ["amm5"], "{contact: Red,", "{contact: Black,", "'b' is on contact 'Black' here, but on 'Red' in amm5"),
     # One of them is exchanged with a colour that the cable does not have.
-    ("asc85", ["am36"], "{contact: Grey,", "{contact: Violet,", "only one of this cable and that in am36"),
+    ("asc85", ["am36"], "{contact: Grey,", "{contact: Violet,", "only one of this cable and the one in am36"),
     # AMM5 7.1: 2.5 Mbaud
     ("sma21", ["amm5"], "baud: 2500000", "baud: 250000", "this is 250000, but 2500000 in amm5.yaml:"),
     # AMM5 5.3, AM36 5.3, ASC85 5.3, SMA21 5.3: the same lengths. AMM5 6.5, AM36 6.6, ASC85 6.5, SMA21 6.5: 10 MHz

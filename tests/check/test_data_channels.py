@@ -24,7 +24,7 @@ CASES = {
         {_ORDER: "order: [safety_word, control_word]"},
         ".order[1]",
         (
-            "'safety_word' is the first channel of the frame, so it must be the first layout, but 'control_word' is;"
+            "'safety_word' is the first channel of the frame, but the first layout is 'control_word';"
             " correct one of them"
         ),
     ),
@@ -64,7 +64,7 @@ CASES = {
         ".order[2]",
         (
             "'safety_word' depends on the question 'width', which decoders of a whole frame do not ask; remove"
-            " 'channels', and decode each channel alone"
+            " 'channels', and decode each channel separately"
         ),
     ),
     "no position": (
@@ -109,7 +109,7 @@ CASES = {
     "too many bits": (
         {"compared_bits: accurate_bits": "compared_bits: accurate_bits + 4"},
         ".compared_bits",
-        "13 bits cannot be compared, since 'safe_singleturn' has 12 with safety_bits = 12, accurate_bits = 9",
+        "13 bits cannot be compared, because 'safe_singleturn' has 12 with safety_bits = 12, accurate_bits = 9",
     ),
     "any numbers agree": (
         {"tolerance: 1": "tolerance: 256"},

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.outputs import targets_named
-from codewheel.loading.library import load_library, load_sound
+from codewheel.loading.library import load_library, load_valid
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
-from codewheel.order_codes.reduction import with_quantities
+from codewheel.order_codes.quantities import with_quantities
 from codewheel.targets import Library
 from codewheel.targets.docs.order_code_page import RESERVED_NAMES
 from codewheel.targets.docs.order_code_tables import code_patterns, frame_facts
@@ -202,7 +202,7 @@ def test_patterns_as_the_manuals_have_their_order_codes(pages: Files) -> None:
 
 
 def device(name: str) -> Device:
-    return next(family for family in load_sound()[0] if family.name == name)
+    return next(family for family in load_valid()[0] if family.name == name)
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from dataclasses import replace
 from xml.etree import ElementTree
 
 import pytest
-from codewheel.loading.library import load_sound
+from codewheel.loading.library import load_valid
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.docs.timing_pictures import diagram_picture, timing_diagram
@@ -61,7 +61,7 @@ def test_a_clock_pulse_is_as_wide_as_any_other(pages: Mapping[str, str]) -> None
 
 
 def family(name: str) -> Device:
-    return next(device for device in load_sound()[0] if device.name == name)
+    return next(device for device in load_valid()[0] if device.name == name)
 
 
 def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str, str]) -> None:

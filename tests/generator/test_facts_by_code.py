@@ -234,7 +234,7 @@ SECOND_TIMEOUT = """\
 
 def test_a_manual_may_give_the_time_out_of_some_order_codes_only(tmp_path: Path) -> None:
     _, messages = load_edited(tmp_path, (SECOND_TIMEOUT, ""))
-    assert [message[:60] for message in messages] == ["only-gap: the order code 'FBC16-SC' has no time-out; extend "]
+    assert [message[:60] for message in messages] == ["only-gap: the order code 'FBC16-SC' has no timeout; extend '"]
     erratum = ("evidence:", ERRATUM.format(affected="interfaces.biss.timeout"))
     device = edited(tmp_path, (SECOND_TIMEOUT, ""), erratum)
     biss = device.interface("biss")
@@ -329,7 +329,7 @@ def test_second_readings_compare_the_facts_of_each_order_code(
         "highest clock over SSI, for FBC16-BG: 1000000 Hz here, 1500000 Hz",
         "clock for a cable shorter than 50 m, for FBC16-BG: below 400000 Hz here, below 500000 Hz",
         "time Tp over SSI, 'at_least_us': 20 µs here, 21 µs",
-        "upper bound of the time-out over BiSS: 20000 ns here, 30000 ns",
+        "upper bound of the timeout over BiSS: 20000 ns here, 30000 ns",
     ]
 
 
@@ -346,7 +346,7 @@ def test_diff_names_the_order_codes(device: Device, tmp_path: Path) -> None:
     assert changes == [
         (
             "interface-rule",
-            "BiSS: time-out rule = fixed, at_most_ns = 20000 → rule = fixed, at_most_ns = 30000",
+            "BiSS: timeout rule = fixed, at_most_ns = 20000 → rule = fixed, at_most_ns = 30000",
             ("FBC16-SC",),
         ),
         ("time-limit", "time startup, FBC16...: at most 300 ms → 400 ms", codes),

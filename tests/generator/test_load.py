@@ -61,10 +61,10 @@ def test_two_manufacturers_whose_files_would_overwrite_each_other(tmp_path: Path
         MAKER.replace("acme", "zenith") + "python_package: encoders\nbiss_id: 0x4142\n",
     )
     assert problem_texts(tmp_path, minimal=MINIMAL, acme=first, zenith=second) == [
-        "zenith.yaml:5: duplicate-name: the Python package 'encoders' is also that of 'acme'; rename one",
+        "zenith.yaml:5: duplicate-name: 'acme' also has the Python package 'encoders'; rename one of the two",
         (
-            "zenith.yaml:6: duplicate-name: the BiSS manufacturer ID 0x4142 is also that of 'acme'; "
-            "it names the file idbiss4142.xml"
+            "zenith.yaml:6: duplicate-name: 'acme' also has the BiSS manufacturer ID 0x4142, "
+            "which names the file idbiss4142.xml"
         ),
     ]
 

@@ -10,7 +10,7 @@ from codewheel.commands.cli import main
 from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import to_xml
 from codewheel.language.problems import ProblemReport
-from codewheel.loading.library import load_families, load_library, load_sound
+from codewheel.loading.library import load_families, load_library, load_valid
 from codewheel.model import Device
 from xml_reader import from_xml
 
@@ -227,7 +227,7 @@ def test_a_faulty_special_model_takes_nothing_from_the_family(tmp_path: Path) ->
     text = HEAD.replace("changes:", "applies_to: {special: S007}\nchanges:") + "  - remove: nowhere\n" + OWN
     path = tmp_path / "o.yaml"
     path.write_text(text, encoding="utf-8")
-    devices, report = load_sound([SPECS / "amm5.yaml", path])
+    devices, report = load_valid([SPECS / "amm5.yaml", path])
     assert [device.name for device in devices] == ["amm5"]
     assert len(report) == 1
 
@@ -241,7 +241,7 @@ def test_an_invalid_overlay_next_to_a_valid_one_makes_their_family_faulty(applie
     paths = [SPECS / "amm5.yaml", tmp_path / "valid.yaml", tmp_path / "invalid.yaml"]
     paths[1].write_text(valid, encoding="utf-8")
     paths[2].write_text(invalid, encoding="utf-8")
-    devices, report = load_sound(paths)
+    devices, report = load_valid(paths)
     assert [problem.rule for problem in report.problems] == ["unknown-key"]
     assert [device.name for device in devices] == (["amm5"] if applies_to else [])
 

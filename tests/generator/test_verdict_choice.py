@@ -113,7 +113,7 @@ def test_decode_says_which_reading_applies(capsys: pytest.CaptureFixture[str]) -
     _, out = decode(capsys, MULTITURN, frame((1, 0), 37))
     words = " ".join(out.split())
     assert "decoded with warning_cause = either_cause: An error in the magnetic multiturn system" in words
-    assert "this is the default; for another reading, add --choose warning_cause=low_battery" in words
+    assert "this is the default; for a different reading, add --choose warning_cause=low_battery" in words
     _, out = decode(capsys, MULTITURN, frame((1, 0), 37), "--choose", "warning_cause=low_battery")
     words = " ".join(out.split())
     assert "decoded with warning_cause = low_battery: Only a low battery" in words

@@ -185,7 +185,7 @@ def test_bytes_of_rs485(run: Run) -> None:
     ("arguments", "message"),
     [
         (["0b01"], "one frame does not show a layout; give at least 2, and turn the shaft between them"),
-        (["0b01", "0b011"], "the frames have 2 to 3 bits; give frames of one length"),
+        (["0b01", "0b011"], "the frames have 2 to 3 bits; give frames of the same length"),
         (["0b01", "0b01"], "all frames are equal; turn the shaft"),
         (["0b01", "12"], "'12' is not a frame; write 0b... with every bit, 0x..., or hex bytes"),
         (["0b01", "0b10", "--positions", "1"], "1 position for 2 frames; give one for each frame"),

@@ -18,8 +18,8 @@ from codewheel.loading.library import load_library
 from codewheel.masters.record import EncoderFacts, record
 from codewheel.masters.setting_values import actual_value
 from codewheel.model import Biss, Device
-from codewheel.order_codes.reduction import with_quantities
-from codewheel.order_codes.sent_layouts import with_sent_layouts
+from codewheel.order_codes.parameters import with_sent_layouts
+from codewheel.order_codes.quantities import with_quantities
 from test_conditions_of_masters import JOINED, write_spec
 
 Capture = pytest.CaptureFixture[str]

@@ -108,7 +108,7 @@ def test_a_filled_sheet_agrees(folder: pathlib.Path) -> None:
             "With care",
             "Not with care",
             "twice.yaml:207:",
-            f"words-outdated: twice.words.yaml lacks this text, which has 1 turning word; {REFILL}",
+            f"words-outdated: this text is not in twice.words.yaml, and has 1 turning word; {REFILL}",
         ),
     ],
 )

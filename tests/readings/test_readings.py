@@ -464,16 +464,16 @@ def test_requests_and_replies_are_compared(
         assert any(words in line for line in reported), reported
 
 
-@pytest.mark.parametrize(("part", "sort"), [("Led", FactClass.LED), ("Connector", FactClass.PIN)])
+@pytest.mark.parametrize(("part", "fact_class"), [("Led", FactClass.LED), ("Connector", FactClass.PIN)])
 def test_a_member_with_a_class_of_facts_is_compared(
-    part: str, sort: FactClass, monkeypatch: pytest.MonkeyPatch
+    part: str, fact_class: FactClass, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """No member of these parts has a class today. A new key with one must not be left out."""
     (family,), _ = load_families([HERE.parents[1] / "specs/lika/amm5.yaml"])
     members = []
     for member in PARTS_BY_CLASS[part].members:
-        members.append(replace(member, read=sort.value) if member.name == "title" else member)
+        members.append(replace(member, read=fact_class.value) if member.name == "title" else member)
     changed_parts = {**PARTS_BY_CLASS, part: SimpleNamespace(members=members)}
     monkeypatch.setattr("codewheel.readings.stated.PARTS_BY_CLASS", changed_parts)
     facts = [fact for fact in surroundings(SpecReading(family.device, family.document)) if fact.key[-1] == "title"]
-    assert {fact.sort for fact in facts} == {sort}
+    assert {fact.fact_class for fact in facts} == {fact_class}

@@ -127,7 +127,9 @@ def coverage(folder: pathlib.Path) -> Coverage:
 def test_what_was_not_read_twice_does_not_count_as_such(folder: pathlib.Path) -> None:
     """Without numbers only a name is compared. Numbers that were found, and decisions, were not read twice."""
     counts = coverage(folder).counts
-    once = {path for sort, path in coverage(folder).once if sort in (FactClass.CHARACTERISTIC, FactClass.TEXT)}
+    once = {
+        path for fact_class, path in coverage(folder).once if fact_class in (FactClass.CHARACTERISTIC, FactClass.TEXT)
+    }
     assert ("characteristics", "handling") in once
     assert ("leds", "power", "states", 0, "meaning") in once
     # Name, kind, bound and unit of the torque are compared.

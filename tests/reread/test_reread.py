@@ -255,8 +255,8 @@ def test_a_running_head_that_is_the_title_of_the_cover_is_no_difference(
     ("data", "error_text"),
     [
         (None, "cannot read {path}: No such file or directory"),
-        (b"\xff\xfe\x00", "{path} is not text in UTF-8; convert it, or give the PDF"),
-        (b" \n\n", "{path} has no text; a scanned manual must be recognised (OCR) first"),
+        (b"\xff\xfe\x00", "{path} is not UTF-8 text; convert it, or give the PDF"),
+        (b" \n\n", "{path} has no text; run text recognition (OCR) on a scanned manual first"),
         (b"%PDF-1.4\nno more", "{path} is a PDF, which needs the package pypdf: pip install 'codewheel[pdf]'"),
     ],
 )

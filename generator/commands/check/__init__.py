@@ -71,13 +71,13 @@ def run(arguments: argparse.Namespace) -> int:
         raise CommandError("--write needs --coverage", 2)
     named_paths = [*arguments.specs, *arguments.more_specs]
     specs = specs_to_judge(named_paths, "check")
-    # Specs that the user names may be only some of those that the settings refer to.
+    # If the user names specs, the settings may refer to families in other specs.
     settings = None if named_paths else specs.settings
     if arguments.format in ("github", "sarif") and arguments.coverage:
         raise CommandError(f"--format {arguments.format} lists problems only; leave --coverage out", 2)
     arguments.json = arguments.json or arguments.format == "json"
     cache = cache_for(arguments)
-    # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.
+    # The coverage and the problems of chosen targets depend on more than the inputs of the cached result.
     is_storable = not arguments.coverage and not arguments.target
     options = filters_as_texts(settings.only) if settings is not None else []
     cached_check = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options=options)
@@ -88,9 +88,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
-    """Print the result of an earlier run with the same specs, and return whether there is one.
+    """Print the cached result of a run with the same specs, and return whether there is one.
 
-    A stored result has no problems.
+    Only results without problems are cached.
     """
     from ..cached_result import report_of
 
@@ -109,9 +109,9 @@ def _check_and_print(
     cache: Cache,
     result: CachedResult,
 ) -> int:
-    """Check the specs, print and store the result, and return the exit code.
+    """Check the specs, print and cache the result, and return the exit code.
 
-    ``settings`` are None if the user named specs. ``result`` is the place in the cache for a run without problems.
+    ``settings`` is None if the user named specs. ``result`` is the place in the cache for a result without problems.
     """
     from ...cache import NO_CACHE
     from ...targets.registry import WITH_PROBLEMS
@@ -144,7 +144,10 @@ def _check_and_print(
 def _print_problems(
     family_names: Sequence[str], report: ProblemReport, coverage_data: dict[str, Any], arguments: argparse.Namespace
 ) -> None:
-    """Print the problems as text or, in JSON, with ``coverage_data``, which is empty without ``--coverage``."""
+    """Print the problems as text or as JSON.
+
+    The JSON also contains ``coverage_data``, which is empty without ``--coverage``.
+    """
     if arguments.json:
         print_json({"version": JSON_VERSION} | as_data(report) | coverage_data)
     else:
@@ -152,7 +155,7 @@ def _print_problems(
 
 
 def as_data(report: ProblemReport) -> dict[str, Any]:
-    """Return the problems in the form that ``--json`` prints."""
+    """Return the problems as plain data for ``--json``."""
     from ..placeholders import placeholders_data
 
     return {
@@ -164,9 +167,9 @@ def as_data(report: ProblemReport) -> dict[str, Any]:
 
 
 def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") -> str:
-    """Return the problems as text, with the files read and a summary, or in a form for review tools.
+    """Return the problems as text with a summary, or in a format for review tools.
 
-    ``families`` are the names of all families. ``form`` is ``text``, or ``github`` or ``sarif``, which have no summary.
+    ``families`` are the names of all families. ``form`` is ``text``, ``github`` or ``sarif``.
     """
     if form in ("github", "sarif"):
         return _review_text(report, form)
@@ -182,7 +185,7 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
     elif families:
         family_count = "1 family" if len(families) == 1 else f"{len(families)} families"
         lines.append(f"no problems in {family_count}: {', '.join(families)}")
-    else:  # Some files define no family, such as descriptions of masters.
+    else:  # The files may define no family. They may describe masters, for example.
         lines.append("no problems")
     return "\n".join(lines)
 

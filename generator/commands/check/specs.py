@@ -37,7 +37,7 @@ from ..edition_devices import check_editions
 from ..outputs import report_unfit_parts
 from ..terminal import CommandError
 
-#: Kind of entry for a family whose editions and second reading have no problems.
+#: Kind of entry in the cache for a family whose editions and second reading have no problems.
 _CLEAN_ENTRY = "clean family"
 
 
@@ -53,8 +53,8 @@ class CheckedSpecs:
 def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache = NO_CACHE) -> CheckedSpecs:
     """Check the specs at ``paths`` and the second readings next to them.
 
-    Families that are in the cache, which had no problems with the same content, are not checked again. Their second
-    readings are then missing from the result.
+    Families that the cache lists as free of problems are not checked again, and their second readings are not in the
+    result.
 
     Raises:
         CommandError: A target fails. The exit code is 1.
@@ -65,7 +65,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     to_check: list[Family] = []
     for family in families:
         has_overlay = family.plain is not None
-        # The content of an overlay is not part of the content that the cache knows.
+        # The key in the cache does not depend on the content of overlays.
         if has_overlay or family.document.file not in clean_files:
             to_check.append(family)
     check_editions(to_check, report)
@@ -79,7 +79,7 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     )
     for family in to_check:
         file = family.document.file
-        # A family whose content is unknown is not stored, nor is a family whose files have changed meanwhile.
+        # A family is not stored if its content is not known, or if its files have changed during the check.
         is_unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
         if is_unchanged and is_clean(family, report):
             cache.put(_CLEAN_ENTRY, contents_before[file], True)
@@ -87,9 +87,9 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
 
 
 def _read_second_of(files_to_check: Sequence[str], family: Family, report: ProblemReport) -> SecondReading | None:
-    """Return the second reading of a family that must be checked, or None.
+    """Return the second reading of a family, or None if the family has none or need not be checked.
 
-    For other families, only list its file as read.
+    If it need not be checked, the file is only listed as read.
     """
     if family.document.file in files_to_check:
         return read_beside(family, report)
@@ -100,9 +100,9 @@ def _read_second_of(files_to_check: Sequence[str], family: Family, report: Probl
 
 
 def _read_sheet_of(files_to_check: Sequence[str], family: Family, report: ProblemReport) -> Document | None:
-    """Return the word sheet of a family that must be checked, or None.
+    """Return the word sheet of a family, or None if the family has none or need not be checked.
 
-    For other families, only list its file as read.
+    If it need not be checked, the file is only listed as read.
     """
     if family.document.file in files_to_check:
         return read_sheet(family, report)
@@ -119,10 +119,10 @@ def check_families(
     read: Reader = read_beside,
     read_words: SheetReader = read_sheet,
 ) -> CheckedSpecs:
-    """Check families against the targets, and against the second readings and sheets of words next to their specs.
+    """Check whether the targets can express the families, and compare these with their second readings and word sheets.
 
-    ``read`` and ``read_words`` return the second reading and the sheet of a family, or None if there is none. Problems
-    are added to ``report``. The readings of the result are the coverage of each family with a second reading.
+    ``read`` and ``read_words`` return the second reading and the word sheet of a family, or None if there is none.
+    Problems are added to ``report``. The result contains the coverage of each family with a second reading.
 
     Raises:
         CommandError: A target fails. The exit code is 1.
@@ -134,16 +134,16 @@ def check_families(
     return CheckedSpecs(families=families, readings=readings, report=report)
 
 
-#: Kind of entry for a family that may be released.
+#: Kind of entry in the cache for a family that may be released.
 _PROVED_ENTRY = "proved family"
 _COVERAGE_COLUMNS = ("twice", "explained", "decided", "once", "derived")
 _OUT_OF_DATE = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
 
 def check_counts(checked: CheckedSpecs, *, write: bool) -> None:
-    """Report files with counts of readings, next to the specs, that are out of date. With ``write``, write them all.
+    """Report files next to specs whose counts of readings are out of date, or write these files if ``write`` is true.
 
-    A family without such a file has no counts.
+    A family without such a file is not reported.
     """
     for family_coverage in checked.readings:
         counts_path = coverage_path(Path(family_coverage.spec.file))
@@ -155,18 +155,18 @@ def check_counts(checked: CheckedSpecs, *, write: bool) -> None:
 
 
 def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = NO_CACHE) -> None:
-    """Refuse to release valid specs if ``check`` finds problems in their other editions, second readings or counts.
+    """Raise an error if families must not be released: their other editions, second readings or counts have problems.
 
     Args:
         families: Families whose specs have no other problems.
-        participle: Participle of the refused action, such as ``written``.
+        participle: Participle for the action in the message, such as ``written``.
         cache: Cache of families without such problems. These families are not checked again until a file changes.
 
     Raises:
         CommandError: There are problems. The exit code is 1.
     """
     report = ProblemReport()
-    # Check one family at a time, because a second reading needs as much memory as its spec.
+    # Families are checked one at a time, because a second reading needs as much memory as its spec.
     for family in families:
         if family.content and cache.get(_PROVED_ENTRY, family.content) is True:
             continue
@@ -187,12 +187,12 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
 
 
 def is_complete(covered: Sequence[Coverage], report: ProblemReport) -> bool:
-    """Return whether there are no problems and every fact that needs two readings has them."""
+    """Return whether there are no problems, and every fact that needs two readings was read twice."""
     return not report and not any(family_coverage.lacking for family_coverage in covered)
 
 
 def as_data(covered: Sequence[Coverage]) -> dict[str, Any]:
-    """Return the coverage in the form that ``--json`` prints."""
+    """Return the coverage, the number of readings of each fact, as plain data for ``--json``."""
     return {
         "coverage": [_family_data(family_coverage) for family_coverage in covered],
         "total": asdict(add_counts(family_coverage.total for family_coverage in covered)),
@@ -203,26 +203,28 @@ def _family_data(family_coverage: Coverage) -> dict[str, Any]:
     """Return the counts of a family by class, and the facts that were read only once."""
     return {
         "family": family_coverage.family.device.name,
-        "classes": {sort.value: _class_data(sort, count) for sort, count in family_coverage.counts.items()},
+        "classes": {
+            fact_class.value: _class_data(fact_class, count) for fact_class, count in family_coverage.counts.items()
+        },
         "total": asdict(family_coverage.total),
-        "once": [_fact_data(family_coverage, sort, path) for sort, path in family_coverage.once],
+        "once": [_fact_data(family_coverage, fact_class, path) for fact_class, path in family_coverage.once],
     }
 
 
-def _class_data(sort: FactClass, times_read: TimesRead) -> dict[str, Any]:
-    return asdict(times_read) | {"needed": sort.is_needed}
+def _class_data(fact_class: FactClass, times_read: TimesRead) -> dict[str, Any]:
+    return asdict(times_read) | {"needed": fact_class.is_needed}
 
 
-def _fact_data(family_coverage: Coverage, sort: FactClass, place: SpecPath) -> dict[str, Any]:
+def _fact_data(family_coverage: Coverage, fact_class: FactClass, place: SpecPath) -> dict[str, Any]:
     """Return the data about a fact that was read only once."""
     spec = family_coverage.spec
     line_number, _ = spec.position(place)
     return {
-        "class": sort.value,
+        "class": fact_class.value,
         "file": spec.file,
         "line": line_number,
         "path": spec.name_path(place),
-        "needed": sort.is_needed,
+        "needed": fact_class.is_needed,
     }
 
 
@@ -244,10 +246,13 @@ def as_text(covered: Sequence[Coverage], checked: CheckedSpecs) -> str:
 
 
 def _rows_of_table(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead]]:
-    """Yield a name and counts for each class of facts, with ``*`` if it needs two readings, each family, and all."""
-    for sort in FactClass:
-        name = f"{sort.value} *" if sort.is_needed else sort.value
-        yield name, add_counts(family_coverage.counts[sort] for family_coverage in covered)
+    """Yield a name and the counts for each class of facts, for each family, and for all families.
+
+    The name of a class ends with ``*`` if its facts need two readings.
+    """
+    for fact_class in FactClass:
+        name = f"{fact_class.value} *" if fact_class.is_needed else fact_class.value
+        yield name, add_counts(family_coverage.counts[fact_class] for family_coverage in covered)
     for family_coverage in covered:
         yield family_coverage.family.device.name, family_coverage.total
     if len(covered) > 1:
@@ -255,19 +260,19 @@ def _rows_of_table(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead
 
 
 def _table_line(name: str, cells: Sequence[object]) -> str:
-    """Return a line of the table: the name on the left, and the cells on the right of their columns."""
+    """Return a line of the table: the left-aligned name and the right-aligned cells."""
     columns = "".join(f"{cell!s:>11}" for cell in cells)
     return f"{name:<17}{columns}"
 
 
 def _lacking_lines(covered: Sequence[Coverage]) -> list[str]:
-    """Return a line for each fact that needs a second reading, and one with their number."""
+    """Return a line for each fact that needs a second reading, and a line with their number."""
     lines = []
     for family_coverage in covered:
         spec = family_coverage.spec
-        for sort, path in family_coverage.lacking:
+        for fact_class, path in family_coverage.lacking:
             line_number, column = spec.position(path)
-            lines.append(f"{spec.file}:{line_number}:{column}: read once: {sort.value}, {spec.name_path(path)}")
+            lines.append(f"{spec.file}:{line_number}:{column}: read once: {fact_class.value}, {spec.name_path(path)}")
     if lines:
         lines.append(f"{count_with_unit(len(lines), 'fact')} to read a second time")
     return lines

@@ -1,6 +1,6 @@
 """``codewheel decode``: name every bit of frames, check their CRC, and list the reports of the encoder.
 
-``frames`` reads and decodes their text, ``text`` explains them, and ``decoding`` prints one after another.
+``frames`` reads and decodes their text, ``text`` explains them, and ``decoding`` prints them one after the other.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ _ABOUT_FRAMES = (
     "programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], \\x0F\\x42, F4243D3h and 7FFE. Over "
     "SPI, several words of the frame's size are several frames. With -, lines may begin with a time, and "
     "empty lines and text after # are skipped. The exit code is 0 on success, 1 for a frame with an error or a "
-    "register value that this encoder cannot have, 2 for incorrect usage, input that is not a frame, or a missing "
+    "register value that this encoder cannot have, 2 for a usage error, input that is not a frame, or a missing "
     "--choose, and 3 for a valid frame whose position is not usable. With "
-    "several frames, the exit code is that of the worst one, in the order 2, 1, 3."
+    "several frames, the worst one decides the exit code, in the order 2, 1, 3."
 )
 
 
@@ -50,7 +50,7 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument(
         "--layout",
         metavar="NAME",
-        help="layout of the frame, as listed by show, if the frame does not identify it (such as another BiSS"
+        help="layout of the frame, as listed by show, if the frame does not identify it (for example, a different BiSS"
         " data channel)",
     )
     parser.add_argument(
@@ -66,7 +66,7 @@ def add_arguments(parser: Parser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print the decoded frames, and return the exit code of the worst frame.
 
-    For an encoder in a line, a command that writes it as a spec follows the frames of the arguments.
+    If the arguments describe the encoder in one line, a command that writes it as a spec follows the frames.
 
     Raises:
         CommandError: There is no such order code or edition, or an answer or a register value is wrong.
@@ -84,12 +84,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
-    """Return the encoder as ``--edition``, ``--register`` and ``--choose`` determine it, with the options.
+    """Return the encoder that ``--edition``, ``--register`` and ``--choose`` describe, with the options for decoding.
 
-    Register bytes that identify the order code do not change it. Values that contradict it become differences.
+    Register bytes that identify the order code are only compared with it, and reported if they contradict it.
 
     Raises:
-        CommandError: As for ``run``.
+        CommandError: There is no such order code or edition, or an answer or a register value is wrong.
     """
     from ...order_codes.parameters import RegisterError, with_answers, with_registers
     from ...order_codes.reduction import reduced_to_codes
@@ -102,7 +102,7 @@ def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
     cache = cache_for(arguments)
     device, match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
     answers = answers_of(device, match.variant, arguments.choose)
-    # Registers that identify the order code are only compared with it. The others may change the layout of frames.
+    # Registers that identify the order code are only compared with it. Others may change the layout of frames.
     identifying_addresses = fixed_addresses(device, match.variant)
     changed_bytes = {address: byte for address, byte in register_bytes.items() if address not in identifying_addresses}
     try:

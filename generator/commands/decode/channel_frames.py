@@ -1,9 +1,10 @@
-"""Frames that carry several data channels: each channel decoded, and the verdict of all of them together."""
+"""Frames that carry several data channels: decode each channel, and judge all channels together."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from ...model import Device, Fault, PlacedChannels, Variant, channel_frame
@@ -24,9 +25,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ChannelResult:
-    """A frame decoded: its channels with their findings and explanations, or a problem with its length.
+    """A decoded frame: its channels with their findings and explanations, or a problem with its length.
 
-    ``readings`` are the readings of the whole frame with which all CRCs are correct.
+    ``readings`` are other ways to read the whole frame with which all CRCs are correct.
     """
 
     channels: tuple[codec.DecodedFrame, ...]
@@ -37,12 +38,12 @@ class ChannelResult:
 
     @property
     def has_problem(self) -> bool:
-        """True if the frame or one of its channels has an error."""
+        """Whether the frame or one of its channels has an error."""
         return bool(self.problems) or any(decoded.problems for decoded in self.channels)
 
     @property
     def all_problems(self) -> Iterator[codec.FrameProblem]:
-        """The problem with the length, or the channels' problems, each with the name of its channel in the message."""
+        """The problem with the length, or the problems of the channels, with the channel's name in each message."""
         yield from self.problems
         for decoded in self.channels:
             assert decoded.layout is not None
@@ -52,15 +53,17 @@ class ChannelResult:
     @property
     def all_findings(self) -> Findings:
         """The reports and differences of all channels, with the verdict of the whole frame."""
-        reports = tuple(report for channel in self.findings.channels for report in channel.reports)
-        differences = tuple(difference for channel in self.findings.channels for difference in channel.differences)
+        channels = self.findings.channels
+        reports = tuple(chain.from_iterable(channel.reports for channel in channels))
+        differences = tuple(chain.from_iterable(channel.differences for channel in channels))
         return Findings(reports=reports, verdict=self.findings.verdict, differences=differences)
 
     @property
     def findings_with_verdict(self) -> Iterator[Findings]:
-        """The findings in each channel, with the verdict of the whole frame where the channel has one."""
+        """The findings in each channel. If a channel has a verdict, it is replaced by that of the whole frame."""
         for channel in self.findings.channels:
-            yield channel if channel.verdict is None else replace(channel, verdict=self.findings.verdict)
+            has_verdict = channel.verdict is not None
+            yield replace(channel, verdict=self.findings.verdict) if has_verdict else channel
 
 
 class ChannelDecoder:
@@ -72,10 +75,11 @@ class ChannelDecoder:
         self.frame = frame
 
     def read(self, frame_text: str) -> TypedFrame | None:
-        """Return the frame in a text, or None if it is a single channel.
+        """Return the frame with all data channels in a text, or None if the text is a single channel.
 
-        It is one if it has all digits of a channel, in hex digits or in bytes. Fewer digits may belong to a whole frame
-        without its leading zeros. Exact bits are one if they are no more than the longest channel has.
+        A text is a single channel if it has exactly the digits of a channel, in hex digits or in bytes. Fewer digits
+        may be a whole frame without its leading zeros. Binary digits are a single channel if there are not more of them
+        than the longest channel has bits.
 
         Raises:
             FrameTextError: The text cannot be read as a number.
@@ -83,13 +87,17 @@ class ChannelDecoder:
         typed_frame = frame_number(self.frame, undecorated(frame_text), exact=True)
         channel_bits = [channel.bits for channel in self.frame.channels]
         longest = max(channel_bits)
-        written_bits = {unit * -(-bits // unit) for bits in channel_bits for unit in (4, 8)}
-        has_all_digits = typed_frame.written in written_bits and typed_frame.number >> longest == 0
+        # The bits that a channel has when written in whole hex digits or in whole bytes.
+        written_bits: set[int] = set()
+        for bits in channel_bits:
+            hex_digits, bytes_needed = (bits + 3) // 4, (bits + 7) // 8
+            written_bits |= {4 * hex_digits, 8 * bytes_needed}
+        has_digits_of_channel = typed_frame.written in written_bits and typed_frame.number >> longest == 0
         has_bits_of_channel = typed_frame.exact and typed_frame.bits <= longest
-        return None if has_all_digits or has_bits_of_channel else typed_frame
+        return None if has_digits_of_channel or has_bits_of_channel else typed_frame
 
     def decode(self, typed_frame: TypedFrame) -> ChannelResult:
-        """Return the frame decoded. Its bits are the bits of all channels, in the order sent."""
+        """Decode a frame, which consists of the bits of all channels in transmission order."""
         device = self._device
         frame = self.frame
         number = typed_frame.number
@@ -115,38 +123,44 @@ class ChannelDecoder:
         return replace(result, readings=self._possible_readings(number, bits))
 
     def _explain_channel(self, decoded: codec.DecodedFrame) -> Diagnosis | None:
-        """Return the explanations of a channel with an error, or None."""
+        """Return the possible explanations of an error in a channel, or None if it has no error."""
+        if not decoded.problems:
+            return None
         assert decoded.layout is not None
         text = f"0b{decoded.number:0{decoded.layout.bits}b}"
-        return why_text(self._device, self._variant, "encoder", text, decoded) if decoded.problems else None
+        return why_text(self._device, self._variant, "encoder", text, decoded)
 
     def _possible_readings(self, number: int, bits: int) -> tuple[str, ...]:
+        """Return other ways to read the whole frame with which all CRCs are correct."""
         from ...why.channels import channel_readings
 
         return tuple(channel_readings(self._device, self.frame, number, bits))
 
 
 def channel_decoder(device: Device, variant: Variant) -> ChannelDecoder | None:
-    """Return the decoder of frames with several data channels, or None if the encoder sends none."""
+    """Return the decoder for frames with several data channels, or None if the encoder does not send such frames."""
     frame = channel_frame(device.interface(variant.interface))
-    return ChannelDecoder(device, variant, frame.place(variant.parameters)) if frame is not None else None
+    if frame is None:
+        return None
+    return ChannelDecoder(device, variant, frame.place(variant.parameters))
 
 
 def report_of_length(frame: PlacedChannels, bits: int) -> str:
-    """Return the message about a frame of another length."""
+    """Return the message about a frame of the wrong length, which has ``bits`` bits."""
     channels = " and ".join(f"{channel.name} ({channel.bits} bits)" for channel in frame.channels)
     bits_off = abs(frame.bits - bits)
     verb = "is" if bits_off == 1 else "are"
-    difference = f"{count_with_unit(bits_off, 'bit')} {verb} {'missing' if bits < frame.bits else 'too many'}"
+    state = "missing" if bits < frame.bits else "too many"
+    difference = f"{count_with_unit(bits_off, 'bit')} {verb} {state}"
     return say_report.length_of_channels(channels, f"{frame.bits} bits", f"{bits}", difference)
 
 
 def described_channels(device: Device, variant: Variant, frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
-    """Yield the lines about each channel, and then about all of them together."""
+    """Yield the lines about each channel of a frame, and then about all of them together."""
     channels = zip(result.channels, result.findings_with_verdict, result.whys, strict=True)
     for decoded, findings, why in channels:
         is_sent = decoded.layout is not None and decoded.layout.bits > 0
-        if not is_sent:  # Some order codes do not send every channel.
+        if not is_sent:  # An order code may not send every channel.
             continue
         yield from described_frame(device, variant, decoded, findings, why)
         yield ""

@@ -1,4 +1,4 @@
-"""Print one or many frames decoded, as text or as JSON, and return their common exit code."""
+"""Decode one or many frames, print them as text or as JSON, and return their common exit code."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sys
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from ...model import Device, Flag, PlacedLayout, Variant, Verdict
 from ...order_codes.labels import LabelMatch
@@ -20,18 +20,10 @@ from ...why import MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
 from .digits import words_of
-from .frames import (
-    FrameLine,
-    FrameTextError,
-    OtherFrames,
-    decode_register_text,
-    frame_lines,
-    is_frame_of_other_kind,
-    text_decoder,
-    why_text,
-)
+from .frames import FrameLine, FrameTextError, decode_register_text, frame_lines, text_decoder, why_text
+from .other_frames import OtherFrames, is_frame_of_other_kind, other_frames_line
 from .plain_data import channel_data, decoded_data
-from .text import explain, heading, label_lines, line_prefix, other_frames_line, together_lines
+from .text import explain, heading, label_lines, line_prefix, together_lines
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis
@@ -39,18 +31,18 @@ if TYPE_CHECKING:
     from ...why.together import CommonMistake
 
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
-#: Exit codes, most severe first. With several frames, the exit code is that of the worst one.
+#: Exit codes, most severe first. With several frames, the worst one decides the exit code.
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
 #: Number of frames after which a message names the command for many frames.
 MANY = 10_000
-#: Characters of a line that are kept in memory.
+#: Number of characters of a line that are kept in memory.
 _LONGEST_LINE = 1 << 16
-_ONE_LINE = json.JSONEncoder(ensure_ascii=False)
+_SINGLE_LINE_JSON = json.JSONEncoder(ensure_ascii=False)
 
 
 @dataclass(frozen=True, slots=True)
 class DecodeRequest:
-    """Options for decoding the value of ``register`` if that is set, else a frame."""
+    """An encoder and the options for decoding a value of ``register``, or a frame if that is None."""
 
     device: Device
     match: LabelMatch
@@ -65,10 +57,10 @@ class DecodeRequest:
 
 
 def argument_lines(arguments: Sequence[str]) -> Iterator[FrameLine]:
-    """Yield the frames in the arguments, or for ``-`` the frames on standard input, one per line.
+    """Yield the frames in the arguments, or, for ``-``, the frames on standard input, one per line.
 
-    The arguments form one text, in which each line is a frame. A single frame has no line number. Arguments without
-    a frame yield their text as it is, which the decoder then rejects.
+    The arguments form one text, in which each line is a frame. A single frame has no line number. If the arguments
+    contain no frame, their text is yielded as it is, and the decoder then rejects it.
     """
     if list(arguments) == ["-"]:
         if isinstance(sys.stdin, io.TextIOWrapper):
@@ -87,7 +79,7 @@ def argument_lines(arguments: Sequence[str]) -> Iterator[FrameLine]:
 
 
 def _bounded_lines(file: TextIO) -> Iterator[str]:
-    """Yield the lines of a file, each cut after ``_LONGEST_LINE`` characters, which is more than any frame has."""
+    """Yield the lines of a file. A line that is longer than any frame is cut."""
     while beginning := file.readline(_LONGEST_LINE):
         yield beginning
         # Skip the rest of a line that was cut.
@@ -98,9 +90,9 @@ def _bounded_lines(file: TextIO) -> Iterator[str]:
 
 
 def bits_of_words(device: Device, variant: Variant, sender: str) -> int:
-    """Return the number of bits of an SPI frame if the sender's frames are words of one size in hex digits, else 0.
+    """Return the number of bits in an SPI word, if a text with several words is several frames, or 0.
 
-    A master receives such a word in each access, so several of them are several frames.
+    This applies if all frames of the sender are words of the same size, and the size is a whole number of hex digits.
     """
     layouts = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
     sizes = {layout.place(variant.parameters).bits for layout in layouts}
@@ -112,10 +104,10 @@ def bits_of_words(device: Device, variant: Variant, sender: str) -> int:
 
 
 def split_into_words(line: FrameLine, word_bits: int) -> list[FrameLine]:
-    """Return a line for each SPI word if the line has several, such as ``{0x7FFE, 0x3FFF}``, else the line itself.
+    """Return a line for each SPI word in a line that has several, such as ``{0x7FFE, 0x3FFF}``, or the line itself.
 
-    Each word has ``word_bits`` bits, and is a whole frame. With 0 bits, no line is split. The words of a line
-    without a number are numbered from 1. The page follows the same rule.
+    Each word has ``word_bits`` bits, and is a whole frame. If ``word_bits`` is 0, the line is not split. The words of a
+    line without a number are numbered from 1. The decode page follows the same rule.
     """
     words = words_of(line.text, word_bits) if word_bits else []
     if not words:
@@ -127,7 +119,10 @@ class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
     def __init__(self, request: DecodeRequest) -> None:
-        """Prepare to decode what is requested. Other layouts are tried too unless a layout or a register is named."""
+        """Prepare to decode frames or register values.
+
+        If the user names neither a layout nor a register, a frame with an error is also decoded with other layouts.
+        """
         self._request = request
         device = request.device
         variant = request.match.variant
@@ -156,10 +151,10 @@ class Decoding:
         return DONE
 
     def run(self, lines: Iterable[FrameLine]) -> None:
-        """Print each frame decoded, and then the mistakes that explain several frames with an error.
+        """Decode and print each frame, and then print mistakes that explain several frames with an error.
 
-        Text that cannot be decoded is reported on standard error, and the next line follows. ``code`` changes with
-        each line.
+        Text that cannot be decoded is reported on standard error, and does not prevent decoding the next line. After
+        each line, ``code`` is the exit code so far.
         """
         frames = itertools.chain.from_iterable(split_into_words(line, self._word_bits) for line in lines)
         for frames_before, line in enumerate(frames):
@@ -185,11 +180,11 @@ class Decoding:
             if why is not None and decoded.problems:
                 self._failed_frames.append((line.text, decoded, why))
             output = self._frame_output(line, decoded, frame_findings, why, other_layouts)
-            # Someone who reads many frames should not have to wait for the end.
+            # With many frames, the user should not have to wait for the last one.
             is_one_of_many = line.number is not None
             print(output, flush=is_one_of_many)
         if not self._request.as_json:
-            common_mistakes = self._mistakes_in_all()
+            common_mistakes = self._common_mistakes()
             print(*together_lines(common_mistakes, len(self._failed_frames)), sep="\n", end="")
 
     def _print_channels(self, line: FrameLine, decoder: ChannelDecoder, frame: TypedFrame) -> None:
@@ -203,7 +198,7 @@ class Decoding:
         is_one_of_many = line.number is not None
         if request.as_json:
             data = channel_data(request.device, variant, request.sender, result, line)
-            output = _ONE_LINE.encode(data) if is_one_of_many else json.dumps(data, indent=2, ensure_ascii=False)
+            output = _json_text(data, is_one_of_many=is_one_of_many)
         else:
             first_line = line_prefix(line) + heading(request.device, variant, request.sender, None)
             lines = [first_line, *self._label]
@@ -219,10 +214,11 @@ class Decoding:
         notice = f"{MANY:,} frames; for files, the Python package is faster: {command}"
         print(f"codewheel: {notice}", file=sys.stderr)
 
-    def _mistakes_in_all(self) -> list[CommonMistake]:
-        """Return the mistakes that explain the most of the last frames with an error, or an empty list for one frame.
+    def _common_mistakes(self) -> list[CommonMistake]:
+        """Return mistakes that explain most of the last frames with an error, the likeliest first.
 
-        If no single mistake explains all of them, or if the likeliest hides a shift, pairs of mistakes are tried too.
+        With only one such frame, the list is empty. If no single mistake explains all of them, or if the likeliest
+        hides a shift by one bit, pairs of mistakes are tried too.
         """
         failed_frames = self._failed_frames
         if len(failed_frames) < 2:
@@ -240,42 +236,44 @@ class Decoding:
         return judge_together([why for why in whys if why is not None])
 
     def _decode_text(self, frame_text: str) -> tuple[codec.DecodedFrame, Diagnosis | None]:
-        """Return a decoded frame with its explanations (None if it needs none), or a decoded register value with None.
+        """Decode a frame or a register value, and explain its error.
+
+        The explanations are None for a frame without an error and for a register value.
 
         Raises:
             FrameTextError: The text cannot be read as a frame.
-            RegisterError: There is no such register, or it has another length.
+            RegisterError: There is no such register, or it has a different length.
             UndecidedError: The layout of the frame depends on a question that the user has not answered.
         """
         device = self._request.device
         variant = self._request.match.variant
         if self._request.register is not None:
             decoded = decode_register_text(device, variant, self._request.register, frame_text)
-            self._refuse_undecided(decoded)
+            self._require_answers(decoded)
             return decoded, None
         decoded = self._decode_frame(frame_text)
-        self._refuse_undecided(decoded)
+        self._require_answers(decoded)
         return decoded, why_text(device, variant, self._request.sender, frame_text, decoded)
 
-    def _refuse_undecided(self, decoded: codec.DecodedFrame) -> None:
-        """Raise ``UndecidedError`` if the layout needs an answer that the user has not given.
+    def _require_answers(self, decoded: codec.DecodedFrame) -> None:
+        """Raise ``UndecidedError`` if the layout of a frame depends on a question that the user has not answered.
 
-        A layout that needs no further answer is not checked again for later frames.
+        Each layout is only checked once.
         """
         placed = decoded.layout
         if placed is None or placed.name in self._decided_layouts:
             return
-        # Bytes of the wrong length contain no fields, so no answer matters. For a frame of bits, even the length
-        # depends on the answers.
+        # Bytes of the wrong length have no fields, so answers do not matter. The length of a bit frame may itself
+        # depend on the answers.
         if decoded.fields or not placed.layout.in_bytes:
             refuse_undecided(self._request.device, placed.layout, self._request.answers)
             self._decided_layouts.add(placed.name)
 
     def _findings_of_frame(self, decoded: codec.DecodedFrame) -> Findings:
-        """Return the verdict and the reports on a decoded frame, with all values that differ from the manual.
+        """Return the verdict on a decoded frame, the reports in it, and all values that differ from the manual.
 
-        These are, in this order, values of ``--register`` that contradict the order code, values in the frame that the
-        manual does not allow, and register values that are impossible in this edition of the manual.
+        The values are, in this order: values of ``--register`` that contradict the order code, values in the frame that
+        the manual does not allow, and register values that are impossible in this edition of the manual.
         """
         request = self._request
         frame_findings = findings(request.device, request.match.variant, decoded)
@@ -287,30 +285,31 @@ class Decoding:
 
     def _other_layouts(self, frame_text: str, decoded: codec.DecodedFrame) -> Sequence[PlacedLayout]:
         """Return the other layouts with which the text is a valid frame, unless the user named the layout."""
-        return self._other_frames.layouts_of(frame_text, decoded) if self._other_frames is not None else ()
+        if self._other_frames is None:
+            return ()
+        return self._other_frames.layouts_of(frame_text, decoded)
 
     def _answers_used(self, decoded: codec.DecodedFrame) -> dict[str, str]:
         """Return the answers that the result for a frame depends on, as ``{question: answer}``.
 
-        These are the answers that place its fields, and those that decide its verdict, with their defaults.
+        These are answers that determine the places of its fields, and answers or their defaults that decide its
+        verdict.
         """
         if decoded.layout is None:
             return {}
         return self._answers_for(decoded.layout) | self._decisive_answers(decoded)
 
     def _answers_for(self, placed_layout: PlacedLayout) -> dict[str, str]:
-        """Return the user's answers that the places of the fields depend on, as ``{question: answer}``.
+        """Return the user's answers that the places of a layout's fields depend on, as ``{question: answer}``.
 
-        They are the same for each frame of a layout, so they are kept by its name.
+        They are the same for each frame of the layout, so they are only determined once.
         """
         if placed_layout.name not in self._needed_answers:
-            answers = self._request.answers
-            question_names = [
-                alternative.name for alternative in self._request.device.alternatives_of(placed_layout.layout)
-            ]
-            self._needed_answers[placed_layout.name] = {
-                name: answers[name] for name in question_names if name in answers
-            }
+            needed_answers: dict[str, str] = {}
+            for alternative in self._request.device.alternatives_of(placed_layout.layout):
+                if alternative.name in self._request.answers:
+                    needed_answers[alternative.name] = self._request.answers[alternative.name]
+            self._needed_answers[placed_layout.name] = needed_answers
         return self._needed_answers[placed_layout.name]
 
     def _decisive_answers(self, decoded: codec.DecodedFrame) -> dict[str, str]:
@@ -340,7 +339,10 @@ class Decoding:
         diagnosis: Diagnosis | None,
         other_layouts: Sequence[PlacedLayout],
     ) -> str:
-        """Return a frame as text, after a blank line except for the first, or as JSON, in one line for one of many."""
+        """Return a decoded frame as text or as JSON.
+
+        A blank line precedes the text of each frame except the first. With many frames, the JSON of each is one line.
+        """
         request = self._request
         answers = self._answers_used(decoded)
         if request.as_json:
@@ -355,7 +357,7 @@ class Decoding:
                 answers=answers,
                 other_layouts=other_layouts,
             )
-            return json.dumps(data, indent=2, ensure_ascii=False) if line.number is None else _ONE_LINE.encode(data)
+            return _json_text(data, is_one_of_many=line.number is not None)
         separator = "" if self._is_first else "\n"
         self._is_first = False
         text = explain(
@@ -373,10 +375,17 @@ class Decoding:
         return separator + text
 
 
-def _exit_code(decoded: codec.DecodedFrame, frame_findings: Findings) -> int:
-    """Return the exit code for one frame: 1 for errors, 3 if the position is not usable, else 0.
+def _json_text(data: Mapping[str, Any], *, is_one_of_many: bool) -> str:
+    """Return the data of a frame as JSON: on one line if it is one of many frames."""
+    if is_one_of_many:
+        return _SINGLE_LINE_JSON.encode(data)
+    return json.dumps(data, indent=2, ensure_ascii=False)
 
-    A register that contradicts the order code counts as an error.
+
+def _exit_code(decoded: codec.DecodedFrame, frame_findings: Findings) -> int:
+    """Return the exit code for one frame: 1 for an error, 3 if the position is not usable, and otherwise 0.
+
+    A register value that contradicts the order code is an error.
     """
     if decoded.problems or any(difference.is_register for difference in frame_findings.differences):
         return FAULT

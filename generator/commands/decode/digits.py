@@ -1,6 +1,6 @@
 """Digits without a prefix, as programs and logs print them: find the only meaning that they can have.
 
-The page follows the same rules, in text.js.
+The decode page follows the same rules, in text.js.
 """
 
 from __future__ import annotations
@@ -15,74 +15,88 @@ _HEX_DIGITS = re.compile(r"[0-9A-Fa-f]+")
 _DECIMAL_DIGITS = re.compile(DIGITS["decimal"])
 _ZEROS_AND_ONES = re.compile(r"[01]+")
 _BINARY_NUMBER = re.compile(r"0[bB][01]+")
-#: What separates words in the arrays of programs and logs.
+#: Characters that separate words in the arrays of programs and logs.
 _SEPARATORS = re.compile(r"[\s'\",;\[\](){}<>]+")
-#: Bits with a prefix, which may be misspelt as b, although all of it are hex digits.
+#: Bits with the prefix 0b, or with the misspelled prefix b. The prefix consists of hex digits too.
 _PREFIXED_BITS = re.compile(r"0?[bB][01]+")
 
 
 def with_prefix(text: str, bits: int) -> str:
-    """Return the text of a number of ``bits`` bits with the prefix ``0b`` or ``0x`` if its base is certain.
+    """Add the prefix ``0b`` or ``0x`` to the digits of a frame of ``bits`` bits, if their base is certain.
 
-    The base is certain for digits with a letter or a leading zero, all bits of the frame, bits in groups, and bytes or
-    words in hex or binary, also without their leading zeros. Other text is returned as it is.
+    The base is certain for digits with a letter or a leading zero, for all bits of the frame, for bits in groups, and
+    for bytes in hex or binary. The leading zeros of bytes may be missing. Any other text is returned as it is.
     """
     pieces = text.replace("_", "").split()
-    are_digits = all(_HEX_DIGITS.fullmatch(piece) for piece in pieces)
-    if not are_digits or _PREFIXED_BITS.fullmatch("".join(pieces)):
+    all_digits = "".join(pieces)
+    are_hex_digits = all(map(_HEX_DIGITS.fullmatch, pieces))
+    if not are_hex_digits or _PREFIXED_BITS.fullmatch(all_digits):
         return text
-    if _ZEROS_AND_ONES.fullmatch("".join(pieces)):
-        digits = _binary_digits(pieces, bits)
-        return f"0b{digits}" if digits else text
+    if _ZEROS_AND_ONES.fullmatch(all_digits):
+        binary_digits = _binary_digits(pieces, bits)
+        return f"0b{binary_digits}" if binary_digits else text
     if len(pieces) == 1:
-        # Digits with a letter or a leading zero are not decimal.
-        return text if _DECIMAL_DIGITS.fullmatch(pieces[0]) else f"0x{pieces[0]}"
-    byte_pieces = with_leading_zeros(pieces)
-    are_whole_bytes = all(len(piece) % 2 == 0 for piece in byte_pieces)
-    return " ".join(f"0x{piece}" for piece in byte_pieces) if are_whole_bytes else text
+        may_be_decimal = _DECIMAL_DIGITS.fullmatch(all_digits) is not None
+        return text if may_be_decimal else f"0x{all_digits}"
+    hex_bytes = with_leading_zeros(pieces)
+    are_whole_bytes = all(len(hex_byte) % 2 == 0 for hex_byte in hex_bytes)
+    if not are_whole_bytes:
+        return text
+    return " ".join(f"0x{hex_byte}" for hex_byte in hex_bytes)
 
 
 def _binary_digits(pieces: Sequence[str], bits: int) -> str:
-    """Return the bits of a number in pieces of zeros and ones, or "" if these may also be hex or decimal.
+    """Return the bits of a frame from groups of zeros and ones, or "" if the groups may also be hex or decimal.
 
-    The digits are bits if there are as many as the frame has, or if they are in groups of one or of more than two.
-    Groups of different lengths are bytes without their leading zeros, unless such a zero is written.
+    The digits are bits if there are as many as the frame has bits, or if the groups have one digit or more than two.
+    Groups of different lengths are bytes whose leading zeros are missing, unless one of them begins with a zero.
     """
     digits = "".join(pieces)
-    byte_count = (bits + 7) // 8
     if len(digits) == bits:
         return digits
     longest = max(map(len, pieces))
-    # Bytes without leading zeros can have one digit, too, but not more bytes than the frame has.
+    # A byte without its leading zeros can also have one digit, but a frame cannot have that many bytes.
+    byte_count = (bits + 7) // 8
     are_single_bits = longest == 1 and len(pieces) > byte_count
     if are_single_bits:
         return digits
     if len(pieces) == 1 or longest <= 2:
         return ""
-    have_different_lengths = len({len(piece) for piece in pieces}) > 1
-    lack_zeros = have_different_lengths and longest <= 8 and not _has_leading_zero(pieces)
-    return "".join(piece.zfill(8) for piece in pieces) if lack_zeros else digits
+    have_different_lengths = len(set(map(len, pieces))) > 1
+    are_bytes_without_zeros = have_different_lengths and longest <= 8 and not _has_leading_zero(pieces)
+    if are_bytes_without_zeros:
+        return "".join(piece.zfill(8) for piece in pieces)
+    return digits
 
 
 def with_leading_zeros(pieces: Sequence[str]) -> Sequence[str]:
-    """Return bytes in hex or binary, of a program that omits leading zeros, as two hex digits each: ``FF 1``.
+    """Return bytes in hex or binary, whose leading zeros may be missing, as two hex digits each: ``FF 01``.
 
-    The pieces are returned as they are if a leading zero shows that none is omitted, or if they may be whole bytes in
-    hex already.
+    The pieces are returned as they are if one begins with a zero, which shows that no leading zeros are missing, or if
+    zeros and ones may be whole bytes in hex.
+    """
+    if all(map(_ZEROS_AND_ONES.fullmatch, pieces)):
+        return _binary_bytes_as_hex(pieces)
+    longest = max(map(len, pieces), default=0)
+    if longest != 2 or _has_leading_zero(pieces):
+        return pieces
+    return [piece.zfill(2) for piece in pieces]
+
+
+def _binary_bytes_as_hex(pieces: Sequence[str]) -> Sequence[str]:
+    """Return bytes in binary as two hex digits each, or the pieces as they are if they may be something else.
+
+    The pieces are zeros and ones. They are bytes in binary if there are several of 3 to 8 digits, and if they cannot be
+    hex: hex bytes have an even number of digits, except that pieces of eight zeros and ones are bits.
     """
     longest = max(map(len, pieces), default=0)
-    are_binary = all(_ZEROS_AND_ONES.fullmatch(piece) for piece in pieces)
-    if are_binary:
-        are_bytes = len(pieces) > 1 and 3 <= longest <= 8
-        have_odd_length = any(len(piece) % 2 for piece in pieces)
-        have_all_bits = all(len(piece) == 8 for piece in pieces)
-        # Hex bytes have an even number of digits. Pieces of eight zeros and ones count as bits.
-        cannot_be_hex = have_odd_length or have_all_bits
-        if not are_bytes or not cannot_be_hex:
-            return pieces
-        return [f"{int(piece, 2):02X}" for piece in pieces]
-    lack_zeros = longest == 2 and not _has_leading_zero(pieces)
-    return [piece.zfill(2) for piece in pieces] if lack_zeros else pieces
+    are_bytes = len(pieces) > 1 and 3 <= longest <= 8
+    have_odd_length = any(len(piece) % 2 for piece in pieces)
+    have_all_bits = all(len(piece) == 8 for piece in pieces)
+    cannot_be_hex = have_odd_length or have_all_bits
+    if not are_bytes or not cannot_be_hex:
+        return pieces
+    return [f"{int(piece, 2):02X}" for piece in pieces]
 
 
 def _has_leading_zero(pieces: Sequence[str]) -> bool:
@@ -91,28 +105,32 @@ def _has_leading_zero(pieces: Sequence[str]) -> bool:
 
 
 def bits_of_bytes(text: str, bits: int, *, line_carries_bytes: bool) -> str:
-    """Return the digits of one binary number for a frame of ``bits`` bits in bytes, or "" for any other text.
+    """Return the binary digits in a text for a frame of ``bits`` bits in bytes, or "" if the text is not binary.
 
-    Without a prefix, or if the line carries bytes, so that ``0b`` may be hex, it has more digits than in hex, and more
-    than one byte. It has all bits or, if the line carries bytes, no leading zeros.
+    If the line carries bits, the prefix ``0b`` is enough. Otherwise, the text is binary if it has more digits than the
+    frame has in hex, and more than one byte. It must then contain all bits, or, if the line carries bytes, it may be a
+    number without leading zeros.
     """
     compact_text = text.replace("_", "")
     has_prefix = _BINARY_NUMBER.fullmatch(compact_text) is not None
-    digits = compact_text[len("0b") :] if has_prefix else compact_text
+    digits = compact_text.removeprefix("0b").removeprefix("0B") if has_prefix else compact_text
     if has_prefix and not line_carries_bytes:
         return digits
-    hex_digits = bits // 4
-    are_bits = _ZEROS_AND_ONES.fullmatch(digits) and max(hex_digits, 8) < len(digits) <= bits
+    if not _ZEROS_AND_ONES.fullmatch(digits):
+        return ""
+    most_hex_digits = max(bits // 4, 8)
+    is_too_long_for_hex = len(digits) > most_hex_digits
     has_all_bits = len(digits) == bits and "1" in digits
-    lacks_zeros = line_carries_bytes and digits.startswith("1")
-    return digits if are_bits and (has_all_bits or lacks_zeros) else ""
+    is_number_without_zeros = line_carries_bytes and digits.startswith("1") and len(digits) <= bits
+    is_binary = is_too_long_for_hex and (has_all_bits or is_number_without_zeros)
+    return digits if is_binary else ""
 
 
 def possible_meanings(digits: str, bits: int) -> Iterator[str]:
     """Yield how to write digits without a prefix, for each meaning that they can have in a frame of ``bits`` bits.
 
-    For ``10``: ``0xA if it is decimal``, ``0x10 if it is hex``, ``0b10 if it is bits``. A decimal or hexadecimal number
-    must fit into the frame. Bits may be of any number, since the length is checked later. The page follows the same
+    For ``10``, these are ``0xA if it is decimal``, ``0x10 if it is hex`` and ``0b10 if it is bits``. A decimal or
+    hexadecimal number must fit into the frame. The number of bits is checked later. The decode page follows the same
     rule.
     """
     largest = (1 << bits) - 1
@@ -125,9 +143,9 @@ def possible_meanings(digits: str, bits: int) -> Iterator[str]:
 
 
 def meanings_of_long_number(digits: str) -> Iterator[str]:
-    """Yield how to write a decimal or hexadecimal number without a prefix that is too large for the frame.
+    """Yield how to write a number without a prefix that is too large for the frame, in decimal or hexadecimal.
 
-    It may have further bits, as a register of a program or a raw buffer.
+    The number may contain more bits than the frame, for example if it comes from a raw buffer.
     """
     if re.fullmatch(DIGITS["long_number"], digits):
         yield say.if_decimal(f"0x{int(digits):X}")
@@ -135,21 +153,26 @@ def meanings_of_long_number(digits: str) -> Iterator[str]:
 
 
 def words_of(text: str, bits: int) -> list[str]:
-    """Return the words in a text such as ``{0x7FFE, 0x3FFF}`` that has several words of ``bits`` bits.
+    """Return the words in a text with several words of ``bits`` bits, such as ``{0x7FFE, 0x3FFF}``.
 
-    A word has all its hex digits, or is in binary and may lack leading zeros if another word has all its bits. Words
-    without ``0x`` get it if a letter shows that they are hex. Return an empty list for any other text.
+    Each word has all its hex digits, or is binary. In binary, at least one word has all its bits, and the leading zeros
+    of others may be missing. Hex words without ``0x`` get it if a letter shows that they are hex. For any other text,
+    the list is empty.
     """
     words = [word for word in _SEPARATORS.split(text) if word]
     if len(words) < 2:
         return []
-    digits = rf"[0-9A-Fa-f]{{{bits // 4}}}"
-    if all(re.fullmatch(rf"0[xX]{digits}[uUlL]*", word) for word in words):
+    hex_word = rf"[0-9A-Fa-f]{{{bits // 4}}}"
+    have_prefixes = all(re.fullmatch(rf"0[xX]{hex_word}[uUlL]*", word) for word in words)
+    if have_prefixes:
         return words
     all_digits = "".join(words)
-    if all(re.fullmatch(digits, word) for word in words) and not all_digits.isdecimal():
+    are_hex_words = all(re.fullmatch(hex_word, word) for word in words)
+    if are_hex_words and not all_digits.isdecimal():
         return [f"0x{word}" for word in words]
     lengths = [len(word) for word in words]
-    # Shorter ones may be bytes.
+    # Words of at most 8 zeros and ones may be bytes.
     are_binary = _ZEROS_AND_ONES.fullmatch(all_digits) and min(lengths) > 8 and max(lengths) == bits
-    return [f"0b{word.zfill(bits)}" for word in words] if are_binary else []
+    if not are_binary:
+        return []
+    return [f"0b{word.zfill(bits)}" for word in words]

@@ -13,7 +13,7 @@ from ...say.plain_text import WIDTH, quantity_text
 from ...say.plain_text import wrap_text as wrapped_anew
 from ...say.text import as_sentence, with_unit
 
-#: Most paragraphs are the same for all frames.
+#: Wrap a paragraph. Most paragraphs are the same for all frames, so the results are cached.
 wrapped = lru_cache(maxsize=1024)(wrapped_anew)
 
 
@@ -24,14 +24,14 @@ class _FieldRow(NamedTuple):
     meaning: str
 
 
-#: Most columns before the meaning of a field. After more, the meaning begins on a separate line.
+#: Highest number of columns before the meaning of a field. After more columns, the meaning begins on a separate line.
 _WIDEST_HEAD = 56
 
 
 def field_table(decoded: codec.DecodedFrame) -> list[str]:
-    """Return a line per field with its cells in columns: ``bit 3  error  1  yes  The supply is too low``.
+    """Return the lines of a table with one row for each field: ``bit 3  error  1  yes  The supply is too low``.
 
-    The meaning is next to the columns, or below them if they are wide.
+    The meaning of a field is next to the other columns, or below them if they are wide.
     """
     assert decoded.layout is not None
     # Each unused field is listed separately, so the field for all of them, which has no place, is omitted.
@@ -54,9 +54,9 @@ def field_table(decoded: codec.DecodedFrame) -> list[str]:
 
 
 def _field_row(placed_layout: PlacedLayout, field: codec.DecodedField) -> _FieldRow:
-    """Return the row of a field: its place, name, raw number and value, such as ``bit 3``, ``error``, ``1``, ``yes``.
+    """Return the row for a field: its place, name, raw number and value, such as ``bit 3``, ``error``, ``1``, ``yes``.
 
-    The raw number of a single bit is in decimal, and the number of other fields in hexadecimal.
+    A single bit is shown in decimal, and any other raw number in hexadecimal.
     """
     has_place = field.high >= 0  # A joined number has no place.
     place = bit_place(placed_layout.layout, placed_layout.bits, field.high, field.low) if has_place else ""
@@ -68,10 +68,10 @@ def _field_row(placed_layout: PlacedLayout, field: codec.DecodedField) -> _Field
 
 
 def _meaning_text(placed_layout: PlacedLayout, field: codec.DecodedField) -> str:
-    """Return the meaning, and for a number sent in Gray code also its value as sent and converted."""
+    """Return the meaning of a field. For a number in Gray code, its value as sent and its converted value follow."""
     if not placed_layout.gray:
         return field.meaning
-    # The number in Gray code may consist of several fields, which are then in Gray code, too.
+    # The number in Gray code may consist of several fields, which are all in Gray code.
     gray_names = (*placed_layout.layout.names_in(placed_layout.layout.gray_of), placed_layout.layout.gray_of)
     if field.name not in gray_names or not isinstance(field.value, int):
         return field.meaning

@@ -1,4 +1,4 @@
-"""Read the text that a person types or pastes for frames, as bytes or as numbers, and decode it.
+"""Decode frames from text that a user types or pastes, as bytes or as numbers.
 
 Ambiguous text is rejected.
 """
@@ -12,12 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from ...language.problems import quoted, visible
 from ...model import (
     INTERFACES,
-    Constant,
-    CrcValue,
     Device,
     Fault,
     Layout,
-    Parity,
     PlacedChannels,
     PlacedLayout,
     Variant,
@@ -39,12 +36,12 @@ _GAPS_IN_NUMBERS = re.compile(r"[\s_]")
 _BINARY_NUMBER = re.compile(r"0[bB][01]+")
 _PREFIXED_HEX = re.compile(r"0[xX][0-9A-Fa-f]+")
 _WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
-#: Only a number with its prefix, such as ``0x1F``.
+#: A single number with its prefix, such as ``0x1F``.
 _LONE_PREFIXED_NUMBER = re.compile(r"0[xXbB][0-9A-Fa-f]+")
 _PASTED_FORMS = tuple((re.compile(pattern), replacement) for pattern, replacement in notations.PASTED)
 _TIME_STAMP = re.compile(notations.TIME)
 _ODD_BLANKS = re.compile(notations.ODD_BLANKS)
-#: Faults that a mistake in reading the line, or in the computation of the CRC, may explain.
+#: Faults that may be explained by a mistake in reading the line or in computing the CRC.
 _TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
 
 
@@ -53,7 +50,7 @@ class FrameTextError(ValueError):
 
 
 class FrameLine(NamedTuple):
-    """A frame as text, with its line number (None if it is the only one) and its leading timestamp, or ``""``."""
+    """A frame as text, with its line number (None for a single frame) and the time that precedes it, or ``""``."""
 
     number: int | None
     time: str
@@ -61,10 +58,9 @@ class FrameLine(NamedTuple):
 
 
 def frame_lines(lines: Iterable[str]) -> Iterator[FrameLine]:
-    """Yield the frames in lines, one per line, with their line numbers from 1 and their times.
+    """Yield the frames in some lines, one per line, with their line numbers from 1 and the times before them.
 
-    Comments after ``#`` are removed, and empty lines are skipped. A time in front of a frame is not part of its text.
-    A byte order mark counts as a blank.
+    Comments after ``#`` are removed, and empty lines are skipped. A byte order mark counts as a space.
     """
     for line_number, line in enumerate(lines, 1):
         before_comment, _, _ = _ODD_BLANKS.sub(" ", line).partition("#")
@@ -77,9 +73,9 @@ def frame_lines(lines: Iterable[str]) -> Iterator[FrameLine]:
 
 
 def undecorated(frame_text: str) -> str:
-    """Return the text of a frame without brackets, quotes and other marks of the program that it was copied from.
+    """Return the text of a frame without the brackets, quotes and suffixes of the program that it was copied from.
 
-    ``{0x1Fu, 2Ah}`` becomes ``0x1F  0x2A``. A plain number with a prefix, such as ``0x1F2A``, stays as it is.
+    ``{0x1Fu, 2Ah}`` becomes ``0x1F  0x2A``. A plain number with a prefix, such as ``0x1F2A``, is returned as it is.
 
     Raises:
         FrameTextError: The text is empty or longer than any frame.
@@ -98,9 +94,10 @@ def undecorated(frame_text: str) -> str:
 
 
 def frame_bytes(frame_text: str) -> bytes:
-    """Return the bytes of hex text, such as ``1F 2A`` or ``1F2A``. Each piece between spaces consists of whole bytes.
+    """Return the bytes in a hex text such as ``1F 2A`` or ``1F2A``. Each piece between spaces consists of whole bytes.
 
-    A piece may begin with ``0x``. A single digit is a byte after ``0x``, or if all pieces lack their leading zeros.
+    A piece may begin with ``0x``. A single digit is a byte if it follows ``0x``, or if all pieces have no leading
+    zeros.
 
     Raises:
         FrameTextError: A piece is not hex, or has an odd number of digits.
@@ -123,13 +120,13 @@ def frame_bytes(frame_text: str) -> bytes:
 
 
 def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str) -> bytes:
-    """Return the bytes of a frame whose layout is in bytes. The text is hex bytes, or one binary number.
+    """Return the bytes of a frame that is described in bytes. The text contains hex bytes or one binary number.
 
-    If the line carries bits, the number must contain every bit sent. If it carries bytes, the layout's byte order puts
-    the number into bytes, and its leading zeros may be missing.
+    If the line carries bits, the binary number must contain every bit that is sent. If it carries bytes, the number is
+    converted in the byte order of the layout, and its leading zeros may be missing.
 
     Raises:
-        FrameTextError: The text has another form, or another number of bits.
+        FrameTextError: The text has a different form, or the wrong number of bits.
     """
     bits = placed_layout.layout.sent_bits.value(placed_layout.parameters)
     line_carries_bytes = INTERFACES[variant.interface].carried_as == "bytes"
@@ -138,7 +135,7 @@ def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str)
         return frame_bytes(frame_text)
     if line_carries_bytes:
         return number_to_bytes(placed_layout.layout, int(digits, 2), placed_layout.bits)
-    # The line may carry fewer bits than the bytes of the frame have. The missing ones are the first, and zero.
+    # The line may carry fewer bits than the bytes of the frame have. The first bits are then zeros that are not sent.
     byte_count = placed_layout.bits // 8
     if len(digits) != bits:
         remedy = say_report.write_bits(str(bits), str(byte_count))
@@ -149,12 +146,13 @@ def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str)
 def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exact: bool = False) -> TypedFrame:
     """Return a frame written as one number: ``0b`` and every bit, ``0x`` and hex digits, or bytes such as ``01 2A``.
 
-    ``0b`` states the exact number of bits. Hex digits do not, because the frame may begin with further zeros. With
-    ``exact``, which means that frames of the sender have different lengths, hex bytes also state it if their number
-    differs from the layout's. Digits without a prefix are accepted if only one reading of them fits.
+    ``0b`` determines the number of bits (``exact`` in the result). Hex digits do not, because the frame may begin with
+    more zeros. If frames of the sender have different lengths (``exact`` is true), the number of bytes also determines
+    it, unless it is the number that the layout needs. Digits without a prefix are accepted if they have only one
+    possible meaning.
 
     Raises:
-        FrameTextError: The text has another form.
+        FrameTextError: The text has a different form.
     """
     prefixed_text = with_prefix(frame_text, placed.bits)
     without_gaps = _GAPS_IN_NUMBERS.sub("", prefixed_text)
@@ -164,36 +162,48 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     pieces = prefixed_text.split()
     are_bytes = len(pieces) > 1 and all(map(_WHOLE_BYTES.fullmatch, pieces))
     if are_bytes:
-        # Raises an error if the pieces may also be pairs of bits.
-        _refuse_bits_in_pairs(pieces, frame_text)
-        # A byte may have a prefix of its own.
+        _reject_bits_in_pairs(pieces, frame_text)
+        # Each byte may have its own prefix.
         digits = _WHOLE_BYTES.sub(r"\1", "".join(f"{piece} " for piece in pieces))
         without_gaps = "0x" + digits.replace(" ", "")
         bits = 4 * (len(without_gaps) - len("0x"))
-        if exact and bits // 8 != (placed.bits + 7) // 8:  # Another number of bytes than the layout needs.
+        needed_bytes = (placed.bits + 7) // 8
+        if exact and bits // 8 != needed_bytes:
             return TypedFrame(int(without_gaps, 16), bits, exact=True, written=bits)
     if _PREFIXED_HEX.fullmatch(without_gaps):
         number = int(without_gaps, 16)
         hex_digits = len(without_gaps) - len("0x")
         return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits, is_bytes=are_bytes)
-    meanings = list(possible_meanings(without_gaps, placed.bits)) if len(pieces) == 1 else []
-    if meanings == [say_report.if_bits(without_gaps)]:
-        bits = len(without_gaps)
-        return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
-    # Hex digits with one meaning already have a prefix, unless it is misspelt.
-    if len(meanings) == 1 and without_gaps.isdecimal():
-        number = int(without_gaps)
-        return TypedFrame(number, number.bit_length(), exact=False)
-    remedy = say_report.write_number(str(placed.bits))
     if len(pieces) == 1:
-        meanings = meanings or list(meanings_of_long_number(without_gaps))
-    if meanings:
-        remedy = say_report.write_one_of(", ".join(meanings))
-    raise FrameTextError(say_report.no_bits(quoted(visible(frame_text)), str(placed.bits), remedy))
+        return _number_without_prefix(placed, without_gaps, frame_text)
+    raise _number_error(placed, frame_text, say_report.write_number(str(placed.bits)))
 
 
-def _refuse_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
-    """Raise FrameTextError if the pieces, such as ``10 01 11``, could be either bits or bytes.
+def _number_without_prefix(placed: PlacedLayout | PlacedChannels, digits: str, frame_text: str) -> TypedFrame:
+    """Return a frame from digits without a prefix that can only be bits or a decimal number.
+
+    Raises:
+        FrameTextError: The digits have several possible meanings, or none.
+    """
+    meanings = list(possible_meanings(digits, placed.bits))
+    if meanings == [say_report.if_bits(digits)]:
+        return TypedFrame(int(digits, 2), len(digits), exact=True, written=len(digits))
+    # Hex digits with only one meaning already have a prefix, unless it is misspelled.
+    if len(meanings) == 1 and digits.isdecimal():
+        number = int(digits)
+        return TypedFrame(number, number.bit_length(), exact=False)
+    meanings = meanings or list(meanings_of_long_number(digits))
+    remedy = say_report.write_one_of(", ".join(meanings)) if meanings else say_report.write_number(str(placed.bits))
+    raise _number_error(placed, frame_text, remedy)
+
+
+def _number_error(placed: PlacedLayout | PlacedChannels, frame_text: str, remedy: str) -> FrameTextError:
+    """Return the error for a text that is not a number of the frame's bits."""
+    return FrameTextError(say_report.no_bits(quoted(visible(frame_text)), str(placed.bits), remedy))
+
+
+def _reject_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
+    """Raise ``FrameTextError`` if pieces such as ``10 01 11`` could be either bits or bytes.
 
     This is possible if all pieces are two digits without a prefix, and all digits are 0 or 1.
     """
@@ -217,8 +227,8 @@ def decode_text(
         sender: ``encoder`` or ``master``.
         text: Hex bytes for a line that carries bytes. For a line that carries bits, one number: ``0b`` with every
             digit, or ``0x``.
-        layout: The layout's name. By default, the layout that the frame identifies by its selector or its length, or
-            else the sender's first.
+        layout: The name of the layout. By default, this is the layout that the frame identifies by its selector or its
+            length, or the first layout of the sender.
 
     Raises:
         FrameTextError: The text cannot be read as a frame, or the layout does not exist.
@@ -229,19 +239,19 @@ def decode_text(
 def text_decoder(
     device: Device, variant: Variant, sender: str, layout: str | None
 ) -> Callable[[str], codec.DecodedFrame]:
-    """Return a function that decodes the text of one frame, with the layout that ``decode_text`` would choose.
+    """Return a function that decodes the text of one frame.
 
-    ``layout`` is the name of the layout, or None to let each frame identify its own. If the layout does not exist, the
-    function raises FrameTextError for every frame.
+    ``layout`` is the name of the layout. If it is None, each frame identifies its layout by its selector or its length.
+    If the layout does not exist, the function raises ``FrameTextError`` for every frame.
     """
-    layouts = _layouts_of(device, variant, sender)
+    layouts = layouts_of_sender(device, variant, sender)
     candidates = [candidate for candidate in layouts if layout is None or candidate.name == layout]
     first_placed = candidates[0].place(variant.parameters) if candidates else None
     # If layouts differ in length, the number of bits identifies the layout.
     is_exact = have_lengths(layouts, sender)
 
     def decode(text: str) -> codec.DecodedFrame:
-        """Return the frame decoded with the named layout or, without a name, with the layout that it identifies."""
+        """Decode a frame with the named layout, or with the layout that the frame identifies."""
         frame_text = undecorated(text)
         if first_placed is None:
             raise FrameTextError(_no_layout_message(device, variant, sender, layout))
@@ -257,7 +267,7 @@ def text_decoder(
     return decode
 
 
-def _layouts_of(device: Device, variant: Variant, sender: str) -> list[Layout]:
+def layouts_of_sender(device: Device, variant: Variant, sender: str) -> list[Layout]:
     """Return the layouts of the frames that the sender, encoder or master, sends over the interface of the variant."""
     return [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
 
@@ -268,7 +278,7 @@ def _no_layout_message(device: Device, variant: Variant, sender: str, name: str 
     If the other sender has a layout of this name, the message says how to choose that sender.
     """
     interface = device.interface(variant.interface)
-    known_layouts = _layouts_of(device, variant, sender)
+    known_layouts = layouts_of_sender(device, variant, sender)
     if not known_layouts:
         return f"the manual describes no frame from the {sender} over {interface.title}"
     other_senders = [layout.sender for layout in interface.layouts if layout.name == name]
@@ -281,8 +291,8 @@ def decode_register_text(device: Device, variant: Variant, name: str, frame_text
     """Decode the value of the register ``name`` from hex bytes in ascending order of address.
 
     Raises:
-        FrameTextError: The text is not hex bytes.
-        RegisterError: The register does not exist, or has another length.
+        FrameTextError: The text does not consist of hex bytes.
+        RegisterError: The register does not exist, or it has a different length.
     """
     return decode_register(device, variant, name, frame_bytes(undecorated(frame_text)))
 
@@ -290,10 +300,9 @@ def decode_register_text(device: Device, variant: Variant, name: str, frame_text
 def _layout_of_length(
     frame_text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant
 ) -> PlacedLayout:
-    """Return the layout that has the length of the text: ``first`` or else the only other one.
+    """Return the layout whose length matches the text: ``first`` if it does, or the only other layout that does.
 
-    If no other layout or several have this length, the result is also ``first``. The decoder then reports the wrong
-    length.
+    If no other layout matches, or several do, the result is also ``first``, and the decoder reports the wrong length.
     """
     if _has_length(first, frame_text):
         return first
@@ -303,13 +312,12 @@ def _layout_of_length(
 
 
 def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
-    """Return whether the text can be a frame of this layout by its number of bits.
+    """Return whether the number of bits in a text matches a layout.
 
-    For a layout of 24 bits, these are ``0b`` with 24 digits, three bytes such as ``1F 2A 3B``, and numbers such as
-    ``0x1F2A`` of at most 24 bits, since their leading zeros may be missing. ``1F 2A`` has 16 bits, so it cannot have
-    another length.
+    A layout of 24 bits matches ``0b`` with 24 digits, three bytes such as ``1F 2A 3B``, and numbers such as ``0x1F2A``
+    of at most 24 bits, whose leading zeros may be missing. It does not match ``1F 2A``, which is exactly 16 bits.
     """
-    # The sender's frames differ in length, so another number of hex bytes means another length.
+    # The frames of the sender have different lengths, so the number of hex bytes determines the length.
     frame = frame_number(placed_layout, frame_text, exact=True)
     bits = placed_layout.layout.sent_bits.value(placed_layout.parameters)
     has_known_length = frame.exact
@@ -319,10 +327,10 @@ def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
 def decode_as(
     device: Device, variant: Variant, placed_layout: PlacedLayout, frame_text: str, *, exact: bool
 ) -> codec.DecodedFrame:
-    """Decode text that ``undecorated`` returned, with a known layout.
+    """Decode the text of a frame, without brackets and quotes, with a known layout.
 
-    ``exact`` means that frames of the sender have different lengths, so that hex bytes have no additional leading
-    zeros.
+    ``exact`` means that frames of the sender have different lengths, so that the number of hex bytes determines the
+    length of the frame.
 
     Raises:
         FrameTextError: The text cannot be read as a frame.
@@ -344,17 +352,16 @@ def why_text(
     *,
     with_pairs: bool = False,
 ) -> Diagnosis | None:
-    """Return explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
+    """Return possible explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
 
-    A frame in bytes whose layout is not known is also explained. ``_why_bits`` implements the rule for frames of bits.
-    ``decoded`` is the result of ``decode_text`` for the text. ``with_pairs`` also lists pairs of mistakes if a single
-    one matches.
+    A frame of bytes whose layout is not known is also explained. ``decoded`` is the result of decoding the text. If
+    ``with_pairs`` is true, pairs of mistakes are also listed, even if a single mistake explains the frame.
     """
     placed = decoded.layout
     if placed is not None and not placed.layout.in_bytes:
         return _why_bits(device, variant, sender, frame_text, placed, decoded, with_pairs=with_pairs)
     if placed is None:
-        first_layout = _layouts_of(device, variant, sender)[0]
+        first_layout = layouts_of_sender(device, variant, sender)[0]
         data = placed_bytes(first_layout.place(variant.parameters), variant, undecorated(frame_text))
     else:
         faults = {problem.fault for problem in decoded.problems}
@@ -376,11 +383,10 @@ def _why_bits(
     *,
     with_pairs: bool,
 ) -> Diagnosis | None:
-    """Return explanations of a frame of bits, or None if it needs none or nothing explains it.
+    """Return possible explanations of a bit frame, or None if it needs none or nothing explains it.
 
-    ``explain_bits`` gets frames with a wrong CRC or length, and long ones whose bits are all equal, as on a dead line.
-    It also gets valid frames without a CRC, but explains only those whose bits are all equal. ``explain_constant`` gets
-    the other frames with a wrong constant. Other faults are not explained.
+    A frame is explained if its CRC, its length or a constant is wrong, or if it is long and its bits are all equal, as
+    on a dead line. The bits of a valid frame without a CRC are checked too, because only they show a dead line.
     """
     faults = {problem.fault for problem in decoded.problems}
     is_valid_without_crc = not faults and decoded.crc is None
@@ -396,58 +402,3 @@ def _why_bits(
     if is_suspicious:
         return explain_bits(device, variant, placed_layout, frame, is_valid=not faults, with_pairs=with_pairs)
     return explain_constant(device, variant, placed_layout, frame)
-
-
-class OtherFrames:
-    """The layouts of a sender, each a candidate for a frame that was decoded as one of them.
-
-    There are no candidates if the sender has only one layout, or if a selector in each frame identifies its layout.
-    """
-
-    def __init__(self, device: Device, variant: Variant, sender: str) -> None:
-        layouts = _layouts_of(device, variant, sender)
-        self._device = device
-        self._variant = variant
-        self._is_exact = have_lengths(layouts, sender)
-        self._candidates: list[PlacedLayout] = []
-        has_selector = any(layout.selector for layout in layouts)  # It identifies the frame.
-        if len(layouts) > 1 and not has_selector:
-            self._candidates = [layout.place(variant.parameters) for layout in layouts]
-
-    def layouts_of(self, frame_text: str, decoded: codec.DecodedFrame) -> tuple[PlacedLayout, ...]:
-        """Return the other layouts with which the text is a valid frame.
-
-        ``decoded`` is the result of ``decode_text`` for the text, with one of the layouts.
-        """
-        return tuple(candidate for candidate in self._candidates if self._is_valid_as(candidate, frame_text, decoded))
-
-    def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.DecodedFrame) -> bool:
-        """Return whether the text, which was decoded with another layout, is a valid frame of the candidate.
-
-        A frame of the right length is not tried as a layout with another number of bits.
-        """
-        if decoded.layout is None or candidate.name == decoded.layout.name:
-            return False
-        if candidate.layout.in_bytes != decoded.layout.layout.in_bytes:
-            return False  # its text has another form
-        # Hex digits may lack leading zeros. Without this check, 0x1A2B with 16 bits would be valid in a layout of 24.
-        has_wrong_length = any(problem.fault is Fault.LENGTH for problem in decoded.problems)
-        if candidate.bits != decoded.layout.bits and not has_wrong_length:
-            return False
-        frame_text = undecorated(text)
-        try:
-            candidate_decoded = decode_as(self._device, self._variant, candidate, frame_text, exact=self._is_exact)
-        except FrameTextError:  # another number of bits
-            return False
-        return not candidate_decoded.problems
-
-
-def is_frame_of_other_kind(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> bool:
-    """Return whether a frame with errors is really a valid frame of the only layout in ``other_layouts``.
-
-    That layout must have a constant, a CRC or a parity, because any bits are valid in a layout without them.
-    """
-    if not decoded.problems or len(other_layouts) != 1:
-        return False
-    kinds = [placed_field.field.kind for placed_field in other_layouts[0].fields]
-    return any(isinstance(kind, (Constant, CrcValue, Parity)) for kind in kinds)

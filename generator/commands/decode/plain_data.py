@@ -1,4 +1,4 @@
-"""Decoded frames as plain data, in the shape of ``decode.schema.json``."""
+"""Decoded frames as plain data, with the structure that ``decode.schema.json`` describes."""
 
 from __future__ import annotations
 
@@ -29,11 +29,13 @@ def decoded_data(
     answers: Mapping[str, str] = NO_ANSWERS,
     other_layouts: Sequence[PlacedLayout] = (),
 ) -> dict[str, Any]:
-    """Return a decoded frame as plain data, in the shape of ``decode.schema.json``.
+    """Return a decoded frame as plain data for JSON.
 
-    ``line`` is the line of standard input, if any. ``answers`` are the answers used to decode the frame, as
-    ``{question: answer}``. ``other_layouts`` are the other layouts with which the frame is valid.
+    ``line`` is the line of standard input, if the frame comes from there. ``answers`` are the answers to open questions
+    that were used to decode the frame, as ``{question: answer}``. ``other_layouts`` are the other layouts with which
+    the frame is valid.
     """
+    verdict = frame_findings.verdict
     return {
         "version": JSON_VERSION,
         "line": line.number,
@@ -44,12 +46,12 @@ def decoded_data(
         "layout": decoded.layout.name if decoded.layout is not None else None,
         "other_layouts": [other_layout.name for other_layout in other_layouts],
         "direction": sender,
-        "fields": [_field_data(field) for field in decoded.fields],
+        "fields": list(map(_field_data, decoded.fields)),
         "crc": _crc_data(decoded.crc) if decoded.crc is not None else None,
-        "problems": [_problem_data(problem) for problem in decoded.problems],
-        "reports": [_report_data(report) for report in frame_findings.reports],
-        "verdict": frame_findings.verdict.value if frame_findings.verdict is not None else None,
-        "differences": [_difference_data(difference) for difference in frame_findings.differences],
+        "problems": list(map(_problem_data, decoded.problems)),
+        "reports": list(map(_report_data, frame_findings.reports)),
+        "verdict": verdict.value if verdict is not None else None,
+        "differences": list(map(_difference_data, frame_findings.differences)),
         "why": _why_data(diagnosis) if diagnosis is not None else None,
     }
 
@@ -57,9 +59,10 @@ def decoded_data(
 def channel_data(
     device: Device, variant: Variant, sender: str, result: ChannelResult, line: FrameLine
 ) -> dict[str, Any]:
-    """Return a frame with several data channels as plain data, with the errors and reports of all channels.
+    """Return a frame with several data channels as plain data for JSON, with the errors and reports of all channels.
 
-    Each channel also has the errors and reports of its frame, and its fields. ``agree`` is null if nothing is compared.
+    Each channel also has its fields and its own errors and reports. ``agree`` says whether the compared positions
+    agree, and is null if none are compared.
     """
     whole_frame = codec.DecodedFrame(layout=None, number=0, fields=(), crc=None, problems=tuple(result.all_problems))
     data = decoded_data(device, variant, sender, whole_frame, result.all_findings, line=line)
@@ -92,7 +95,7 @@ def _difference_data(difference: ValueDifference) -> dict[str, Any]:
 
 
 def _field_data(field: codec.DecodedField) -> dict[str, Any]:
-    """Return a field with its value as sent and as decoded, for JSON."""
+    """Return a field with its raw and its decoded value, for JSON."""
     return {
         "name": field.name,
         "raw": field.raw,
@@ -104,7 +107,7 @@ def _field_data(field: codec.DecodedField) -> dict[str, Any]:
 
 
 def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
-    """Return the quantity that a number represents, such as 21.5 °C, as decimal and as fraction, for JSON.
+    """Return the quantity that a number represents, such as 21.5 °C, as a decimal and as a fraction, for JSON.
 
     ``exact`` is false if the decimal is rounded.
     """
@@ -130,7 +133,7 @@ def _report_data(report: FrameReport) -> dict[str, Any]:
 
 
 def _why_data(diagnosis: Diagnosis) -> dict[str, Any]:
-    """Return the explanations of a frame with an error, for JSON."""
+    """Return the possible explanations of an error in a frame, for JSON."""
     return {
         "explanations": [_explanation_data(explanation) for explanation in diagnosis.explanations],
         "tried": diagnosis.tried,
@@ -144,7 +147,7 @@ def _why_data(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _explanation_data(explanation: Explanation) -> dict[str, Any]:
-    """Return one explanation, for JSON."""
+    """Return one possible explanation of an error in a frame, for JSON."""
     return {
         "kind": explanation.kind,
         "text": explanation.text,

@@ -7,8 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from ...model import Alternative, Crc, Device, Fault, Measurement, PlacedLayout, Variant, Verdict
-from ...model.expressions import Expression
+from ...model import Alternative, Crc, Device, Fault, PlacedLayout, Variant
 from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
@@ -17,11 +16,12 @@ from ...say import report as say_report
 from ...say.evidence import origin, placeholders
 from ...say.names_and_places import name_in_words
 from ...say.order_code import not_on_label
-from ...say.plain_text import WIDTH, decimal
+from ...say.plain_text import WIDTH
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, as_sentence, count_with_unit
 from .field_table import capitalized, field_table, wrapped
-from .frames import FrameLine, frame_number, is_frame_of_other_kind, undecorated
+from .frames import FrameLine, frame_number, undecorated
+from .position_text import position_text
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis, Explanation
@@ -44,9 +44,10 @@ def explain(
     label: Sequence[str] | None = None,
     other_frames: str = "",
 ) -> str:
-    """Return the result as text, at most 80 columns wide.
+    """Return a decoded frame as text, at most 80 columns wide.
 
-    ``label`` are the ``label_lines`` if they are known. ``other_frames`` names the other frames that it can be.
+    ``label`` are the lines about the order code, if they are already known. ``other_frames`` is a sentence on other
+    layouts with which the frame is valid, or "".
     """
     lines = [line_prefix(line) + heading(device, code_match.variant, sender, decoded.layout)]
     lines += label_lines(device, code_match) if label is None else label
@@ -64,17 +65,18 @@ def described_frame(
     other_frames: str = "",
     frame_text: str = "",
 ) -> Iterator[str]:
-    """Yield the lines about a frame itself: its layout, fields, position and CRC, its errors or reports, and causes.
+    """Yield the lines about a decoded frame: layout, fields, position, CRC, errors or reports, and possible causes.
 
-    ``frame_text`` is the frame as typed, if it was typed alone.
+    ``frame_text`` is the text that the user typed for the frame, or "".
     """
     if decoded.layout is not None:
         yield _layout_line(decoded.layout)
         yield from _answer_lines(device, answers)
     if decoded.fields:
         yield from ("", *field_table(decoded))
-        position = _position_text(device, variant, decoded, findings.verdict)
-        yield from ("", position) if position else ()
+        position = position_text(device, variant, decoded, findings.verdict)
+        if position:
+            yield from ("", position)
     if decoded.crc is not None:
         yield from ("", _crc_line(device.crc(decoded.crc.name), decoded.crc))
     yield from ("", *_problem_lines(decoded, findings))
@@ -88,14 +90,15 @@ def described_frame(
 
 
 def _is_corrupted(decoded: codec.DecodedFrame) -> bool:
-    """Return whether a frame is corrupted: its CRC or length is wrong or, without a right CRC, a constant."""
+    """Return whether a frame is corrupted: its CRC, its length or a constant is wrong, and no CRC is correct."""
     faults = {problem.fault for problem in decoded.problems}
-    has_right_crc = decoded.crc is not None and decoded.crc.ok
-    return bool(faults & {Fault.CRC, Fault.LENGTH, Fault.CONSTANT}) and not has_right_crc
+    has_correct_crc = decoded.crc is not None and decoded.crc.ok
+    has_corruption = not faults.isdisjoint({Fault.CRC, Fault.LENGTH, Fault.CONSTANT})
+    return has_corruption and not has_correct_crc
 
 
 def evidence_lines(device: Device) -> Iterator[str]:
-    """Yield the grade of the evidence, and a sentence about values that replace unknown values, if there are any."""
+    """Yield the grade of the evidence, and a sentence about values left over from the template, if there are any."""
     yield f"evidence: {device.evidence.grade}"
     if device.evidence.placeholders:
         yield wrapped(placeholders(device), WIDTH, prefix="  ", first="")
@@ -104,9 +107,10 @@ def evidence_lines(device: Device) -> Iterator[str]:
 def _other_position_lines(
     device: Device, variant: Variant, decoded: codec.DecodedFrame, frame_text: str
 ) -> Iterator[str]:
-    """Yield lines about a frame without errors that may still be wrong: other readings, and an own request over SPI.
+    """Yield lines about reasons that a frame without errors may still be wrong.
 
-    ``frame_text`` is the frame as typed.
+    The position may be read in other ways, or, over SPI, the frame may be the master's own request. ``frame_text`` is
+    the text that the user typed.
     """
     placed_layout = decoded.layout
     if decoded.problems or placed_layout is None or placed_layout.layout.in_bytes:
@@ -126,7 +130,7 @@ def _other_position_lines(
 
 
 def line_prefix(line: FrameLine) -> str:
-    """Return the number and the time of a line of input, such as ``line 3 at 0.125: ``, or an empty string."""
+    """Return the number and the time of a line of input, such as ``line 3 at 0.125: ``, or "" if it has neither."""
     number_text = f"line {line.number}" if line.number is not None else ""
     time_text = f"at {line.time}" if line.time else ""
     number_and_time = f"{number_text} {time_text}".strip()
@@ -141,7 +145,7 @@ def heading(device: Device, variant: Variant, sender: str, placed_layout: Placed
 
 
 def label_lines(device: Device, code_match: LabelMatch) -> Iterator[str]:
-    """Yield the parameters read from registers, how the label differs from the manual, and where the spec is from."""
+    """Yield lines about an order code: the parameters that registers hold, its label, and the origin of its spec."""
     variant = code_match.variant
     names_read = [parameter.name for parameter in parameters_of(device, variant.interface) if parameter.read_from]
     if names_read:
@@ -154,7 +158,10 @@ def label_lines(device: Device, code_match: LabelMatch) -> Iterator[str]:
 
 
 def label_differences(device: Device, code_match: LabelMatch) -> Iterator[str]:
-    """Yield how a label differs from the codes in the manual: made up, other spelling, unlisted, tail, or special."""
+    """Yield lines on how a label differs from the order codes in the manual.
+
+    It may be spelled differently, contain unlisted values, continue after the order code, or be for a special model.
+    """
     for statement in not_on_label(device):
         yield wrapped(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ")
     if code_match.written_as_in:
@@ -183,7 +190,10 @@ def _layout_line(placed_layout: PlacedLayout) -> str:
 
 
 def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
-    """Yield the meaning of the answers used, ``{question: answer}``, and how to choose others than the defaults."""
+    """Yield the meaning of each answer that was used, and the options for choosing a different one than a default.
+
+    ``answers`` contains the answers to questions that the manual leaves open, as ``{question: answer}``.
+    """
     for alternative in device.alternatives:
         for index, answer in enumerate(alternative.answers):
             is_used = answers.get(alternative.name) == answer.name
@@ -192,17 +202,17 @@ def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
             yield wrapped(
                 f"decoded with {alternative.name} = {answer.name}: {answer.meaning}", WIDTH, prefix="  ", first=""
             )
-            # The default of an alternative, if it has one, is its first answer.
+            # If a question has a default, it is the first answer.
             is_default = bool(alternative.default) and index == 0
             if is_default:
                 options = " or ".join(_options_for_other_answers(alternative))
                 yield wrapped(
-                    f"this is the default; for another reading, add {options}", WIDTH, prefix="    ", first="  "
+                    f"this is the default; for a different reading, add {options}", WIDTH, prefix="    ", first="  "
                 )
 
 
 def _options_for_other_answers(alternative: Alternative) -> Iterator[str]:
-    """Yield the options that choose another answer than the first."""
+    """Return the command-line options that choose the other answers to a question than the first."""
     return (f"--choose {alternative.name}={answer.name}" for answer in alternative.answers[1:])
 
 
@@ -268,62 +278,8 @@ def _report_text(report: FrameReport) -> str:
     return f"{name}: {as_sentence(report.meaning)} {as_sentence(report.remedy)}"
 
 
-def _position_text(device: Device, variant: Variant, decoded: codec.DecodedFrame, verdict: Verdict | None) -> str:
-    """Return the position in µm or degrees, such as ``position: 90.0°``, or nothing for one that is not usable.
-
-    If the frame has only a part of the position, show the part with the lowest bits.
-    """
-    measurement = device.measurement_of(variant.interface)
-    if verdict in (None, Verdict.NOT_USABLE) or measurement is None or decoded.layout is None:
-        return ""
-    measurement = measurement.within(decoded.layout.layout.position_range)
-    field_name = measurement.of
-    # A frame without the multiturn part of a joined position contains only the part with the lowest bits.
-    if field_name not in decoded.values:
-        field_name = _lowest_joined_field(device, variant, field_name)
-    counts = decoded.values.get(field_name)
-    if not isinstance(counts, int):
-        return ""
-    micrometres_per_count = measurement.micrometres(variant.parameters)
-    if micrometres_per_count is not None:
-        return f"{field_name}: {decimal(counts * micrometres_per_count)} µm"
-    return _angle_text(measurement, variant, field_name, counts)
-
-
-def _lowest_joined_field(device: Device, variant: Variant, name: str) -> str:
-    """Return the last field of the joined number ``name``, which has its lowest bits, or ``name`` if none is joined."""
-    for layout in device.interface(variant.interface).layouts:
-        for join in layout.joins:
-            if join.name == name:
-                return join.fields[-1]
-    return name
-
-
-def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: int) -> str:
-    """Return the angle for a position in counts: ``singleturn: 90.0°``, ``position: 90.0° of revolution 3``.
-
-    Only the whole position of a multiturn encoder includes its revolution. The text is empty if the counts per turn are
-    not known.
-    """
-    counts_per_turn = _value_or_zero(measurement.counts_per_turn, variant)
-    turns = _value_or_zero(measurement.turns, variant)
-    if counts_per_turn < 1:
-        return ""
-    turn, counts_in_turn = divmod(counts, counts_per_turn)
-    degrees = counts_in_turn * 360 / counts_per_turn
-    # One decimal for each digit of the counts per degree, so that neighbouring counts look different.
-    decimals = len(str(counts_per_turn // 360))
-    angle = f"{name}: {degrees:.{decimals}f}°"
-    has_revolution = turns > 1 and name == measurement.of
-    return f"{angle} of revolution {turn:,}" if has_revolution else angle
-
-
-def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
-    return expression.value(variant.parameters) if expression is not None else 0
-
-
 def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list[str]:
-    """Return the lines that explain the frame: only the dead line if that is it, else disturbed bits and mistakes."""
+    """Return the lines that explain an error: a dead line alone, or corrupted bits and possible mistakes."""
     is_line_stuck = [explanation.kind for explanation in diagnosis.explanations] == ["line_stuck"]
     if is_line_stuck:
         explanation = as_sentence(capitalized(diagnosis.explanations[0].text))
@@ -334,7 +290,7 @@ def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list
 
 
 def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | None) -> list[str]:
-    """Return the hint that one of the ``disturbed`` bits may have been inverted on the line, or no lines."""
+    """Return the hint that one of some bits may have been inverted on the line, or no lines if there are none."""
     if not disturbed or placed_layout is None:
         return []
     bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
@@ -344,7 +300,10 @@ def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | Non
 
 
 def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
-    """Return ``bit 9`` for a frame of bits, or ``bit 1 of byte 2`` with the first byte as 0. Bit 0 is the last sent."""
+    """Return the name of a bit: ``bit 9`` in a bit frame, or ``bit 1 of byte 2`` in a frame of bytes.
+
+    Bit 0 is the last bit sent, and byte 0 is the first byte.
+    """
     if not placed_layout.layout.in_bytes:
         return f"bit {bit}"
     byte = placed_layout.bits // 8 - 1 - bit // 8  # Bits are counted from the end, and bytes from the beginning.
@@ -352,7 +311,7 @@ def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
 
 
 def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return the mistakes that explain a frame, each with its chance, or a line that none does, and then hints."""
+    """Return the mistakes that explain a frame, each with its probability, or a line that none does, and then hints."""
     whole_percent = round(100 * diagnosis.coincidence)
     percent = f"{whole_percent}" if whole_percent else "less than 1"
     mistakes = count_with_unit(diagnosis.tried, "common mistake")
@@ -372,7 +331,7 @@ def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
 
 
 def _hint_lines(diagnosis: Diagnosis) -> list[str]:
-    """Return whether another frame would help, and what the CRC cannot detect."""
+    """Return hints: whether another frame would help, and which errors the CRC cannot detect."""
     lines = []
     if diagnosis.explanations and diagnosis.explanations[0].hides_shift:
         lines.append(wrapped(as_sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
@@ -404,7 +363,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Ite
 
 
 def _introduction_sentence(diagnosis: Diagnosis, chance: str) -> str:
-    """Return the sentence before the explanations. It gives their ``chance`` only for a frame with a CRC."""
+    """Return the sentence before the possible explanations of a frame. With a CRC, it includes ``chance``."""
     if not diagnosis.has_crc:
         return f"{UNCERTAIN_READINGS}:"
     needs_two = diagnosis.explanations[-1].twice
@@ -413,7 +372,10 @@ def _introduction_sentence(diagnosis: Diagnosis, chance: str) -> str:
 
 
 def _chance_and_values(explanation: Explanation) -> str:
-    """Return how often a mistake matches by chance, and the values without it: ``…1 of 64 frames, and gives x 5``."""
+    """Return how often a mistake matches by chance, and the values that the frame has without it.
+
+    For example, ``matches by chance in 1 of 64 frames, and gives position 5``.
+    """
     details = []
     if explanation.one_in > 1:
         details.append(f"matches by chance in {_frequency_text(explanation.one_in)} frames")
@@ -435,15 +397,3 @@ def _parts_of_recording(explanation: Explanation) -> str:
 
 def _frequency_text(frames_per_match: int) -> str:
     return f"1 of {frames_per_match:,}" if frames_per_match < 1_000_000 else "fewer than 1 of a million"
-
-
-def other_frames_line(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> str:
-    """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string."""
-    if not other_layouts:
-        return ""
-    layout_names = ", ".join(layout.name for layout in other_layouts)
-    if not decoded.problems:
-        return f"{say_report.also_possible(layout_names)} (choose with --layout)"
-    if is_frame_of_other_kind(decoded, other_layouts):
-        return f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
-    return f"{say_report.possible_instead(layout_names)} (choose with --layout)"

@@ -1,7 +1,4 @@
-"""``codewheel generate``: its arguments, and its run from the specs to the files.
-
-``selection`` finds the specs and the output folder, ``outputs`` renders, and ``generate`` writes or compares.
-"""
+"""``codewheel generate``: write the outputs for the specs, or check whether they are up to date."""
 
 from __future__ import annotations
 
@@ -111,6 +108,8 @@ def _targets_help() -> str:
 def run(arguments: argparse.Namespace) -> int:
     """Write or compare all outputs, and return the exit code.
 
+    Nothing is rendered if an earlier run with the same specs and options wrote the files that are in the output folder.
+
     Raises:
         CommandError: The specs or the arguments have problems, a target fails, or the output differs or cannot be
             written.
@@ -177,13 +176,13 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
 def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
     """Return the result of an earlier run with the same specs and options, which may be missing.
 
-    With templates of the user or a document type, no result is stored.
+    With templates of the user or ``--biss-dtd``, no result is stored.
     """
     from ...cache import NO_CACHE
     from ...loading.configuration import filters_as_texts
     from ..cached_result import cached_result
 
-    # Empty texts separate the lists, so that no value can move from one to the next.
+    # Empty texts separate the lists, so that the same values in other lists lead to another key.
     options = [*(arguments.target or ()), "", *selection.options, "", *arguments.edition, "", *arguments.packaged, ""]
     options += filters_as_texts(selection.only)
     is_cacheable = arguments.templates is None and arguments.biss_dtd is None
@@ -191,7 +190,7 @@ def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, 
 
 
 def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Target]) -> None:
-    """Refuse a folder of templates that does not exist, and a document type without its target.
+    """Refuse ``--templates`` with a folder that does not exist, and ``--biss-dtd`` without the target ``biss``.
 
     Raises:
         CommandError: The exit code is 2.
@@ -205,7 +204,7 @@ def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Tar
 def _line_about_specs(
     devices: Sequence[Device], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
-    """Return a line about the specs that were read, and a second line if values from the template remain.
+    """Return a line about the specs that were read, and a second line if they contain values of ``codewheel new``.
 
     ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """
@@ -224,9 +223,9 @@ def _render_targets(
     options: Mapping[str, Options],
     cache: Cache,
 ) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target, as ``{target: {path: text}}``. Parts of known models come from the cache.
+    """Return the files of each target, as ``{target: {path: text}}``.
 
-    ``accepted`` are the devices in the library that each target writes.
+    Parts of unchanged families come from the cache. ``accepted`` are the devices that each target writes.
     """
     from ...family_parts import FamilyParts
     from ...targets.registry import files_of

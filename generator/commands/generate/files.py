@@ -1,7 +1,4 @@
-"""The files that ``generate`` renders: write them, or compare them with the files on the disk or of other specs.
-
-Parts of families with the same model are rendered once for both.
-"""
+"""Write the files that ``generate`` renders, or compare them with the output folder or with files of other specs."""
 
 from __future__ import annotations
 
@@ -35,9 +32,12 @@ def write_or_compare(
 ) -> int:
     """Write or, with ``--check``, only compare the files of each target. Return the exit code, which is 0.
 
-    ``families`` are those that each target was rendered from. ``gate`` raises ``CommandError`` to refuse writing specs
-    that must not be released. ``gate`` is called if a file would change. Without ``--prune``, ``guard`` refuses to
-    remove outputs.
+    Args:
+        arguments: The arguments of the command.
+        files: The files of each target.
+        families: The families that each target was rendered from.
+        gate: Called if a file would change. It raises ``CommandError`` for specs that must not be released.
+        guard: Refuses to remove outputs of other families, unless there is ``--prune``.
 
     Raises:
         CommandError: The disk fails, a compared file differs, ``gate`` or ``guard`` refuses the changes, or an idbiss
@@ -95,7 +95,7 @@ def _print_changes(file_changes: Sequence[FileChange], arguments: argparse.Names
 def _print_targets_by_state(file_changes: Iterable[FileChange]) -> None:
     """Print which targets match the specs and which do not, if there are both.
 
-    There are if a run was killed between two targets. The target of a file is the first folder of its path.
+    This happens after a run that was killed between two targets. The first folder in the path of a file is its target.
     """
     states_by_target: dict[str, set[str]] = {}
     for change in file_changes:
@@ -137,7 +137,7 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
 def changed_files(
     old_devices: Sequence[Device], new_devices: Sequence[Device], cache: Cache, filters: FamilyFilters = NO_FILTERS
 ) -> FileCounts | None:
-    """Return the paths that our targets add, remove or change, their total, and changed names in the files.
+    """Return which files of the built-in targets differ between two versions of the specs, and which names in them do.
 
     ``filters`` are the conditions for the families of each target. The result is None if a target cannot express a
     family or a template fails.
@@ -155,7 +155,7 @@ def changed_files(
 
 
 def unchanged_families(old_devices: Sequence[Device], new_devices: Sequence[Device]) -> frozenset[str]:
-    """Return the names of the families that are on both sides, with the same digest of their models."""
+    """Return the names of the families that are the same in both versions of the specs."""
     new_by_name = {device.name: device for device in new_devices}
     unchanged_names = set()
     for old_device in old_devices:
@@ -166,7 +166,10 @@ def unchanged_families(old_devices: Sequence[Device], new_devices: Sequence[Devi
 
 
 def _have_same_model(device: Device, other_device: Device) -> bool:
-    """Return whether two devices have the same digest. A device without a digest is not known to be the same."""
+    """Return whether two devices have the same digest, which is a hash of the model.
+
+    If a device has no digest, the result is False, because the models may differ.
+    """
     digest = model_digest_of(device)
     if not digest:
         return False

@@ -21,7 +21,7 @@ def add_arguments(parser: Parser) -> None:
         "what", metavar="FAMILY|ORDER-CODE", help=f"a family name as shown by list, the code on the label{OR_A_LINE}"
     )
     parser.add_argument(
-        "--edition", metavar="EDITION", help="use another edition of the manual: a revision, a date, or 'label'"
+        "--edition", metavar="EDITION", help="use a different edition of the manual: a revision, a date, or 'label'"
     )
     add_specs_option(parser)
 

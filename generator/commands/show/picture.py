@@ -15,7 +15,10 @@ _PICTURE_MARGIN = 3
 
 
 def picture(placed_layout: PlacedLayout) -> list[str]:
-    """Return the lines of a picture: rows of boxes, one per field in the order sent, each at most 80 columns wide."""
+    """Return the lines of a picture of a frame: rows of boxes, one for each field, in transmission order.
+
+    Each row is at most 80 columns wide.
+    """
     rows_of_boxes: list[list[_Box]] = [[]]
     used_columns = _PICTURE_MARGIN
     for placed_field in placed_layout.fields:

@@ -24,9 +24,9 @@ from ...model import (
 )
 from ...model.expressions import Expression
 from ...order_codes.labels import LabelMatch
-from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths
-from ...order_codes.reduction import for_interface, reduced_to_codes, with_output_code
-from ...order_codes.sent_layouts import with_sent_layouts
+from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths, with_sent_layouts
+from ...order_codes.quantities import with_output_code
+from ...order_codes.reduction import for_interface, reduced_to_codes
 from ...say import errata as say_errata
 from ...say import layout as say_layout
 from ...say import order_code as say_interface
@@ -55,7 +55,7 @@ def device_text(device: Device) -> str:
     lines += alternative_lines(device)
     measurements = [("", device.measurement)]
     measurements += [(interface.title, interface.measurement) for interface in device.interfaces]
-    # Without an order code, there are no parameters, and expressions are shown as text.
+    # A family has no values for parameters, so expressions are shown as text.
     lines += _position_lines(measurements, parameters=None)
     for interface in device.interfaces:
         lines += _range_lines(device, interface.name, parameters=None)
@@ -86,14 +86,14 @@ def variant_text(device: Device, code_match: LabelMatch) -> str:
 
 
 def style_with(parameters: Mapping[str, int] | None) -> Style:
-    """Return the style in which expressions are numbers for an order code, or text for a family (None)."""
+    """Return a style that shows expressions as numbers with the parameters of an order code, or as text if None."""
     if parameters is None:
         return PLAIN_STYLE
     return replace(PLAIN_STYLE, resolve=lambda expression: Expression(expression.value(parameters)))
 
 
 def _manual_lines(device: Device) -> list[str]:
-    """Return the lines about the manual, its other editions, and the evidence for what it says."""
+    """Return the lines about the manual, its other editions, and the evidence for the facts."""
     manual = device.manual
     date = f" of {manual.date}" if manual.date else ""
     sentences = [
@@ -107,7 +107,7 @@ def _manual_lines(device: Device) -> list[str]:
 
 
 def _order_code_lines(device: Device) -> Iterator[str]:
-    """Yield the pattern of the order codes, the values of each part, the rule for others, and other spellings."""
+    """Yield the pattern of the order codes, the values of each part, the rule for unlisted values, and spellings."""
     yield ""
     yield f"Order codes: {device.order_code.pattern}"
     for statement in not_on_label(device):
@@ -122,7 +122,7 @@ def _order_code_lines(device: Device) -> Iterator[str]:
 
 
 def _indented_paragraph(text: str) -> str:
-    """Return text about something that has a heading, whose further lines are indented."""
+    """Return a wrapped text below a heading. Its lines after the first are indented further."""
     return wrap_text(text, WIDTH, prefix="      ", first="    ")
 
 
@@ -130,10 +130,10 @@ def _indented_paragraph(text: str) -> str:
 
 
 def _parameter_lines(device: Device, variant: Variant) -> list[str]:
-    """Return a section about the fixed parameters of an order code, and one about those that registers decide."""
+    """Return a section about the fixed parameters of an order code, and one about parameters that registers hold."""
     parameters = parameters_of(device, variant.interface)
     run_time_parameter_names = run_time_names(device)
-    # Parameters read from a register, and parameters calculated from them.
+    # These are parameters that a register holds, and parameters that are calculated from them.
     in_registers = [parameter for parameter in parameters if parameter.name in run_time_parameter_names]
     # The user chooses parameters of alternatives, so they are listed with the questions.
     others = [parameter for parameter in parameters if parameter not in in_registers]
@@ -152,9 +152,9 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
 
 
 def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Variant) -> list[str]:
-    """Return a line for each parameter: its name, its value for the order code and, wrapped, its meaning.
+    """Return lines in columns about parameters: ``singleturn_bits  17  Bits of one revolution``.
 
-    Names and values are in columns: ``singleturn_bits  17  Bits of one revolution``.
+    Each line contains the name, the value for the order code, and the wrapped meaning.
     """
     values = [say_order_code.parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
     name_width = max(len(parameter.name) for parameter in parameters)
@@ -190,9 +190,9 @@ def alternative_lines(device: Device) -> list[str]:
 
 
 def _how_to_choose(alternative: Alternative) -> str:
-    """Return a sentence with the option of ``decode`` for an answer: ``… with --choose first_bit=low``.
+    """Return a sentence on how to answer a question with an option of ``decode``: ``… with --choose first_bit=low``.
 
-    The answer is an example, the first answer that is not the default.
+    The example is the first answer that is not the default.
     """
     if alternative.default:
         default_sentence = f"{alternative.default} applies without a choice. "
@@ -212,7 +212,7 @@ def _position_lines(
 ) -> list[str]:
     """Return the section about the range of the position, with a row for each measurement that is not None.
 
-    The row begins with the title: an interface or, if it is empty, the position's name.
+    A row begins with the title of the interface, or, if that is "", with the name of the position.
     """
     title_and_range_rows = []
     for title, measurement in measurements:
@@ -225,25 +225,25 @@ def _position_lines(
 
 
 def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None) -> str:
-    """Return the length of a linear encoder as a clause: ``, 1,000.000 mm in total``.
+    """Return the total length of a linear encoder as a clause: ``, 1,000.000 mm in total``.
 
-    The text is empty for a rotary encoder, and for a family, whose ``parameters`` are None.
+    The text is "" for a rotary encoder, and for a family (``parameters`` is None).
     """
     if parameters is None or measurement.modulus is None:
         return ""
-    micrometres_per_count = measurement.micrometres(parameters)
-    if micrometres_per_count is None:
+    micrometers_per_count = measurement.micrometres(parameters)
+    if micrometers_per_count is None:
         return ""
     counts = measurement.modulus.value(parameters)
-    millimetres = micrometres_per_count * counts / 1000  # a fraction
-    # A fraction has three decimals at most if its denominator divides 1000.
-    three_decimals_are_exact = 1000 % millimetres.denominator == 0
-    length_text = f"{float(millimetres):,.3f}" if three_decimals_are_exact else decimal(millimetres)
+    millimeters = micrometers_per_count * counts / 1000  # a fraction
+    # A fraction has at most three decimals if its denominator divides 1000.
+    three_decimals_are_exact = 1000 % millimeters.denominator == 0
+    length_text = f"{float(millimeters):,.3f}" if three_decimals_are_exact else decimal(millimeters)
     return f", {length_text} mm in total"
 
 
 def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] | None) -> list[str]:
-    """Return a line for each layout with another range of the position, such as ``in short 4,096 counts …``."""
+    """Return a line for each layout that has its own range of the position, such as ``in short 4,096 counts …``."""
     style = style_with(parameters)
     range_rows = []
     for layout_name, own_range in say_measurement.own_ranges(device, interface):
@@ -281,9 +281,10 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
 
 
 def _width_text(field: Field) -> str:
-    """Return the width of a field: ``error 1`` in a group, or else ``4 bits, always 5`` with its fixed value, if any.
+    """Return the width of a field, such as ``4 bits, always 5`` for a field with a fixed value.
 
-    A width that depends on parameters is a formula: ``singleturn_bits bits``.
+    For a field of a group, this is ``error 1``. A width that depends on parameters is a formula: ``singleturn_bits
+    bits``.
     """
     width = field.width.constant if field.width.is_constant else field.width.render()
     if field.group:
@@ -292,7 +293,7 @@ def _width_text(field: Field) -> str:
 
 
 def _fixed_value_text(field: Field) -> str:
-    """Return the fixed value of a field, such as ``, always 5`` or ``, unused, 1Fh in the manual``, or nothing."""
+    """Return the fixed value of a field, such as ``, always 5`` or ``, unused, 1Fh in the manual``, or ""."""
     match field.kind:
         case Constant(value):
             return f", always {say_field.short_number(value)}"
@@ -303,7 +304,7 @@ def _fixed_value_text(field: Field) -> str:
 
 
 def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
-    """Return the lines about a frame of an order code: a title, a picture, and what registers may change in it."""
+    """Return the lines about a frame of an order code: a title, a picture, and notes, for example about registers."""
     interface = device.interface(variant.interface)
     placed = layout.place(variant.parameters)
     style = style_with(variant.parameters)
@@ -322,7 +323,7 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
 
 
 def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterator[str]:
-    """Yield a note for each question that the frame depends on, with the answer that its picture shows: the first."""
+    """Yield a note for each question that the frame depends on, with the answer that its picture shows."""
     for alternative in device.alternatives_of(layout):
         device_with_one_question = replace(device, alternatives=(alternative,))
         for statement in needed_answers(device_with_one_question, layout):
@@ -330,9 +331,9 @@ def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterat
 
 
 def _position_code_note(device: Device, placed_layout: PlacedLayout) -> str:
-    """Return a sentence with the code of the position: ``position is in Gray code.``
+    """Return a sentence on the code of the position: ``position is in Gray code.``
 
-    If registers decide the code, the sentence names their fields: ``position is in binary, according to …``.
+    If registers determine the code, the sentence names their fields: ``position is in binary, according to …``.
     """
     layout = placed_layout.layout
     code = "Gray code" if placed_layout.gray else "binary"
@@ -351,7 +352,7 @@ def _position_code_note(device: Device, placed_layout: PlacedLayout) -> str:
 
 
 def register_lines(device: Device, variant: Variant | None) -> list[str]:
-    """Return the section about registers. Only for an order code (not None), it lists the fields of each."""
+    """Return the section about registers. For an order code (``variant`` is not None), it includes their fields."""
     if not device.registers:
         return []
     lines = ["", "Registers"]
@@ -363,7 +364,7 @@ def register_lines(device: Device, variant: Variant | None) -> list[str]:
 def _lines_about_register(device: Device, register: Register, variant: Variant | None) -> list[str]:
     """Return the lines about a register: its facts, its fields and its values.
 
-    Several fields are listed only for an order code, with their bits. The rules of a single field are among the facts.
+    For an order code, several fields are listed with their bits. The rules of a single field are among the facts.
     """
     style = style_with(variant.parameters if variant is not None else None)
     heading = style.sentence(say_register.head(device, register, register.name))
@@ -404,7 +405,7 @@ def _about_field(device: Device, field: Field, style: Style) -> str:
 
 
 def _input_and_procedure_lines(device: Device) -> list[str]:
-    """Return a section with the inputs and one with the procedures, each with its source."""
+    """Return a section about the hardware inputs and one about the procedures, each item with its citation."""
     lines: list[str] = []
     if device.inputs:
         input_rows = []
@@ -424,7 +425,7 @@ def _append_source(text: str, source: Sources) -> str:
 
 
 def _errata_lines(device: Device) -> list[str]:
-    """Return the errata in full, except those about wording, which are only counted."""
+    """Return the errata in full, except errata about wording, which are only counted."""
     if not device.errata:
         return []
     lines = ["", "Errata of the manual"]

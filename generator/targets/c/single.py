@@ -16,7 +16,8 @@ from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer, Spi
 from ...order_codes.parameters import run_time_names
-from ...order_codes.reduction import for_codes, with_quantities
+from ...order_codes.quantities import with_quantities
+from ...order_codes.reduction import for_codes
 from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines

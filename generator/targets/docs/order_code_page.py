@@ -30,7 +30,8 @@ from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
 from ...model.steps import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
-from ...order_codes.reduction import for_codes, with_quantities
+from ...order_codes.quantities import with_quantities
+from ...order_codes.reduction import for_codes
 from ...say.evidence import describe_grade
 from ...say.layout import describe_size
 from ...say.markdown import MARKDOWN, citation, code_span, escape, markdown_link

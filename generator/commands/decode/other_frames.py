@@ -1,0 +1,86 @@
+"""Find out whether a frame may be of another kind, for encoders that send frames of several layouts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...model import (
+    Constant,
+    CrcValue,
+    Device,
+    Fault,
+    Parity,
+    PlacedLayout,
+    Variant,
+)
+from ...model.layout import have_lengths
+from ...reference import codec
+from ...say import report as say_report
+from .frames import FrameTextError, decode_as, layouts_of_sender, undecorated
+
+
+class OtherFrames:
+    """The other layouts of a sender, with which a frame may also be valid.
+
+    There are none if the sender has only one layout, or if a selector, a field in each frame, identifies the layout.
+    """
+
+    def __init__(self, device: Device, variant: Variant, sender: str) -> None:
+        layouts = layouts_of_sender(device, variant, sender)
+        self._device = device
+        self._variant = variant
+        self._is_exact = have_lengths(layouts, sender)
+        self._candidates: list[PlacedLayout] = []
+        has_selector = any(layout.selector for layout in layouts)
+        if len(layouts) > 1 and not has_selector:
+            self._candidates = [layout.place(variant.parameters) for layout in layouts]
+
+    def layouts_of(self, frame_text: str, decoded: codec.DecodedFrame) -> tuple[PlacedLayout, ...]:
+        """Return the other layouts with which the text is a valid frame.
+
+        ``decoded`` is the result of decoding the text with one of the layouts.
+        """
+        return tuple(candidate for candidate in self._candidates if self._is_valid_as(candidate, frame_text, decoded))
+
+    def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.DecodedFrame) -> bool:
+        """Return whether a text that was decoded with one layout is also a valid frame of a different one.
+
+        A frame of the right length is not tried with a layout that has a different number of bits.
+        """
+        if decoded.layout is None or candidate.name == decoded.layout.name:
+            return False
+        if candidate.layout.in_bytes != decoded.layout.layout.in_bytes:
+            return False  # The text of such a frame has a different form.
+        # Leading zeros of hex digits may be missing, so 0x1A2B, a frame of 16 bits, would be valid in a layout of 24.
+        has_wrong_length = any(problem.fault is Fault.LENGTH for problem in decoded.problems)
+        if candidate.bits != decoded.layout.bits and not has_wrong_length:
+            return False
+        frame_text = undecorated(text)
+        try:
+            candidate_decoded = decode_as(self._device, self._variant, candidate, frame_text, exact=self._is_exact)
+        except FrameTextError:  # The number of bits differs.
+            return False
+        return not candidate_decoded.problems
+
+
+def is_frame_of_other_kind(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> bool:
+    """Return whether a frame with errors is actually a valid frame of the only layout in ``other_layouts``.
+
+    That layout must have a constant, a CRC or a parity bit, because any bits are valid in a layout without them.
+    """
+    if not decoded.problems or len(other_layouts) != 1:
+        return False
+    kinds = [placed_field.field.kind for placed_field in other_layouts[0].fields]
+    return any(isinstance(kind, (Constant, CrcValue, Parity)) for kind in kinds)
+
+
+def other_frames_line(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> str:
+    """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string."""
+    if not other_layouts:
+        return ""
+    layout_names = ", ".join(layout.name for layout in other_layouts)
+    if not decoded.problems:
+        return f"{say_report.also_possible(layout_names)} (choose with --layout)"
+    if is_frame_of_other_kind(decoded, other_layouts):
+        return f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
+    return f"{say_report.possible_instead(layout_names)} (choose with --layout)"
