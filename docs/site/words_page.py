@@ -74,7 +74,7 @@ WORDS = (
     Word("`makes_position_if`: a verdict by an answer", _any_of("field.makes_position_if"), ("304c7d089",)),
     Word("a flag or parity bit by order code", _has_optional_flag_or_parity, ("4b647a9ac",)),
     Word("several CRCs by order code", _has_optional_crc, ("9ae9f004a", "20db94950")),
-    Word("clock or time-out by order code", _any_of("clock.only", "timeout.only"), ("0b57bd23e", "fd701d2d7")),
+    Word("clock or timeout by order code", _any_of("clock.only", "timeout.only"), ("0b57bd23e", "fd701d2d7")),
     Word("`excess`: Gray excess", _any_of("layout.gray.excess"), ("080d1a243",)),
     Word(
         "`channels`: several in one BiSS frame",

@@ -17,7 +17,7 @@ module read_position;
     initial begin
         if ($value$plusargs("bits=%d", bits) == 0) bits = 45;
         for (int frame = 0; frame < 2; frame++) begin
-            #50000;  // the time-out
+            #50000;  // the timeout
             word = 0;
             clock_once;
             clock_once;

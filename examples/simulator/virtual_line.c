@@ -50,7 +50,7 @@ int line_level(int line, int level)
     return exchange(line, (level != 0) ? '1' : '0');
 }
 
-/* Let the time-out of the encoder pass. Return the level of the data line, or -1. */
+/* Let the timeout of the encoder pass. Return the level of the data line, or -1. */
 int line_timeout(int line)
 {
     return exchange(line, 'T');

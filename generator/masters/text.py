@@ -44,7 +44,7 @@ def record_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
     if record.cables.rows:
         yield "Clock by cable", _cable_table_text(record)
     if INTERFACES[record.words["interface"]] is Biss:
-        yield "Time-out", record.timeout or _not_stated_text(record, Topic.TIMEOUT)
+        yield "Timeout", record.timeout or _not_stated_text(record, Topic.TIMEOUT)
         # BiSS protocol description, p. 18.
         allowed_busy_time = f"{_not_stated_text(record, Topic.REPLY_TIME)}, but BiSS C allows 40 µs"
         yield "Busy time", _time_limit_text(record.numbers["busy_us"], "at most") or allowed_busy_time

@@ -67,7 +67,7 @@ _WORDS_FOR_KEYS = {
     "measurement": "unit of the position",
     "profile_id": "profile ID",
     "ssi_word": "SSI word",
-    "timeout": "time-out",
+    "timeout": "timeout",
 }
 _PATH_PATTERN = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
 #: Number of an item in a list without names, counted from 1.

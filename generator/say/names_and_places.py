@@ -251,7 +251,7 @@ TERMS = (
     GlossaryTerm(
         "CDM",
         "Control data, master: the bit of control data that the master sends with each BiSS frame. It is the inverse "
-        "of the level of MA during the time-out.",
+        "of the level of MA during the timeout.",
         interface=Biss,
         section="timings",
     ),
@@ -363,7 +363,7 @@ TERMS = (
         ("status field",),
     ),
     GlossaryTerm(
-        "Time-out",
+        "Timeout",
         "The pause at the end of a BiSS frame, without clocks on MA, before the encoder is ready for the next frame.",
         interface=Biss,
         section="timings",

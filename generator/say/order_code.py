@@ -273,7 +273,7 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
         case DataChannels():
             return "Data channels", _channel_words(fact)
         case Timeout():
-            return "Time-out", f"{_timeout_with_examples(fact)}{_only_with(fact)}"
+            return "Timeout", f"{_timeout_with_examples(fact)}{_only_with(fact)}"
         case Port():
             return "Baud rate", _port_words(fact)
         case WordFormat():
@@ -300,7 +300,7 @@ def _label_and_text(fact: Signals | Alignment | OutputCode | Profile | Descripti
 
 
 def timeouts_with_codes(timeouts: Sequence[Timeout]) -> str:
-    """Return the time-outs of an interface, each with the order codes it applies to, or "" if there are none."""
+    """Return the timeouts of an interface, each with the order codes it applies to, or "" if there are none."""
     return "; ".join(f"{timeout_words(timeout)}{_only_with(timeout)}" for timeout in timeouts)
 
 
@@ -361,7 +361,7 @@ def word_lengths(lengths: Iterable[Expression]) -> str:
 
 
 def _timeout_with_examples(timeout: Timeout) -> str:
-    """Return the rule for a time-out, followed in parentheses by the examples that the manual calculates from it.
+    """Return the rule for a timeout, followed in parentheses by the examples that the manual calculates from it.
 
     If the rule is not a number of clock periods, it already contains the printed values.
     """

@@ -60,12 +60,12 @@ def nanoseconds(value_ns: int) -> str:
 
 
 def printed_timeout_words(printed: PrintedTimeout) -> str:
-    """Return an example of a time-out from a manual, with its clock: ``7.5 µs at 200 kHz``."""
+    """Return an example of a timeout from a manual, with its clock: ``7.5 µs at 200 kHz``."""
     return f"{nanoseconds(printed.timeout_ns)} at {hertz(printed.clock_hz)}"
 
 
 def timeout_words(timeout: Timeout) -> str:
-    """Return the rule and limits of a time-out, such as ``1.5 clock periods, at most 20 µs``.
+    """Return the rule and limits of a timeout, such as ``1.5 clock periods, at most 20 µs``.
 
     If the manual does not give a number of clock periods, its examples follow: ``fixed, 7.5 µs at 200 kHz``.
     """

@@ -432,7 +432,7 @@ int main(void)
 
 @pytest.mark.slow
 def test_constants_and_small_functions(include: Path, tmp_path: Path) -> None:
-    """A compiled program checks time-outs, cable lengths, masks that depend on an order code, and expected texts."""
+    """A compiled program checks timeouts, cable lengths, masks that depend on an order code, and expected texts."""
     command = ["gcc", "-std=c99", "-fsanitize=undefined", "-fno-sanitize-recover"]
     program = compile_c(command, _CONSTANTS_C, tmp_path, include)
     printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()

@@ -132,7 +132,7 @@ def size_of(code: str) -> int:
 
 
 def hexadecimal(code: str, line: list[int]) -> str:
-    """Return a buffer whose last bits are 1, as after the time-out."""
+    """Return a buffer whose last bits are 1, as after the timeout."""
     whole = [*line, *[1] * (8 * size_of(code))][: 8 * size_of(code)]
     return f"{code} {int(''.join(map(str, whole)), 2):0{2 * size_of(code)}X}"
 

@@ -33,7 +33,7 @@ PRINTED = {
         "bits used for singleturn resolution": "_DEFAULT 0x14U",
         "bits used for multiturn resolution": "_DEFAULT 0x10U",
         "Device type": "_DEFAULT 0x02U",
-        "Time-out": "_AT_MOST_NS 10000U",
+        "Timeout": "_AT_MOST_NS 10000U",
         "Clock": "BISS_CLOCK_MAX_HZ 10000000U",
     },
     "amm5": {
@@ -68,7 +68,7 @@ PRINTED = {
         "Internal data bus busy": "_POLL, LIKA_ASC85_BISS_REG_STATUS_ADDRESS, 0x04U",
         "Absolute data error": "_ERROR_MASK 0x40U",
         "Synchronization error": "_ERROR_MASK 0x08U",
-        "Time-out": "350U",
+        "Timeout": "350U",
         "Device ID": "_ADDRESS 0x78U",
         "Profile ID": "_DEFAULT 0x281AU",
     },

@@ -218,7 +218,7 @@ def test_each_fault_of_a_biss_line(ask: Ask) -> None:
     assert ask("b FFFFFFFFFFFF 16") == [LINE_HIGH, untouched]
     assert ask("b - 16") == [LINE_HIGH, untouched], "nothing received, nothing low"
     assert ask("b 000000000000 16") == [LINE_LOW, untouched]
-    # The line is still in the time-out of the previous frame, so the next bits may be the end of anything.
+    # The line is still in the timeout of the previous frame, so the next bits may be the end of anything.
     assert ask(f"b {in_bytes([0, *biss_line(word)])} 16") == [LINE_LOW, untouched]
     assert ask("b C00000000000 16") == [NO_START, untouched]
     assert ask(f"b {in_bytes(biss_line(word, stop=1))} 16") == [CONSTANT, untouched]

@@ -36,7 +36,7 @@ def word(position: int, error: bool = False, warning: bool = False) -> int:
 
 
 class Line:
-    """Return SLO in one buffer: rest, delay, acknowledge, start, CDS, word, stop bit, and low during the time-out."""
+    """Return SLO in one buffer: rest, delay, acknowledge, start, CDS, word, stop bit, and low during the timeout."""
 
     BITS = 8 * SIZE
 
@@ -47,7 +47,7 @@ class Line:
         self.word = range(self.start + 2, self.start + 2 + POSITION_BITS + 8)
         bits = [1] * self.acknowledge.start + [0] * acknowledge + [1, chance.getrandbits(1)]
         bits += [frame >> place & 1 for place in range(len(self.word) - 1, -1, -1)] + [0]
-        # The time-out may end within the buffer. The line is high after it.
+        # The timeout may end within the buffer. The line is high after it.
         bits += [0] * chance.randrange(8) + [1] * self.BITS
         self.bits = bits[: self.BITS]
 

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 
 ENCODERS = Path(__file__).parents[2] / "specs"
 
-#: GET1 for alpha of the MLX90363, whose time-out is FFFFh by default (Getting Started Guide, p.10).
+#: GET1 for alpha of the MLX90363, whose timeout is FFFFh by default (Getting Started Guide, p.10).
 GET1 = "00 00 FF FF 00 00 13 EA"
 #: The request for the frame that each program shows.
 #: AMT21: RS485_ENC0 of the manufacturer's sketch. SKM36: "Read Position" of NiLAB's page. Orbis: the command "t".
@@ -59,8 +59,8 @@ interfaces:
         fields:
           - {name: zero, bits: 15, constant: 0}
           - {name: reset, active: high, when_active: the counter is set to 0}
-          - {name: low, bits: 8, default: 0xFF, meaning: "Time-out, low byte"}
-          - {name: high, bits: 8, default: 0xFF, meaning: "Time-out, high byte"}
+          - {name: low, bits: 8, default: 0xFF, meaning: "Timeout, low byte"}
+          - {name: high, bits: 8, default: 0xFF, meaning: "Timeout, high byte"}
           - {name: zero_4, bits: 16, unused: 0}
           - {name: opcode, bits: 8, values: {alpha: {value: 0x13}, beta: {value: 0x53}}}
           - {name: crc, crc: crc_8}

@@ -249,46 +249,46 @@ LIMITS: dict[str, tuple[list[list[Change]], list[list[Change]], str, str]] = {
         "'typical_us' (5) is less than 'at_least_us' (6)",
     ),
     # 3 half periods at 10 MHz are 3 / 2 x 100 ns.
-    "time-out of whole nanoseconds": (
+    "timeout of whole nanoseconds": (
         [[follows_clock(3, 10_000_000, 150)]],
         [[follows_clock(3, 10_000_000, 149)], [follows_clock(3, 10_000_000, 151)]],
         "timeout-mismatch",
         "3 half periods at 10000000 Hz are 150 ns, not ",
     ),
     # 3 half periods at 7 MHz are 214.28 ns.
-    "time-out rounded to nanoseconds": (
+    "timeout rounded to nanoseconds": (
         [[follows_clock(3, 7_000_000, 214)]],
         [[follows_clock(3, 7_000_000, 213)], [follows_clock(3, 7_000_000, 215)]],
         "timeout-mismatch",
         "3 half periods at 7000000 Hz are 214 ns, not ",
     ),
     # A half period at 8 MHz is 62.5 ns, which may be rounded up or down.
-    "time-out between two nanoseconds": (
+    "timeout between two nanoseconds": (
         [[follows_clock(1, 8_000_000, 62)], [follows_clock(1, 8_000_000, 63)]],
         [[follows_clock(1, 8_000_000, 61)], [follows_clock(1, 8_000_000, 64)]],
         "timeout-mismatch",
         "1 half periods at 8000000 Hz are 63 ns, not ",
     ),
     # 2 half periods at 200 kHz are 5 us.
-    "time-out at the lowest clock": (
+    "timeout at the lowest clock": (
         [[follows_clock(2, 200_000, 5000)]],
         [[follows_clock(2, 199_999, 5000)]],
         "timeout-mismatch",
         "the clock is 200000 to 10000000 Hz, so there is no timeout at 199999 Hz",
     ),
-    "time-out at the highest clock": (
+    "timeout at the highest clock": (
         [[follows_clock(2, 10_000_000, 100)]],
         [[follows_clock(2, 10_000_001, 100)]],
         "timeout-mismatch",
         "the clock is 200000 to 10000000 Hz, so there is no timeout at 10000001 Hz",
     ),
-    "limit of a time-out that follows the clock": (
+    "limit of a timeout that follows the clock": (
         [[timeout("rule: follows_clock, typical_ns: 150")], [timeout("rule: follows_clock, at_most_ns: 2500")]],
         [[timeout("rule: follows_clock")]],
         "timeout-mismatch",
         "a timeout that depends on the clock needs 'half_clock_periods'",
     ),
-    "limit of a fixed time-out": (
+    "limit of a fixed timeout": (
         [[timeout("rule: fixed, typical_ns: 150")], [timeout("rule: fixed, at_most_ns: 2500")]],
         [[timeout("rule: fixed")]],
         "timeout-mismatch",

@@ -28,7 +28,7 @@ ALONE = {
     ),
     **dict.fromkeys(
         ("timeout.only", "timeout.rule.fixed", "timeout.typical_ns"),
-        "fixed time-outs by a setting, of the iC-MN. Other public documents give one time-out for all models",
+        "fixed timeouts by a setting, of the iC-MN. Other public documents give one timeout for all models",
     ),
     **dict.fromkeys(
         ("biss.channels", "biss.channels.order", "biss.channels.source", "layout.channel"),

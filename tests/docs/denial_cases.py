@@ -382,7 +382,7 @@ def without_timeout(*timings: Timing) -> str:
     return wave.text
 
 
-case("timeout", without_timeout, lambda: without_timeout(a_timing("Time-out after a frame")))
+case("timeout", without_timeout, lambda: without_timeout(a_timing("Timeout after a frame")))
 
 # -- verdicts and flags of a frame
 

@@ -365,7 +365,7 @@ def test_places_as_worked_out_by_hand(files: Files) -> None:
 
 def test_a_printed_time_out_stands_there_once(files: Files) -> None:
     """ASC85 6.5 p.32: 0.35 µs at 10 MHz, without a rule. AMM5 6.5 p.40: 1.5 clock periods, computed for three."""
-    assert "| Time-out | varies with the clock, 350 ns at 10 MHz |" in files["docs/asc85/biss.md"]
+    assert "| Timeout | varies with the clock, 350 ns at 10 MHz |" in files["docs/asc85/biss.md"]
     assert "1.5 clock periods (30 µs at 50 kHz, 7.5 µs at 200 kHz, 150 ns at 10 MHz)" in files["docs/amm5/biss.md"]
 
 
@@ -443,11 +443,11 @@ def test_the_bank_stands_in_the_table_of_registers(files: Files) -> None:
 
 
 def test_one_of_a_thing_is_no_plural(files: Files) -> None:
-    """ASC85 has no turns, and prints one time-out."""
+    """ASC85 has no turns, and prints one timeout."""
     page = family_pages_text(files, "asc85")
     assert ", 1 revolution |" in page
     assert not re.search(r"\b1 revolutions\b", page)
-    assert "| Time-out | varies with the clock, 350 ns at 10 MHz |" in page
+    assert "| Timeout | varies with the clock, 350 ns at 10 MHz |" in page
 
 
 def test_a_picture_says_which_level_is_active(files: Files) -> None:

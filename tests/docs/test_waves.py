@@ -23,7 +23,7 @@ SVG = "{http://www.w3.org/2000/svg}"
         ("am36", "ssi", ["Tm, typically 12 µs", "Tp, at least 12 µs"]),
         ("amm5", "ssi", ["Tm, typically 12 µs", "Tp, at least 20 µs"]),
         ("amm5", "rs485", ["between repeated requests: at least 40 µs"]),
-        ("sma21", "biss", ["time-out: varies with the clock, at most 16 µs"]),
+        ("sma21", "biss", ["timeout: varies with the clock, at most 16 µs"]),
     ],
 )
 def test_times_are_those_of_the_manual(pages: Mapping[str, str], family: str, interface: str, times: list[str]) -> None:
@@ -33,7 +33,7 @@ def test_times_are_those_of_the_manual(pages: Mapping[str, str], family: str, in
 
 
 def test_biss_is_in_the_order_of_the_protocol(pages: Mapping[str, str]) -> None:
-    """Protocol description (BiSS C), p. 3: acknowledge, start, CDS, data, CRC, stop, time-out with CDM."""
+    """Protocol description (BiSS C), p. 3: acknowledge, start, CDS, data, CRC, stop, timeout with CDM."""
     root = ElementTree.fromstring(pages["docs/amm5/timing-biss.svg"])
     places = {element.text: float(element.get("x", "")) for element in root.iter(f"{SVG}text")}
     order = ["Ack", "Start", "CDS", "position", "error", "warning", "CRC", "stop"]

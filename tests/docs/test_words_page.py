@@ -27,7 +27,7 @@ TEXTS = {
     # A number of bits that begins with a letter is that of a parameter.
     "a flag or parity bit": r"\{[^{}]*\bbits: [a-z][^{}]*\b(active|parity_of):",
     "several CRCs": r"\{[^{}]*\bbits: [a-z][^{}]*\bcrc:",
-    "clock or time-out": r"^    (clock|timeout):(\n      #.*)*(\n      - |\s*\[).*\bonly:",
+    "clock or timeout": r"^    (clock|timeout):(\n      #.*)*(\n      - |\s*\[).*\bonly:",
     "`excess`": r"\bexcess:",
     "`channels`": r"^    channels:",
 }

@@ -107,14 +107,14 @@ def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]
     sma21 = shown_text(capsys, "SMA21-SC4-0050")
     assert "50 µm per count, 1,048,576 counts in total, maximum 1,048,575, 52,428.800 mm in total" in sma21
     assert "configuration.select_preset_offset is 0 (preset), the register holds preset, 0 to 1,048,575." in sma21
-    assert "Time-out varies with the clock, at most 16 µs" in sma21
+    assert "Timeout varies with the clock, at most 16 µs" in sma21
     ssi = shown_text(capsys, "AMC3616/4096-GG")
     assert "below 400 kHz with cables shorter than 50 m" in ssi
     assert "position is in Gray code" in ssi
     assert "Zero" not in ssi.partition("Inputs")[0]
     assert "65,536 counts per revolution, 4,096 revolutions" in ssi
     asc85 = shown_text(capsys, "ASC8525/SC2")
-    assert "Time-out varies with the clock, 350 ns at 10 MHz" in asc85
+    assert "Timeout varies with the clock, 350 ns at 10 MHz" in asc85
     assert "1 revolution " in asc85
 
 

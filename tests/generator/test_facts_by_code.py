@@ -1,4 +1,4 @@
-"""Every output shows only the clock, time-out, cable row, time and characteristic of the order code.
+"""Every output shows only the clock, timeout, cable row, time and characteristic of the order code.
 
 The encoder of ``ok_model/facts_by_code.yaml`` is made up: FBC12 and FBC16 differ in each of these facts. BML-S1G0 is
 Balluff's: 700 kHz at most for words of 24 to 26 bits and 1,300 kHz for words of 32 bits (user's guide, Tab. 6-3). The
@@ -270,7 +270,7 @@ def test_a_misspelt_key_of_a_clock_is_not_also_a_gap(tmp_path: Path) -> None:
 
 
 def test_rules_about_two_limits_compare_those_of_the_same_order_codes(tmp_path: Path) -> None:
-    """20 µs is less than half a period of 20 kHz, but only FBC12 has that clock, and it has another time-out."""
+    """20 µs is less than half a period of 20 kHz, but only FBC12 has that clock, and it has another timeout."""
     edited(tmp_path, ("{min_hz: 50000,", "{min_hz: 20000,"))
     _, messages = load_edited(tmp_path, ("{min_hz: 200000,", "{min_hz: 20000,"))
     assert [message.partition(":")[0] for message in messages] == ["timeout-mismatch"]

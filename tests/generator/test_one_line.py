@@ -362,7 +362,7 @@ def test_decode_names_the_line_and_the_command_for_a_spec(run: Run) -> None:
 
 
 def test_hints_for_raw_buffers_and_other_lengths(run: Run) -> None:
-    # 11 idle, acknowledge, start bit, CDS, the frame, a stop bit and time-out bits, as from a buffer of SPI.
+    # 11 idle, acknowledge, start bit, CDS, the frame, a stop bit and timeout bits, as from a buffer of SPI.
     bits, fields = next(vector for vector in biss_vectors() if vector[1]["position"] == 192458)
     code, out, _ = run("decode", BISS, f"0b110010{bits}0000")
     assert code == 1

@@ -106,11 +106,11 @@ def test_what_is_open_has_to_be_chosen(capsys: pytest.CaptureFixture[str]) -> No
     ("order_code", "fact"),
     [
         # The spec has neither times nor characteristics, only a note on the interface.
-        ("iC-MR-12-L6T", "Time-out see the note on the interface in the spec: The time-out adapts to the clock Busy"),
+        ("iC-MR-12-L6T", "Timeout see the note on the interface in the spec: The timeout adapts to the clock Busy"),
         ("iC-MR-12-L6T", "Supply the spec does not say"),
         # The spec has characteristics, but no times.
         ("KCD-BC03B-1617", "Supply see the characteristics in the spec"),
-        ("KCD-BC03B-1617", "Time-out the spec does not say Busy time the spec does not say, but BiSS C allows 40 µs"),
+        ("KCD-BC03B-1617", "Timeout the spec does not say Busy time the spec does not say, but BiSS C allows 40 µs"),
     ],
 )
 def test_a_fact_without_a_value_refers_to_a_part_that_the_spec_has(

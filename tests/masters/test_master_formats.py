@@ -56,7 +56,7 @@ AX8000: readers.Objects = {
     (0x32EF, 0x09): (10000, 2),
     (0x32EF, 0x0D): (1, 1),
 }
-#: 0x2110: 16 bits from bit 0, 21 bits from bit 16, time-out 30 µs, polynomial 67, active low. No page gives the type of
+#: 0x2110: 16 bits from bit 0, 21 bits from bit 16, timeout 30 µs, polynomial 67, active low. No page gives the type of
 #: the frame size, and the manual of the encoder states no processing time.
 SOMANET: readers.Objects = {
     (0x2110, 10): (16, 1),

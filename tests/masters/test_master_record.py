@@ -67,7 +67,7 @@ SMA21_NUMBERS = {
 
 
 def test_every_item(record_of: RecordOf) -> None:
-    """SMA21-SC1-0050: 4 zero bits, 20 bits of 50 µm, nE, nW, CRC 6; clock and time-out of 6.5; 16 µs at most."""
+    """SMA21-SC1-0050: 4 zero bits, 20 bits of 50 µm, nE, nW, CRC 6; clock and timeout of 6.5; 16 µs at most."""
     encoder_record = record_of("SMA21-SC1-0050")
     assert encoder_record.words == SMA21_WORDS
     assert encoder_record.numbers == SMA21_NUMBERS

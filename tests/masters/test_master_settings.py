@@ -250,7 +250,7 @@ def test_novanta(values_of: ValuesOf, code: str, size: int, position: int, singl
             "AMM5A23/65KSC1",
             {"Frame size": 39, "Multiturn first bit position": 0, "Singleturn first bit position": 16},
         ),
-        # 1.5 periods of 50 kHz are 30 µs. ASC85 prints a time-out for 10 MHz alone.
+        # 1.5 periods of 50 kHz are 30 µs. ASC85 prints a timeout for 10 MHz alone.
         ("synapticon", "AMM5A23/65KSC1", {"Timeout, in µs": 30}),
         (
             "synapticon",

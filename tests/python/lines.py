@@ -76,7 +76,7 @@ class Biss:
                 level = bit
         end = rises[-1] + 12
         if cdm:
-            # The clock is low during the time-out.
+            # The clock is low during the timeout.
             wave.clock.append(rises[-1] + 0.5)
             wave.clock.append(end + 1)
         if not level:

@@ -93,7 +93,7 @@ INTERFACES = [
     ("ssi", "Alignment: right: zeros come before the word [5]."),
     ("ssi", "Code: binary or Gray, by order code [5]."),
     ("ssi", "Signals: RS-422 [5]."),
-    ("biss", "Time-out: 1.5 clock periods (1.5 µs at 1 MHz) [6.3]."),
+    ("biss", "Timeout: 1.5 clock periods (1.5 µs at 1 MHz) [6.3]."),
     ("biss", "Network: point to point, one slave only [6.4]."),
     ("biss", "Profile: BP1 [6]."),
     ("biss", "Description file: acme.xml, which the manufacturer supplies [6]."),
@@ -187,7 +187,7 @@ IN_CODE = {
     ),
     ("python", "ssi", "Alignment: right: zeros come before the word [5]."): "alignment=Alignment.LSB_RIGHT",
     ("python", "ssi", "Code: binary or Gray, by order code [5]."): 'output_code="by_order_code"',
-    ("python", "biss", "Time-out: 1.5 clock periods (1.5 µs at 1 MHz) [6.3]."): (
+    ("python", "biss", "Timeout: 1.5 clock periods (1.5 µs at 1 MHz) [6.3]."): (
         'half_clock_periods=3, printed=(PrintedTimeout(1_000_000, 1500),), source="6.3"'
     ),
     ("python", "biss", "Network: point to point, one slave only [6.4]."): (

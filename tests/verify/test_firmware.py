@@ -103,7 +103,7 @@ BISS_PORT = """
 #define CLOCKS (BITS + 6U)
 static cw_biss_master master;
 
-/* One frame: all levels of MA, then the time-out with the inverse of CDM. */
+/* One frame: all levels of MA, then the timeout with the inverse of CDM. */
 static cw_word receive_word(void)
 {
     uint64_t word = 0U;

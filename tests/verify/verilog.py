@@ -30,7 +30,7 @@ int received(const uint8_t *rx, int size, int bits, uint64_t *word)
 }
 """
 
-#: Possible errors by name: a flipped bit, no SLO, an acknowledge without end, the next frame before the time-out is
+#: Possible errors by name: a flipped bit, no SLO, an acknowledge without end, the next frame before the timeout is
 #: over (possible with an SPI), a register that is busy for long.
 FAULTS = ("cds", "cdm", "cut", "never ready", "hurried", "busy")
 #: A word of six bits of data and six of CRC, which takes few clocks, and a buffer in which it always fits: 2 of rest,

@@ -63,7 +63,7 @@ class Bench:
         except RuntimeError as error:
             assert "\n" not in str(error)
             self.outcomes[type(error).__name__] += 1
-        # Each attempt and each request of another kind has its time-out, and each such request also has a pause.
+        # Each attempt and each request of another kind has its timeout, and each such request also has a pause.
         assert self.now - begun < 30 * TIMEOUT_S
 
     def _arrived(self, wait_s: float) -> bytes:

@@ -186,7 +186,7 @@ def test_many_copies_are_not_a_second_device(generated_python: Package) -> None:
 
 
 def test_cancelled_requests_are_not_a_second_device(generated_python: Package) -> None:
-    """Five requests are cancelled before their replies arrive, as Ctrl-C and a time-out of asyncio do."""
+    """Five requests are cancelled before their replies arrive, as Ctrl-C and a timeout of asyncio do."""
     line = Line(turnaround=0.0002)
     session = session_on(generated_python[1], line)
     for _ in range(5):

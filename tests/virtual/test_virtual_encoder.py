@@ -67,7 +67,7 @@ def test_words_over_ssi_and_zeros_after_them() -> None:
 
 
 def test_the_line_of_biss_clock_by_clock() -> None:
-    """Acknowledge from the second rising edge on, start, CDS, data, stop, and high after the time-out."""
+    """Acknowledge from the second rising edge on, start, CDS, data, stop, and high after the timeout."""
     encoder = VirtualEncoder("AMM5A21/65KSC1", 1_000_003)
     line, plain_line = BissLine(encoder, acknowledge=4), BissLine(encoder)
     levels = [line.clock(level) for _ in range(55) for level in (0, 1)][1::2]

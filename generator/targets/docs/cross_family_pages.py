@@ -29,7 +29,7 @@ WHICH_ENCODER, COMPARISON, REGISTERS, ALARMS = (
 )
 Row = tuple[str, ...]
 #: Labels of the interface facts to compare.
-_COMPARED_LABELS = ("Clock", "Alignment", "Code", "Time-out", "Baud rate")
+_COMPARED_LABELS = ("Clock", "Alignment", "Code", "Timeout", "Baud rate")
 
 
 class WhichPage(TypedDict):

@@ -253,7 +253,7 @@ class OrderCodes:
 
 
 def _clock_limits_of(interface: Interface, order_code: str) -> Hashable:
-    """Return the clock, the time-out and the clocks by cable length for an order code. None means not applicable."""
+    """Return the clock, the timeout and the clocks by cable length for an order code. None means not applicable."""
     clock = interface.clock_of(order_code) if isinstance(interface, Clocked) else None
     timeout = interface.timeout_of(order_code) if isinstance(interface, Biss) else None
     cable_lengths = facts_for_code(interface.cable_lengths, order_code) if isinstance(interface, Ssi) else ()

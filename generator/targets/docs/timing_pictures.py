@@ -175,12 +175,12 @@ def _spi_words(first: str, second: str) -> tuple[SignalPart, ...]:
 
 
 def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
-    """Return the diagram of a BiSS frame: acknowledge, start bit, CDS, fields of the single cycle data, time-out."""
+    """Return the diagram of a BiSS frame: acknowledge, start bit, CDS, fields of the single cycle data, timeout."""
     names_and_fills = list(
         _data_boxes(layout_plan_of(device, interface.layouts[0]), device.position_names(interface.name))
     )
     data_line = _biss_data_line(names_and_fills)
-    # The last two parts of the line, the time-out and the idle level, are together 136 pixels wide.
+    # The last two parts of the line, the timeout and the idle level, are together 136 pixels wide.
     timeout_start = sum(part.width for part in data_line) - 136
     clock_line = _biss_clock_line(timeout_start)
     timeout = timeouts_with_codes(interface.timeouts) or _words_for_unknown_timeout(device, interface)
@@ -188,10 +188,10 @@ def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     return TimingDiagram(
         title="BiSS C-mode: a frame",
         lines=(("MA", clock_line), ("SLO", data_line)),
-        spans=(Span(start=timeout_start, end=timeout_start + 90, label=f"time-out: {timeout}"),),
+        spans=(Span(start=timeout_start, end=timeout_start + 90, label=f"timeout: {timeout}"),),
         text="MA and SLO are high between frames. SLO is low (acknowledge) from the second rising edge of MA until the "
-        f"start bit, which is high. The CDS bit, {labels} and a low stop bit follow, until the time-out ({timeout}). "
-        "During the time-out, MA is the inverse of the CDM bit.",
+        f"start bit, which is high. The CDS bit, {labels} and a low stop bit follow, until the timeout ({timeout}). "
+        "During the timeout, MA is the inverse of the CDM bit.",
         further_source="the public protocol description of BiSS C-mode",
     )
 
@@ -214,7 +214,7 @@ def _biss_data_line(names_and_fills: Sequence[tuple[str, str]]) -> tuple[SignalP
 
 
 def _biss_clock_line(timeout_start: float) -> tuple[SignalPart, ...]:
-    """Return the line MA of a BiSS frame. Its clocks end at the start of the time-out."""
+    """Return the line MA of a BiSS frame. Its clocks end at the start of the timeout."""
     # The width of a whole number of pulses, after 136 pixels with the first pulses and a gap of at least 40 pixels.
     clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
     return (
@@ -228,7 +228,7 @@ def _biss_clock_line(timeout_start: float) -> tuple[SignalPart, ...]:
 
 
 def _words_for_unknown_timeout(device: Device, interface: Biss) -> str:
-    """Return the words in place of an unknown time-out: where the manual may mention it, or that it does not."""
+    """Return the words in place of an unknown timeout: where the manual may mention it, or that it does not."""
     place = place_of_mention(device, interface, Topic.TIMEOUT)
     return f"see the {place}" if place else f"not in the {word_for_document(device)}"
 

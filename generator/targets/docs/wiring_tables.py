@@ -351,7 +351,7 @@ def _limit_of_used_clocks(clock: Clock) -> str:
 
 
 def _pause_sentences(family_device: Device, interface: Ssi | Biss) -> Iterator[str]:
-    """Yield sentences on the pause between two words over SSI, or on the time-out and the reply time over BiSS."""
+    """Yield sentences on the pause between two words over SSI, or on the timeout and the reply time over BiSS."""
     match interface:
         case Ssi():
             pauses = [timing for timing in interface.timings if timing.symbol == "Tp"]
@@ -359,7 +359,7 @@ def _pause_sentences(family_device: Device, interface: Ssi | Biss) -> Iterator[s
                 yield f"Pause between two words: {bounds_with_codes(pause)} ({citation(pause.source)})."
         case Biss():
             for timeout in interface.timeouts:
-                yield f"Time-out after a frame: {timeout_words(timeout)} ({citation(timeout.source)})."
+                yield f"Timeout after a frame: {timeout_words(timeout)} ({citation(timeout.source)})."
             yield from unstated_facts(family_device, interface, {"reply time (acknowledge)": Topic.REPLY_TIME})
 
 

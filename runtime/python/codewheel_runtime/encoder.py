@@ -177,7 +177,7 @@ class Encoder:
 
     @property
     def timeout(self) -> Timeout | None:
-        """Time-out after a frame over BiSS, of this order code. None over other interfaces, or if it is not known."""
+        """Timeout after a frame over BiSS, of this order code. None over other interfaces, or if it is not known."""
         facts = self._facts()
         return getattr(facts, "timeout", None)
 

@@ -345,7 +345,7 @@ class DataChannels(NamedTuple):
 
 
 class PrintedTimeout(NamedTuple):
-    """Time-out given in the manual for one clock frequency."""
+    """Timeout given in the manual for one clock frequency."""
 
     clock_hz: int
     timeout_ns: int

@@ -1,5 +1,5 @@
 // The line of a BiSS C master: clocks a frame out of a slave, with any delay of the line and any acknowledge, and
-// leaves MA at the inverse of CDM for the time-out.
+// leaves MA at the inverse of CDM for the timeout.
 module biss_master_line #(
     parameter [3:0] HALF = 4'd2  // clocks of this module in half a clock period of MA
 ) (

@@ -1,7 +1,7 @@
-// The line of a BiSS C slave: gives a bit at SLO for each rising edge of MA, and takes the CDM bit of the time-out.
+// The line of a BiSS C slave: gives a bit at SLO for each rising edge of MA, and takes the CDM bit of the timeout.
 //
 //   MA   1  ^1   ^2    ^3 ...          each edge brings the bit that the master samples at the next one
-//   SLO  1   1    0    0 ... 1  CDS  D ... D  CRC ... CRC  0  0 ...  until the time-out, then 1
+//   SLO  1   1    0    0 ... 1  CDS  D ... D  CRC ... CRC  0  0 ...  until the timeout, then 1
 //
 // The first rising edge stores the data; the second begins the acknowledge, which lasts one clock, and one more for
 // each clock of processing. The clock of this module is so much faster than MA that no edge is missed.
@@ -19,7 +19,7 @@ module biss_slave_line #(
     input wire [7:0] timeout,     // in clocks of this module without an edge of MA
     input wire cds,
     output reg cdm,
-    output reg ended              // for one clock, at the end of the time-out: cdm is that of this frame
+    output reg ended              // for one clock, at the end of the timeout: cdm is that of this frame
 );
     localparam REST = 4'd0;
     localparam STORED = 4'd1;

@@ -178,7 +178,7 @@ typedef enum ichaus_icmu_biss_report {
 /** Bank select: BANKSEL [p.30]. */
 #define ICHAUS_ICMU_BISS_CLOCK_MIN_HZ 25000U /**< Clock: 25 kHz to 10 MHz [b1: p.10]. */
 #define ICHAUS_ICMU_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */
-/** Time-out: varies with the clock, at most 20 us [p.30, b1: p.10]. */
+/** Timeout: varies with the clock, at most 20 us [p.30, b1: p.10]. */
 #define ICHAUS_ICMU_BISS_TIMEOUT_AT_MOST_NS 20000U
 /** abs_reset: typically 10 ms: Duration of the command ABS_RESET [p.57]. */
 #define ICHAUS_ICMU_BISS_ABS_RESET_TYPICAL_US 10000U

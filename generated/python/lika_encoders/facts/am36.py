@@ -255,9 +255,9 @@ SSI: Final = SsiFacts(
 # are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is switched off.
 # Used: The registers and the frame use 65,536. 4096 is used only on the label.
 #
-# Erratum: The manual does not give the rule for the BiSS time-out (open) [6.6 p.32, prot: p.18]:
+# Erratum: The manual does not give the rule for the BiSS timeout (open) [6.6 p.32, prot: p.18]:
 # Printed: BiSS time-out: "Self-adaptable to the clock, 10 µs max.".
-# Used: The time-out is at most 10 µs. The spec gives no rule.
+# Used: The timeout is at most 10 µs. The spec gives no rule.
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
 # Instead of: the note on BiSS C-mode.
@@ -1278,7 +1278,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The generated files do not derive a control frame layout from this sentence.",
         why=(
             "In the BiSS protocol description, which section 6.4 refers to, the encoder's bit comes before the data. "
-            "After the data, only the master's bit is sent, during the time-out."
+            "After the data, only the master's bit is sent, during the timeout."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1523,12 +1523,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout_length",
-        title="The manual does not give the rule for the BiSS time-out",
+        title="The manual does not give the rule for the BiSS timeout",
         printed="BiSS time-out: \"Self-adaptable to the clock, 10 µs max.\"",
-        used="The time-out is at most 10 µs. The spec gives no rule.",
+        used="The timeout is at most 10 µs. The spec gives no rule.",
         why=(
             "The manual does not say how the time depends on the clock. In the BiSS protocol description, the "
-            "shortest adaptive time-out is 1.5 periods, which is 7.5 µs at 200 kHz and within the limit."
+            "shortest adaptive timeout is 1.5 periods, which is 7.5 µs at 200 kHz and within the limit."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,

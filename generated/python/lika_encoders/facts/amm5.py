@@ -273,7 +273,7 @@ SSI: Final = SsiFacts(
 # Used: The generated files have no profile ID.
 #
 # Erratum: The lowest clock is below the BiSS clock range (open) [6.5 p.40, prot: p.18]:
-# Printed: The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.
+# Printed: The clock frequency is at least 50 kHz. The timeout is also calculated for 50 kHz.
 # Used: The lowest clock is 50 kHz.
 # Why: In the BiSS protocol description, the clock range starts at 80 kHz.
 #
@@ -375,7 +375,7 @@ BISS: Final = BissFacts(
 #
 # Erratum: The manual does not give the reply time over RS-485 (open) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
 # Printed: The manual describes requests and replies, but not the time between them.
-# Used: The generated files have no reply time and no time-out. The user of the master chooses the time-out.
+# Used: The generated files have no reply time and no timeout. The user of the master chooses the timeout.
 #
 # Before edition 1.6 [Document release]:
 # Not present: SSI and RS-485.
@@ -2057,7 +2057,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The generated files do not derive a control frame layout from this sentence.",
         why=(
             "In the BiSS protocol description, which section 6.3 refers to, the encoder's bit comes before the data. "
-            "After the data, only the master's bit is sent, during the time-out."
+            "After the data, only the master's bit is sent, during the timeout."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2332,7 +2332,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="biss_min_clock",
         title="The lowest clock is below the BiSS clock range",
-        printed="The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.",
+        printed="The clock frequency is at least 50 kHz. The timeout is also calculated for 50 kHz.",
         used="The lowest clock is 50 kHz.",
         why="In the BiSS protocol description, the clock range starts at 80 kHz.",
         status=Status.OPEN,
@@ -2802,7 +2802,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="rs485_reply_time",
         title="The manual does not give the reply time over RS-485",
         printed="The manual describes requests and replies, but not the time between them",
-        used="The generated files have no reply time and no time-out. The user of the master chooses the time-out.",
+        used="The generated files have no reply time and no timeout. The user of the master chooses the timeout.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
             "Without a shortest time, the master must release the line immediately after the stop bit of its request. "
@@ -2943,8 +2943,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="not known",
         why=(
             "Registers 78h to 7Dh were updated. The table does not give their earlier content. The manual of the "
-            "AMM36, a sister model, has the device ID only in 78h to 7Bh, the type of time-out in 7Ch and the "
-            "software release in 7Dh. An older AMM5 may have the same layout."
+            "AMM36, a sister model, has the device ID only in 78h to 7Bh, the type of timeout in 7Ch and the software "
+            "release in 7Dh. An older AMM5 may have the same layout."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,

@@ -199,7 +199,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum: The manual does not give the rule for the BiSS time-out (open) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
+# Erratum: The manual does not give the rule for the BiSS timeout (open) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
 # Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz).
 # Used: Only the printed value is used. The generated files have no rule for other clock frequencies.
 
@@ -1353,7 +1353,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The generated files do not derive a control frame layout from this sentence.",
         why=(
             "In the BiSS protocol description, which section 6.3 refers to, the encoder's bit comes before the data. "
-            "After the data, only the master's bit is sent, during the time-out."
+            "After the data, only the master's bit is sent, during the timeout."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -1560,11 +1560,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout",
-        title="The manual does not give the rule for the BiSS time-out",
+        title="The manual does not give the rule for the BiSS timeout",
         printed="BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz)",
         used="Only the printed value is used. The generated files have no rule for other clock frequencies.",
         why=(
-            "An adaptive time-out depends on the clock, but the manual gives no rule. At 10 MHz, the one and a half "
+            "An adaptive timeout depends on the clock, but the manual gives no rule. At 10 MHz, the one and a half "
             "clock periods in the BiSS description and the AMM5 manual are 0.15 µs. The printed 0.35 µs is three and "
             "a half periods."
         ),

@@ -256,9 +256,9 @@ SSI: Final = SsiFacts(
 # field, not of the position, and the variant with one more bit has one plus sign fewer. With this encoder, a master
 # that takes the data length from the profile ID would miss 4, 2 or 1 bits.
 #
-# Erratum: The manual does not give the rule for the BiSS time-out (open) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
-# Printed: The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule.
-# Used: The time-out is at most 16 µs.
+# Erratum: The manual does not give the rule for the BiSS timeout (open) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
+# Printed: The BiSS timeout adapts to the clock frequency and is at most 16 µs. The manual does not print a rule.
+# Used: The timeout is at most 16 µs.
 
 BISS: Final = BissFacts(
     clock=Clock(min_hz=200_000, max_hz=10_000_000, source="6.5 p.34"),
@@ -332,7 +332,7 @@ BISS: Final = BissFacts(
 #
 # Erratum: The manual does not give the reply time over RS-485 (open) [7.1 p.37, 7.2 p.37]:
 # Printed: The manual describes requests and replies, but not the time between them.
-# Used: The generated files have no reply time and no time-out. The user of the master chooses the time-out.
+# Used: The generated files have no reply time and no timeout. The user of the master chooses the timeout.
 
 RS485: Final = Rs485Facts(
     port=Port(baud=2_500_000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source="7.1 p.37"),
@@ -2185,7 +2185,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The generated files do not derive a control frame layout from this sentence.",
         why=(
             "In the BiSS protocol description, which section 6.3 refers to, the encoder's bit comes before the data. "
-            "After the data, only the master's bit is sent, during the time-out."
+            "After the data, only the master's bit is sent, during the timeout."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,
@@ -2404,14 +2404,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout",
-        title="The manual does not give the rule for the BiSS time-out",
-        printed=(
-            "The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule"
-        ),
-        used="The time-out is at most 16 µs.",
+        title="The manual does not give the rule for the BiSS timeout",
+        printed="The BiSS timeout adapts to the clock frequency and is at most 16 µs. The manual does not print a rule",
+        used="The timeout is at most 16 µs.",
         why=(
-            "In the BiSS protocol description, the time-out is at least 1.5 clock periods, which is 7.5 µs at 200 "
-            "kHz. In the ASC85 manual, it is 3.5 periods, which would be 17.5 µs."
+            "In the BiSS protocol description, the timeout is at least 1.5 clock periods, which is 7.5 µs at 200 kHz. "
+            "In the ASC85 manual, it is 3.5 periods, which would be 17.5 µs."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2763,7 +2761,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="rs485_reply_time",
         title="The manual does not give the reply time over RS-485",
         printed="The manual describes requests and replies, but not the time between them",
-        used="The generated files have no reply time and no time-out. The user of the master chooses the time-out.",
+        used="The generated files have no reply time and no timeout. The user of the master chooses the timeout.",
         why=(
             "The manual gives neither the shortest nor the longest time from the end of a request to the reply. "
             "Without a shortest time, the master must release the line immediately after the stop bit of its request. "
