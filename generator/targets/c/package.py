@@ -153,7 +153,7 @@ def _of_some_codes(layout: Layout) -> str:
 
 
 def _frame_name(device: Device, interface: str, layout: Layout) -> str:
-    """Return the name of a frame on a page for all families, such as ``AMM5 BiSS: position``."""
+    """Return the name of a frame on a page for all families, such as ``X BiSS: position``."""
     return f"{device.name.upper()} {interface}: {name_in_words(layout.name)}"
 
 
