@@ -45,10 +45,9 @@ class Driver:
     @property
     def lengths(self) -> list[str]:
         """Number of bytes in the buffer of each order code, over BiSS and SSI as a macro of the header."""
-        rows = self.view.variants.rows
         if self.bus == "spi":
-            return [str(_bits(self.frame, row.variant) // 8) for row in rows]
-        return [self.view.reading.buffer_of(row) for row in rows]
+            return [str(_bits(self.frame, row.variant) // 8) for row in self.view.variants.rows]
+        return [self.view.reading.buffer_of(row) for row in self.view.variants.rows]
 
     @property
     def request(self) -> StructCodec | None:
@@ -83,11 +82,10 @@ class Driver:
         measurement = self.device.measurement_of(self.bus)
         has_counts = measurement is not None and measurement.counts_per_turn is not None
         is_angle = self.device.movement == "rotary" and has_counts and self.position_type.startswith("u")
-        has_choice = bool(self.view.reading.questions)
         sizes = [_bits(self.frame, row.variant) for row in self.view.variants.rows]
         is_whole = self.bus != "spi" or all(size % 8 == 0 for size in sizes)
-        has_one_channel = self.view.channels is None
-        return is_angle and is_whole and has_one_channel and not has_choice and not self.frame.plan.in_bytes
+        has_one_frame = self.view.channels is None and not self.view.reading.questions
+        return is_angle and is_whole and has_one_frame and not self.frame.plan.in_bytes
 
 
 def _bits(frame: StructCodec, variant: Variant) -> int:
@@ -98,7 +96,5 @@ def drivers_of(device: Device) -> Iterator[Driver]:
     """Yield the interfaces of a family that can have a driver."""
     for view in views_of(device):
         frame = view.reading.frame
-        if frame is not None and view.context.interface.name in BUSES:
-            driver = Driver(view, frame)
-            if driver.is_supported:
-                yield driver
+        if frame is not None and view.context.interface.name in BUSES and Driver(view, frame).is_supported:
+            yield Driver(view, frame)

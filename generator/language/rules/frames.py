@@ -169,7 +169,7 @@ def _report_missing_frame(
 
 
 def check_purposes(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a request that reads or writes the memory has fields besides its data ID: it needs an address."""
+    """Check that a request that reads or writes the memory has more fields than its data ID: it needs an address."""
     rs485 = spec.interfaces.rs485
     if rs485 is None:
         return

@@ -318,7 +318,7 @@ def _message_on_parameter(parameter_name: str, code: _Code, parameters: Mapping[
 def _required_parameters(spec: WrittenSpec, codes: Sequence[_Code]) -> list[str]:
     """Return the names of the parameters that every order code must set.
 
-    These are the parameters that nothing else sets, and those that are read from a register and set by some code.
+    These are the parameters that only they can set, and those that are read from a register and set by some code.
     """
     set_by_codes = {name for code in codes for name in code.set_parameters}
     names = []

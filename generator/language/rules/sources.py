@@ -323,7 +323,7 @@ def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
 
 
 def _has_different_bits(example: WrittenExample) -> bool:
-    """Return True if the bits (or bytes) of an example are not all the same."""
+    """Return True if the bits (or bytes) of an example are not all equal."""
     frame_text = example.bits or example.bytes
     is_bytes = " " in frame_text
     bits_or_bytes = frame_text.split() if is_bytes else list(frame_text)
