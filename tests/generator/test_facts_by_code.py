@@ -24,7 +24,7 @@ from codewheel.targets.biss.files import generate as biss_files
 from codewheel.targets.c.files import generate as c_files
 from codewheel.targets.docs.files import generate as pages
 from codewheel.targets.python.files import generate as python_files
-from codewheel_runtime.facts import _fits
+from codewheel_runtime.facts import _applies_to_code
 
 ROOT = Path(__file__).parents[2]
 MADE_UP = ROOT / "tests" / "check" / "ok_model"
@@ -175,7 +175,7 @@ def test_python_and_the_model_read_the_same_order_codes() -> None:
         for only in characteristics | clocks | errata | {"", "AMM5x21/…, AMM5A17/1", "x"}:
             for variant in device.variants:
                 is_match = fits(only, variant.code)
-                assert _fits(only, variant.code) is is_match, (only, variant.code)
+                assert _applies_to_code(only, variant.code) is is_match, (only, variant.code)
                 matches.add((only, is_match))
     assert len(matches) > 30
 

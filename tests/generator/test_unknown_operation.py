@@ -224,7 +224,7 @@ LEVEL = Column("level", 0, 8, kind=cast("Any", "unknown"))
 INTERPRETERS: dict[str, Callable[[], object]] = {
     "types": lambda: list_column_types(Shape(8, columns=(LEVEL,))),
     "encode": lambda: frame_encode._encode_field(SimpleNamespace(level=1), LEVEL),
-    "decode_many": lambda: bulk_decode._write_column(cast("Any", None), LEVEL, {}),
+    "decode_many": lambda: bulk_decode._write_field(cast("Any", None), LEVEL, {}),
     "encode_many": lambda: list(bulk_encode._encode_field({"level": [1]}, LEVEL, cast("Any", None))),
 }
 
