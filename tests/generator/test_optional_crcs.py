@@ -63,7 +63,7 @@ class Check:
     def of_bits(self, data: int, count: int) -> int:
         """Return the CRC over ``count`` bits."""
         rest = remainder(data, count, self.poly, self.width, self.start)
-        return (turned(rest, self.width) if self.is_reversed_at_end else rest) ^ self.inverted
+        return (turned(rest, self.width) if self.is_turned else rest) ^ self.inverted
 
     def of_bytes(self, data: bytes) -> int:
         """Return the CRC over bytes."""
