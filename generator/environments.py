@@ -190,13 +190,16 @@ def environment(templates: Settings, own_folder: Path | None = None) -> Environm
         keep_trailing_newline=True,
     )
     new_environment.filters |= {**COMMON_FILTERS, **templates.filters}
-    tests: dict[str, Callable[..., bool]] = {name: partial(_is, kind) for name, kind in templates.tests.items()}
+    tests: dict[str, Callable[..., bool]] = {
+        name: partial(_is_instance, kind) for name, kind in templates.tests.items()
+    }
     new_environment.tests.update(tests)
     new_environment.globals |= templates.functions
     return new_environment
 
 
-def _is(kind: type, value: object) -> bool:
+def _is_instance(kind: type, value: object) -> bool:
+    """Return whether a value is an instance of a class, as a test in a template."""
     return isinstance(value, kind)
 
 

@@ -380,17 +380,19 @@ def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[
 
     ``stem`` is the unknown key without its ``unit``. It may contain a typo.
     """
-    base_unit, _ = _BASE_UNIT_AND_POWER[unit]
-    keys_of_kind = []
-    for known_key in known_keys:
-        known_base_unit, _ = _BASE_UNIT_AND_POWER.get(_unit_of_key(known_key), ("", 0))
-        if known_base_unit == base_unit:
-            keys_of_kind.append(known_key)
+    base_unit = _base_unit(unit)
+    keys_of_kind = [known_key for known_key in known_keys if _base_unit(_unit_of_key(known_key)) == base_unit]
     stems = {_remove_unit(known_key) for known_key in keys_of_kind}
     meant_stem = stem if stem in stems else nearest_choice(stem, list(stems))
     if not meant_stem:
         return []
     return [known_key for known_key in keys_of_kind if _remove_unit(known_key) == meant_stem]
+
+
+def _base_unit(unit: str) -> str:
+    """Return the unit without its prefix, such as ``hz`` for ``khz``, or "" for an unknown unit."""
+    base_unit, _ = _BASE_UNIT_AND_POWER.get(unit, ("", 0))
+    return base_unit
 
 
 def _best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:

@@ -17,8 +17,8 @@ from typing import NamedTuple
 from ..reference.bits import gray_to_binary
 from .frames import MOST_FRAMES, RecordedFrames
 
-#: Bits that describe a field with changing values, and a constant field, in addition to their values.
-_NUMBER_BITS, _CONSTANT_BITS = 8.0, 3.0
+#: Bits that describe a number, a flag and a constant field, in addition to their values.
+_NUMBER_BITS, _FLAG_BITS, _CONSTANT_BITS = 8.0, 4.0, 3.0
 #: Up to this many leading ones are more likely active-low flags than the highest bits of a position.
 _MOST_FLAGS = 2
 #: Bits that describe that a position is in Gray code, by interface.
@@ -208,7 +208,7 @@ def _field_cost(recording: RecordedFrames, field: FoundField, *, is_in_front: bo
         return field.width + _CONSTANT_BITS
     values = recording.values(field.start, field.end)
     if field.width == 1:
-        return _NUMBER_BITS / 2 + _cost_of_flag(values)
+        return _FLAG_BITS + _cost_of_flag(values)
     # Only the position benefits from smooth values, because the highest bits of a smooth number are also smooth.
     return _NUMBER_BITS + uniform_cost(field.width, len(values))
 

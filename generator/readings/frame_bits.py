@@ -85,14 +85,15 @@ def properties(
     if field.equals is not None:
         fixed_value = field.documented(parameters)
         value_text = in_hex(fixed_value) if isinstance(fixed_value, int) else str(fixed_value)
-        yield subject.detail_fact(FactClass.VALUE, "equals", value_text, "fixed value")
+        yield subject.detail_fact(FactClass.VALUE, name="equals", value=value_text, noun="fixed value")
     if register is None:
         default, is_implied = field.default, False
     else:
         default, is_implied = _default_and_is_implied(placed_field, register)
     if default is not None:
         yield replace(
-            subject.detail_fact(FactClass.DEFAULT, "default", in_hex(default), "default"), is_implied=is_implied
+            subject.detail_fact(FactClass.DEFAULT, name="default", value=in_hex(default), noun="default"),
+            is_implied=is_implied,
         )
     yield from subject.stated_facts(field)
 

@@ -126,19 +126,26 @@ def _frame_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
     A frame of one byte needs no byte order, so the readings do not disagree if only one of them states it.
     """
     reading = frame.reading
-    yield from frame.all_facts(FactClass.POSITION, layout, f"sent by the {layout.sender}", at="name")
+    yield from frame.facts_of_part(FactClass.POSITION, layout, value=f"sent by the {layout.sender}", at="name")
     carried_place = reading.first_existing((*frame.place, "carried_as"), frame.place)
-    yield frame.detail_fact(FactClass.POSITION, "carried", layout.carried_as, "units", carried_place)
+    yield frame.detail_fact(
+        FactClass.POSITION, name="carried", value=layout.carried_as, noun="units", place=carried_place
+    )
     has_several_bytes = layout.widest > 8
     is_stated = reading.document.has((*frame.place, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
         order_place = (*frame.place, "byte_order") if is_stated else frame.place
         may_be_missing = not has_several_bytes
         yield frame.detail_fact(
-            FactClass.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, may_be_missing=may_be_missing
+            FactClass.BYTE_ORDER,
+            name="order",
+            value=layout.byte_order,
+            noun="byte order",
+            place=order_place,
+            may_be_missing=may_be_missing,
         )
     lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
-    yield frame.detail_fact(FactClass.POSITION, "length", lengths, "bits", frame.place)
+    yield frame.detail_fact(FactClass.POSITION, name="length", value=lengths, noun="bits", place=frame.place)
     yield from _combination_facts(frame, layout)
 
 
@@ -277,11 +284,11 @@ def _control_field_facts(reading: SpecReading, control_field: ControlField, offs
     subject = FactSubject(
         reading, key=("control", offset), place=place, description=f"field of the control frame from bit {offset + 1}"
     )
-    yield from subject.all_facts(FactClass.POSITION, control_field, f"{control_field.bits} bits")
+    yield from subject.facts_of_part(FactClass.POSITION, control_field, value=f"{control_field.bits} bits")
     for named_value in control_field.values:
         description = f"value {in_hex(named_value.value)} of {subject.description}"
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
-        yield from value_subject.all_facts(FactClass.VALUE, named_value, "named")
+        yield from value_subject.facts_of_part(FactClass.VALUE, named_value, value="named")
     if control_field.crc:
         # The parameters of a CRC are in the list ``crcs`` of the spec.
         crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
@@ -302,7 +309,9 @@ def _rs485_facts(reading: SpecReading, interface: Rs485) -> Iterator[ComparedFac
         subject = FactSubject(
             reading, key=("data id", data_id.id), place=id_place, description=f"data ID {data_id.id:X}"
         )
-        yield from subject.all_facts(FactClass.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
+        yield from subject.facts_of_part(
+            FactClass.VALUE, data_id, value=f"control field {in_hex(data_id.control)}", at="control"
+        )
     for index, access in enumerate(interface.memory_access):
         yield ComparedFact(
             fact_class=FactClass.SETTING,

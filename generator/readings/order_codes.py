@@ -219,7 +219,7 @@ def _measurement_facts(reading: SpecReading, interface: Interface) -> Iterator[C
         interface=interface.name,
         joint=" of the ",
     )
-    yield from subject.all_facts(FactClass.MEASUREMENT, measurement)
+    yield from subject.facts_of_part(FactClass.MEASUREMENT, measurement)
     for layout in interface.layouts:
         yield from _range_facts(subject, interface, layout)
         position_bits: dict[CodeAndState, str] = {}
@@ -250,4 +250,4 @@ def _range_facts(measured: FactSubject, interface: Interface, layout: Layout) ->
     key = (*measured.key, "range", layout.sender, *layout.selects)
     description = f"position range of '{layout.name}'"
     subject = replace(measured, key=key, place=place, description=description, depends_on=measured.key)
-    yield from subject.all_facts(FactClass.MEASUREMENT, layout.position_range)
+    yield from subject.facts_of_part(FactClass.MEASUREMENT, layout.position_range)

@@ -76,9 +76,11 @@ def _register_facts(subject: FactSubject, register: Register) -> Iterator[Compar
         # If the spec does not state the default, it follows from the documented values of the fields.
         stated_at = "fields" if register.default is None else "default"
         place = (*subject.place, stated_at)
-        yield subject.detail_fact(FactClass.DEFAULT, "default", in_hex(default), "default", place)
+        yield subject.detail_fact(FactClass.DEFAULT, name="default", value=in_hex(default), noun="default", place=place)
     if register.opened_by:
-        yield subject.detail_fact(FactClass.BEHAVIOUR, "opened_by", _opener_text(subject.reading, register), "opener")
+        yield subject.detail_fact(
+            FactClass.BEHAVIOUR, name="opened_by", value=_opener_text(subject.reading, register), noun="opener"
+        )
     yield from _limit_facts(subject, register)
 
 

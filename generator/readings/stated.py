@@ -285,7 +285,7 @@ class FactSubject:
             name_place=(*self.place, "name"),
         )
 
-    def all_facts(
+    def facts_of_part(
         self, fact_class: FactClass, model_part: Any, value: str = "present", at: str = ""
     ) -> Iterator[ComparedFact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
@@ -295,10 +295,11 @@ class FactSubject:
     def detail_fact(
         self,
         fact_class: FactClass,
+        *,
         name: str,
         value: FactValue,
         noun: str,
-        at: Path | None = None,
+        place: Path | None = None,
         may_be_missing: bool = False,
     ) -> ComparedFact:
         """Return another fact about the subject, such as "default of register 0x49".
@@ -308,11 +309,11 @@ class FactSubject:
             name: Identifies the fact, such as ``default``.
             value: Its value.
             noun: Its name in messages, to which ``joint`` and the description of the subject are added.
-            at: Its place, by default the member ``name`` of the subject.
+            place: Its place in the spec, by default the member ``name`` of the subject.
             may_be_missing: True if one of the two readings may lack the fact.
         """
         depends_on = self.key if self.depends_on is None else self.depends_on
-        place = (*self.place, name) if at is None else at
+        place = (*self.place, name) if place is None else place
         return ComparedFact(
             fact_class=fact_class,
             key=(*self.key, name),
@@ -339,12 +340,17 @@ class FactSubject:
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
                 text = _value_text(self.reading, member, member_value, self.interface)
                 noun = member.noun or member.words
-                yield self.detail_fact(FactClass(member.read), member.name, text, noun, place)
+                yield self.detail_fact(FactClass(member.read), name=member.name, value=text, noun=noun, place=place)
         for language, text in self.reading.printed_names(model_part).items():
             places = (*self.place, "names", language), (*self.place, "printed_name"), self.place
             place = self.reading.first_existing(*places)
             yield self.detail_fact(
-                FactClass.PRINTED, f"name in {language}", text, "printed name", place, may_be_missing=True
+                FactClass.PRINTED,
+                name=f"name in {language}",
+                value=text,
+                noun="printed name",
+                place=place,
+                may_be_missing=True,
             )
 
     def stated_facts_by_code(self, rows: Sequence[Any]) -> Iterator[ComparedFact]:
@@ -361,7 +367,11 @@ class FactSubject:
                         values[case] = str(_value_text(self.reading, member, member_value, self.interface))
             if values:
                 yield self.detail_fact(
-                    FactClass(member.read), member.name, values, member.noun or member.words, self.place
+                    FactClass(member.read),
+                    name=member.name,
+                    value=values,
+                    noun=member.noun or member.words,
+                    place=self.place,
                 )
 
 

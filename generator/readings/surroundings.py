@@ -32,7 +32,7 @@ def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
         subject = FactSubject(
             reading, key=("input", number), place=("inputs", hardware_input.name), description=f"input {number}"
         )
-        yield from subject.all_facts(FactClass.INPUT, hardware_input)
+        yield from subject.facts_of_part(FactClass.INPUT, hardware_input)
     yield from _history_facts(reading, reading.device.manual)
     yield from _characteristic_facts(reading)
     yield from _table_facts(reading)
@@ -64,7 +64,7 @@ def _contact_facts(
         connector_text += f" for {interface_label(interface)}"
     key: FactKey = ("connector", interface, connector.kind, connector_number)
     owner = FactSubject(reading, key=key, place=("connectors", connector.name), description=connector_text)
-    yield from owner.all_facts(FactClass.PIN, connector)
+    yield from owner.facts_of_part(FactClass.PIN, connector)
     for contact in connector.contacts:
         subject = FactSubject(
             reading,
@@ -115,7 +115,7 @@ def _history_facts(reading: SpecReading, manual: Manual) -> Iterator[ComparedFac
         row_subject = FactSubject(
             reading, key=("revision", row.revision), place=row_place, description=f"revision {row.revision}"
         )
-        yield from row_subject.all_facts(FactClass.HISTORY, row, "listed")
+        yield from row_subject.facts_of_part(FactClass.HISTORY, row, value="listed")
 
 
 def _characteristic_facts(reading: SpecReading) -> Iterator[ComparedFact]:
@@ -124,7 +124,7 @@ def _characteristic_facts(reading: SpecReading) -> Iterator[ComparedFact]:
         key = ("characteristic", characteristic.name)
         place = ("characteristics", characteristic.name)
         subject = FactSubject(reading, key=key, place=place, description=f"the characteristic '{characteristic.name}'")
-        yield from subject.all_facts(FactClass.CHARACTERISTIC, characteristic)
+        yield from subject.facts_of_part(FactClass.CHARACTERISTIC, characteristic)
         for index, quantity_value in enumerate(characteristic.values):
             description = f"{quantity_value.quantity} {index + 1} of {subject.description}"
             yield from subject.inside((index,), ("values", index), description).stated_facts(quantity_value)
@@ -136,14 +136,16 @@ def _table_facts(reading: SpecReading) -> Iterator[ComparedFact]:
         subject = FactSubject(
             reading, key=("table", table.name), place=("tables", table.name), description=f"the table '{table.name}'"
         )
-        yield from subject.all_facts(FactClass.TABLE, table, f"{len(table.rows)} rows")
+        yield from subject.facts_of_part(FactClass.TABLE, table, value=f"{len(table.rows)} rows")
         for row_index, row in enumerate(table.rows):
             for column_index, cell in enumerate(row):
                 cell_numbers = numbers_in(cell)  # A text, such as "5V 10ms", or "".
                 if cell_numbers:
                     place = (*subject.place, "rows", row_index, column_index)
                     noun = f"row {row_index + 1}, column {column_index + 1}"
-                    yield subject.detail_fact(FactClass.TABLE, f"{row_index} {column_index}", cell_numbers, noun, place)
+                    yield subject.detail_fact(
+                        FactClass.TABLE, name=f"{row_index} {column_index}", value=cell_numbers, noun=noun, place=place
+                    )
 
 
 def _led_facts(reading: SpecReading) -> Iterator[ComparedFact]:
@@ -152,12 +154,12 @@ def _led_facts(reading: SpecReading) -> Iterator[ComparedFact]:
         led_subject = FactSubject(
             reading, key=("led", led.name), place=("leds", led.name), description=f"the LED '{led.name}'"
         )
-        yield from led_subject.all_facts(FactClass.LED, led, f"{len(led.states)} states")
+        yield from led_subject.facts_of_part(FactClass.LED, led, value=f"{len(led.states)} states")
         for index, led_state in enumerate(led.states):
             state_subject = led_subject.inside(
                 key=(index,),
                 place=("states", index),
                 description=f"state {index + 1} of {led_subject.description}",
             )
-            yield state_subject.detail_fact(FactClass.LED, "state", led_state.state.casefold(), noun="words")
+            yield state_subject.detail_fact(FactClass.LED, name="state", value=led_state.state.casefold(), noun="words")
             yield from state_subject.stated_facts(led_state)

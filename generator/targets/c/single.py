@@ -349,13 +349,20 @@ class SingleCode:
 
 
 def _without_order_code(header: str, view: DeviceView) -> str:
-    """Return the text of a header whose functions do not take an order code, since nothing depends on it."""
+    """Return the text of a header whose functions do not take an order code, because nothing depends on it.
+
+    ``x_bits(x variant)`` becomes ``x_bits(void)``, ``x_read(x variant, word)`` becomes ``x_read(word)``, the calls
+    ``x_bits(variant)`` and ``x_read(X_##code, word)`` become ``x_bits()`` and ``x_read(word)``.
+    """
+    parameter = rf"(?:const )?{view.prefix} \*?variant"
+    arguments = ("variant", rf"&?{view.PREFIX}_##code")
     header = header.replace("    (void)variant;\n", "")
-    for argument in (rf"(?:const )?{view.prefix} \*?variant", "variant", rf"&?{view.PREFIX}_##code"):
-        # First the only argument, then the first of several.
-        nothing = "(void)" if argument.endswith(r"\*?variant") else "()"
-        header = re.sub(rf"\(\s*{argument}\)", nothing, header)
-        header = re.sub(rf"\((\s*){argument},\s+(?:\\\n\s+)?", r"(\1", header)
+    header = re.sub(rf"\(\s*{parameter}\)", "(void)", header)
+    for argument in arguments:
+        header = re.sub(rf"\(\s*{argument}\)", "()", header)
+    for first_argument in (parameter, *arguments):
+        # In a macro, the next argument can be on the next line, after a backslash.
+        header = re.sub(rf"\((\s*){first_argument},\s+(?:\\\n\s+)?", r"(\1", header)
     return header
 
 

@@ -384,8 +384,9 @@ class _CycleFinder:
         data_rise = start_bits.data_rise
         # CDS and the frame need this many rising edges after the start bit.
         rises_needed = self._bits + 1
-        # The slave sent the start bit ``late_periods`` edges before the one after which it arrived.
-        rises_after_start = cycles.rise_counts - 1 - (start_bits.rise_number - start_bits.late_periods)
+        # The start bit arrives ``late_periods`` clock periods after the slave has sent it, because of the cable.
+        rise_when_sent = start_bits.rise_number - start_bits.late_periods
+        rises_after_start = cycles.rise_counts - 1 - rise_when_sent
         # After the last edge, the start bit can still be on the line for its delay.
         latest_start = cycles.last + cycles.period * (start_bits.late_periods + 2)
         latest_acknowledgement = np.minimum(cycles.after, cycles.last + _LONGEST_DELAY * cycles.period)
@@ -395,8 +396,10 @@ class _CycleFinder:
         reasons[has_no_start] = _NO_START_BIT
         reasons[start_bits.data_fall > latest_acknowledgement] = _STAYS_HIGH
         reasons[start_bits.first_level == 0] = _LOW_BEFORE_CYCLE
-        # The first rising edge after the start bit belongs to CDS.
-        sent = np.where(reasons == _TOO_FEW_BITS, np.maximum(rises_after_start - 1, 0), cycles.rise_counts)
+        # The first rising edge after the start bit belongs to CDS, the others to bits of the frame.
+        frame_bits_sent = np.maximum(rises_after_start - 1, 0)
+        # Only a cycle with too few bits reports how many there were.
+        sent = np.where(reasons == _TOO_FEW_BITS, frame_bits_sent, cycles.rise_counts)
         return _Bits(reasons=reasons, skipped=start_bits.rise_number + 1, delay=start_bits.delay, sent=sent)
 
     def _find_start_bits(self, cycles: _Cycles) -> _StartBits:
