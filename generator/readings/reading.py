@@ -241,9 +241,10 @@ class SpecReading:
             # A parameter without an interface is the same over all of them.
             if parameter.interface and parameter.interface != interface:
                 continue
+            name_of_bits = self.bits_at(parameter.read_from)
             for bound in (parameter.min, parameter.max):
                 if bound is not None:
-                    yield f"{self.bits_at(parameter.read_from)} = {bound}", {parameter.name: bound}
+                    yield f"{name_of_bits} = {bound}", {parameter.name: bound}
         for number, alternative in enumerate(self.device.alternatives, 1):
             # The factory defaults have the first answer of each alternative.
             for answer_number, answer in enumerate(alternative.answers[1:], 2):

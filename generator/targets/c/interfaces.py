@@ -106,7 +106,7 @@ class InterfaceCode:
         macros_and_statements = list(self._macros_and_statements())
         requests_and_statements = list(self._requests_and_statements())
         self.macros = tuple(macro for macro, _ in macros_and_statements if macro is not None)
-        self.controls = tuple(macro for macro, _ in requests_and_statements)
+        self.control_data_macros = tuple(macro for macro, _ in requests_and_statements)
         #: Statements in the comments on macros and functions, which the comment on the interface does not repeat.
         all_statements = [statement for _, statement in (*macros_and_statements, *requests_and_statements)]
         self._stated_elsewhere = [statement for statement in all_statements if statement is not None]
@@ -123,7 +123,7 @@ class InterfaceCode:
         The codecs yield the names of their layouts.
         """
         path = ("interfaces", self.interface.name)
-        for macro in (*self.macros, *self.controls):
+        for macro in (*self.macros, *self.control_data_macros):
             yield macro.name, path
         for layout in self.frames:
             yield self.frame_name(layout), path

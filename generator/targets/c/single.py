@@ -276,7 +276,7 @@ class SingleCode:
         named_code = self.named(unmarked_code)
         if declaration.has_macro:
             named_code = _refilled_macro(named_code)
-        new_comment = self._in_comment(comment, with_arguments=is_used_by_programs)
+        new_comment = self._adapt_comment(comment, with_arguments=is_used_by_programs)
         return new_comment + break_lines(_with_short_conditions(_with_signature_on_one_line(named_code)))
 
     def _without_code_parameter(self, c_code: str) -> str:
@@ -297,7 +297,7 @@ class SingleCode:
         pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
         return re.sub(pattern, f"{self.STEM}_", line)
 
-    def _in_comment(self, comment: str, *, with_arguments: bool) -> str:
+    def _adapt_comment(self, comment: str, *, with_arguments: bool) -> str:
         """Return a comment with the names of this header, without sentences about parts that the header does not have.
 
         Unless ``with_arguments`` is True, it ends before its first ``@param``.
@@ -306,7 +306,7 @@ class SingleCode:
         for paragraph in split_paragraphs(comment_lines(comment)):
             if paragraph[0].startswith("@") and not with_arguments:
                 break
-            lines += self._shorten_paragraph(paragraph)
+            lines += self._adapt_paragraph(paragraph)
         return as_comment(lines)
 
     def _member_comment(self, comment: re.Match[str]) -> str:
@@ -317,7 +317,7 @@ class SingleCode:
         kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
         return member_comment(self.named(" ".join(kept_sentences)), margin)
 
-    def _shorten_paragraph(self, lines: list[str]) -> list[str]:
+    def _adapt_paragraph(self, lines: list[str]) -> list[str]:
         """Return the lines of a paragraph without sentences about parts that the header does not have.
 
         The result is empty if no sentence is left. In an indented line, such as one of a picture, only names change.

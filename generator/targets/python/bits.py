@@ -349,7 +349,8 @@ def mask_without_field(scope: ParameterExpressions, layout_plan: LayoutPlan) -> 
         if field.is_fixed:
             bits_without_fixed_field &= ~field.mask_in_place
         else:
-            masks_of_moving_fields.append(shift_value(scope.ones(field.width), "<<", scope.expression_of(field.low)))
+            mask_at_bit_0, lowest_bit = scope.ones(field.width), scope.expression_of(field.low)
+            masks_of_moving_fields.append(shift_value(mask_at_bit_0, "<<", lowest_bit))
     if not masks_of_moving_fields:
         return mask(bits_without_fixed_field)
     moving_bits = join_operands("|", masks_of_moving_fields)
