@@ -12,8 +12,8 @@ from codewheel.targets.c.files import generate
 
 #: The spec leaves out what its position measures: that depends on the configuration of the chip.
 WITHOUT_UNIT = {"ichaus/icmu_biss.h"}
-#: A linear scale that is shorter than its range of positions.
-NEVER_WRAPS = {"renishaw/resolute_linear_biss.h"}
+#: A linear scale and distance sensors whose range of positions exceeds what they can measure.
+NEVER_WRAPS = {"renishaw/resolute_linear_biss.h", "sick/dl100_ssi.h", "sick/dl1000_ssi.h"}
 #: Linear encoders. A wire or a tape has no turns.
 LINEAR = {
     *("balluff/bml_s1g_biss.h", "balluff/bml_s1g_ssi.h", "renishaw/resolute_linear_biss.h", "rls/la11_biss.h"),

@@ -6,8 +6,8 @@
  * Runtime 1.0. Spec icmu, hash of its content 8325165c.
  * This file is yours: use it, change it and pass it on as you like.
  * BiSS is a trademark of iC-Haus GmbH.
- * The chips described here are products of iC-Haus GmbH. This project is not affiliated with it and
- * claims no certification.
+ * The chips described here are products of iC-Haus GmbH. This project is not affiliated with
+ * iC-Haus and claims no certification.
  *
  * To read a position:
  *

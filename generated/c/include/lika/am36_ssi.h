@@ -420,7 +420,8 @@ static inline double lika_am36_ssi_degrees(lika_am36_ssi variant, uint64_t posit
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
  * position was stored. For example, code can be AM3619_4096_GG, as in LIKA_AM36_SSI_AM3619_4096_GG.
  * A call names the order code once, so its length and its decoder are used together. Another size
- * of rx, or a pointer, does not compile.
+ * of rx, or a pointer, does not compile. A corrupted word without a CRC can be accepted, so prefer
+ * LIKA_AM36_SSI_READ_TWICE.
  */
 #define LIKA_AM36_SSI_READ(code, rx, position) \
     lika_am36_ssi_read(LIKA_AM36_SSI_##code, \

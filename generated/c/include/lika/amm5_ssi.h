@@ -406,7 +406,8 @@ static inline double lika_amm5_ssi_degrees(lika_amm5_ssi variant, uint64_t posit
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
  * position was stored. For example, code can be A23_65KBG1, as in LIKA_AMM5_SSI_A23_65KBG1. A call
  * names the order code once, so its length and its decoder are used together. Another size of rx,
- * or a pointer, does not compile.
+ * or a pointer, does not compile. A corrupted word without a CRC can be accepted, so prefer
+ * LIKA_AMM5_SSI_READ_TWICE.
  */
 #define LIKA_AMM5_SSI_READ(code, rx, position) \
     lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \

@@ -413,7 +413,8 @@ static inline double lika_asc85_ssi_degrees(lika_asc85_ssi variant, uint64_t pos
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
  * position was stored. For example, code can be 25_GG1, as in LIKA_ASC85_SSI_25_GG1. A call names
  * the order code once, so its length and its decoder are used together. Another size of rx, or a
- * pointer, does not compile.
+ * pointer, does not compile. A corrupted word without a CRC can be accepted, so prefer
+ * LIKA_ASC85_SSI_READ_TWICE.
  */
 #define LIKA_ASC85_SSI_READ(code, rx, position) \
     lika_asc85_ssi_read(LIKA_ASC85_SSI_##code, \

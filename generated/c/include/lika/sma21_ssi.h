@@ -460,7 +460,8 @@ static inline double lika_sma21_ssi_millimetres(lika_sma21_ssi variant, int64_t 
  * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
  * position was stored. For example, code can be BG1_0001, as in LIKA_SMA21_SSI_BG1_0001. A call
  * names the order code once, so its length and its decoder are used together. Another size of rx,
- * or a pointer, does not compile.
+ * or a pointer, does not compile. A corrupted word without a CRC can be accepted, so prefer
+ * LIKA_SMA21_SSI_READ_TWICE.
  */
 #define LIKA_SMA21_SSI_READ(code, rx, position) \
     lika_sma21_ssi_read(LIKA_SMA21_SSI_##code, \

@@ -7,7 +7,7 @@ Each family has a module: icmu. Start with lookup(), which takes the order code 
 A family is loaded on first use, by its name or by lookup().
 
 BiSS is a trademark of iC-Haus GmbH. The chips described here are products of iC-Haus GmbH. This project is not
-affiliated with it and claims no certification.
+affiliated with iC-Haus and claims no certification.
 """
 
 from __future__ import annotations

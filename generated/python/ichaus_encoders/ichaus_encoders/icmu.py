@@ -32,7 +32,7 @@ Evidence: quoted (every fact is in the manufacturer's words, and an independent 
 hardware agree).
 
 BiSS is a trademark of iC-Haus GmbH. The chips described here are products of iC-Haus GmbH. This project is not
-affiliated with it and claims no certification.
+affiliated with iC-Haus and claims no certification.
 """
 
 from __future__ import annotations
