@@ -145,7 +145,7 @@ _WORD_21 = 0xFFFF << 32 | _ANGLE_21 << 11 | _CRC_21
 
 def _buffer_receivers(acknowledge: int) -> Iterator[Part]:
     """Yield receivers of a buffer of bits, ours and by hand."""
-    named = f"acknowledge of {acknowledge} bits"
+    named = f"{acknowledge}-bit acknowledge"
     buffer = _buffer(acknowledge)
     yield Part(
         f"BiSS buffer to usable position, {named}",
@@ -164,11 +164,11 @@ def _buffer_receivers(acknowledge: int) -> Iterator[Part]:
 
 
 def _sample_receivers(acknowledge: int) -> Iterator[Part]:
-    """Yield receivers of samples of a pin, ours and by hand."""
-    named = f"acknowledge of {acknowledge} bits"
+    """Yield receivers of pin samples, ours and by hand."""
+    named = f"{acknowledge}-bit acknowledge"
     samples = _samples(acknowledge)
     yield Part(
-        f"{BUFFER} samples of a pin to usable position, {named}",
+        f"{BUFFER} pin samples to usable position, {named}",
         (BISS.header, "codewheel/receive.h"),
         "const uint8_t *samples, uint8_t *rx, uint64_t *position",
         f"(void)cw_received_samples(samples, {BUFFER}U, 0x08U, rx);\n    " + _to_position(_RX),
@@ -188,7 +188,7 @@ def _receivers() -> Iterator[Part]:
         yield from _buffer_receivers(acknowledge)
         yield from _sample_receivers(acknowledge)
         yield Part(
-            f"receive: a BiSS frame of 47 bits, acknowledge of {acknowledge} bits",
+            f"receive: a 47-bit BiSS frame, {acknowledge}-bit acknowledge",
             ("codewheel/receive.h",),
             "const uint8_t *rx, uint64_t *word",
             f"return (uint32_t)cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, word);",
@@ -200,7 +200,7 @@ def _receivers() -> Iterator[Part]:
 def _to_usable_positions() -> Iterator[Part]:
     """Yield the paths from a word or a reply to a usable position, ours and by hand, over RS-485 and SPI."""
     yield from _two_ways(
-        "RS-485 reply of 11 bytes to usable position (AMM5)",
+        "11-byte RS-485 reply to usable position (AMM5)",
         "the same RS-485 reply by hand",
         "lika/amm5_rs485.h",
         "const uint8_t *rx, uint64_t *position",
@@ -214,8 +214,8 @@ def _to_usable_positions() -> Iterator[Part]:
         ),
     )
     yield from _two_ways(
-        "SPI word of 48 bits with a CRC to usable position (MT6835)",
-        "the same word of 48 bits by hand",
+        "48-bit SPI word with a CRC to usable position (MT6835)",
+        "the same 48-bit word by hand",
         "magntek/mt6835_spi.h",
         "uint64_t word, uint32_t *position",
         "magntek_mt6835_spi_angle_position(MAGNTEK_MT6835_SPI_MT6835, word, position)",
@@ -228,8 +228,8 @@ def _to_usable_positions() -> Iterator[Part]:
         ),
     )
     yield from _two_ways(
-        "SPI word of 16 bits with parity to usable position (AS5048A)",
-        "the same word of 16 bits by hand",
+        "16-bit SPI word with parity to usable position (AS5048A)",
+        "the same 16-bit word by hand",
         "ams/as5048a_spi.h",
         "uint16_t word, uint16_t *position",
         "ams_as5048a_spi_position_position(AMS_AS5048A_SPI_AS5048A, word, position)",
@@ -255,7 +255,7 @@ PARTS = (
     *_receivers(),
     *_to_usable_positions(),
     Part(
-        "receive: an SSI word of 39 bits",
+        "receive: a 39-bit SSI word",
         ("codewheel/receive.h",),
         "const uint8_t *rx, uint64_t *word",
         "return (uint32_t)cw_ssi_receive(rx, 6U, 39U, word);",

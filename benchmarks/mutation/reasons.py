@@ -56,7 +56,7 @@ _REASONS = (
         {"keys": r"parameters\.NAME\.hexadecimal"},
     ),
     (
-        "left out, and then not generated",
+        "omitted, so not generated",
         "Without the manufacturer ID, no description for BiSS masters is generated, which users notice.",
         {"fact": "BiSS manufacturer ID", "mistake": "key omitted"},
     ),

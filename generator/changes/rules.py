@@ -269,7 +269,7 @@ _NAMED_KINDS = (
 #: Other changes: name, impact on C, Python, XML and pages, condition, reason.
 _CHANGES = (
     ("interface-of-code", "BBBD", "an order code has a different interface", "It has different frames and registers."),
-    ("parameter-of-code", "WWWD", "an order code has a different resolution or other number", _WIRE),
+    ("parameter-of-code", "WWWD", "an order code has a different resolution or a different value", _WIRE),
     ("parameter-rule", "WWWD", "the formula of a quantity has changed", _WIRE),
     ("parameter-range", "WWWD", "a quantity held in a register has a different range or register", _WIRE),
     ("label", "WWWD", "the rule for reading labels has changed", "Labels may result in different order codes."),
@@ -284,7 +284,7 @@ _CHANGES = (
     ("frame-told-by", "WWWD", "a different value identifies a frame", _WIRE),
     ("frame-decision", "BBBD", "a frame now needs a decision, or no longer does", "An argument is added or removed."),
     ("other-bits", "WWWD", "the required values of bits outside the fields have changed", _WIRE),
-    ("field-moved", "WWWD", "a field is at other bits", _WIRE),
+    ("field-moved", "WWWD", "a field is at different bits", _WIRE),
     ("field-width", "WWWD", "a field has a different width", _WIRE),
     ("field-kind", "BBBD", "a field is of a different kind", "Its type changes, or it is added or removed."),
     ("field-reads-otherwise", "WWWD", "the bits of a field are converted differently", _WIRE),
@@ -321,13 +321,13 @@ _CHANGES = (
     (
         "clock-used",
         "WWWD",
-        "other clocks are known to be in use",
+        "different clocks are known to be in use",
         "Code may use one of them, because no limit is known.",
     ),
     ("port", "WWWD", "the settings of the serial port have changed", _WIRE),
     ("alignment", "DWWD", "a word has a different alignment or code", _WIRE),
     ("bank-select", "WWWD", "the bank is selected by a different register", _WIRE),
-    ("channels-of-frame", "WWWD", "a frame has other data channels, or compares them differently", _WIRE),
+    ("channels-of-frame", "WWWD", "a frame has different data channels, or compares them differently", _WIRE),
     ("interface-rule", "DWWD", "signals, network, profile or memory access have changed", _INSTALLATIONS),
     ("data-id-changed", "WWWD", "a data ID has a different number, control byte or purpose", _WIRE),
     ("crc-changed", "WWWD", "a CRC is computed differently", "Frames that were valid are rejected."),

@@ -194,8 +194,8 @@ def add_choose_option(parser: argparse.ArgumentParser, default: str) -> None:
         action="append",
         default=[],
         metavar="NAME=ANSWER",
-        help="answer a question that the manual leaves open. show lists these questions (may be repeated, default: "
-        f"{default})",
+        help="answer a question that the manual leaves open (may be repeated). 'show' lists these questions. "
+        f"Without an answer, {default}",
     )
 
 

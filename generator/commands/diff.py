@@ -66,7 +66,7 @@ def add_arguments(parser: Parser) -> None:
         "--accepted",
         type=a_path,
         metavar="FILE",
-        help="changes that do not count for the exit code (default: accepted.yaml next to the specs of NEW)",
+        help="changes that do not affect the exit code (default: accepted.yaml next to the specs of NEW)",
     )
     parser.add_argument(
         "--lenient",

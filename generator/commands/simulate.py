@@ -61,7 +61,7 @@ def add_arguments(parser: Parser) -> None:
         help="use TCP on this computer instead of a pseudo-terminal (default: any free port)",
     )
     add_register_option(parser)
-    add_choose_option(parser, "requests that depend on the answer are not answered")
+    add_choose_option(parser, "requests that depend on it are not answered")
     parser.add_argument(
         "--edition", metavar="EDITION", help="use a different edition of the manual: a revision or a date"
     )

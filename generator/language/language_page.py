@@ -47,7 +47,7 @@ most 20,000 different sets of parameters, and the number of these sets times the
 The language has no words for a word that is repeated within one SSI frame, and for Gray code of several
 revolutions whose counts per turn are not a power of two. A CRC has one start value. If it depends on the order code,
 write several CRCs, each in a field with `bits` that is 0 for the other order codes. [Another
-page](../encoder/encoders.md#limits-of-the-spec-language) lists all limits, with ways round them.
+page](../encoder/encoders.md#limits-of-the-spec-language) lists all the limits, with workarounds.
 
 If a file begins with the following line, editors can complete and explain keys while you type:
 

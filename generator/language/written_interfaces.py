@@ -158,9 +158,9 @@ class WrittenSpiExchange(WrittenPart):
 
 @written(
     "SPI, where each word from the master can be a request and each word from the encoder a reply. "
-    "Every layout has the word_bits of its exchange or of the interface, most significant bit first. "
-    "A register has a single address, and its value is the field data of a frame. Chip select, and "
-    "timings other than those listed, are not described."
+    "Every layout is word_bits wide, as set in its exchange or in the interface, and is sent most significant bit "
+    "first. A register has a single address, and its value is the field data of a frame. Chip select, and timings "
+    "other than those listed, are not described."
 )
 class WrittenSpi(WrittenPart):
     source: SourceText = key("")

@@ -406,7 +406,7 @@ class WrittenSpec(WrittenPart):
     )
     leds: tuple[LocatedPart[Led], ...] = key("Diagnostic LEDs and the meaning of each state.", least=0, default=())
     characteristics: tuple[LocatedPart[Characteristic], ...] = key(
-        "Facts of the manual that are only displayed, never used in computations: supply, batteries, "
+        "Facts from the manual that are only displayed, never used in computations: supply, batteries, "
         "analogue outputs, cables, mounting.",
         least=0,
         default=(),

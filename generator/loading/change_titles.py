@@ -17,11 +17,11 @@ _LIST_POSITION = re.compile(r"\[\d+\]")
 _STEPS_LEFT_OUT = {"parts", "values", "fields", "contacts", "timings"}
 #: Keys that end a path, as phrases before the name of their owner.
 _KEY_PHRASES = {
-    "implemented": "implementation of",
-    "interfaces": "interfaces of",
-    "meaning": "meaning of",
-    "note": "note on",
-    "when_active": "active state of",
+    "implemented": "implementation of {}",
+    "interfaces": "{} interfaces",
+    "meaning": "meaning of {}",
+    "note": "note on {}",
+    "when_active": "active state of {}",
 }
 #: Words in names that prose spells differently.
 _SPELLINGS_IN_PROSE = {"crc": "CRC", "eeprom": "EEPROM", "id": "ID", "led": "LED"}
@@ -76,10 +76,10 @@ def _place_name(place: str) -> str:
         names = names[1:]  # A field of a group is known without the name of the group.
     if len(names) > 1 and names[-1] in _KEY_PHRASES:
         *owner_names, key = names
-        return f"{_KEY_PHRASES[key]} {_steps_in_words(*owner_names)}"
+        return _KEY_PHRASES[key].format(_steps_in_words(*owner_names))
     if section == "connectors" and len(names) > 1:
         connector, contact = names[:2]
-        return f"contact {contact} of {_steps_in_words(connector)}"
+        return f"contact {contact} of the {_steps_in_words(connector)}"
     if section == "examples":
         return f"example {_steps_in_words(*names)}"
     return _steps_in_words(*names)

@@ -69,6 +69,7 @@ _WORDS_FOR_KEYS = {
     "ssi_word": "SSI word",
     "timeout": "timeout",
 }
+_INTERFACE_TITLES = frozenset(interface.title for interface in INTERFACES.values())
 _PATH_PATTERN = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
 #: Number of an item in a list without names, counted from 1.
 _INDEX_IN_LIST = re.compile(r"\[([0-9]+)\]")
@@ -157,9 +158,14 @@ def _path_in_words(keys: Sequence[str]) -> str:
 def _of_owner(part: str, owner: str) -> str:
     """Return a part with its owner, such as ``the field status of the register command``.
 
-    The owner is omitted if it is empty, or if the part already contains its name, as in ``the SSI word``.
+    An interface comes before the part: ``the RS-485 position reply``. The owner is omitted if it is empty, or if the
+    part already contains its name, as in ``the SSI word``.
     """
-    return f"{part} of {owner}" if owner and owner not in part.split() else part
+    if not owner or owner in part.split():
+        return part
+    name = part.removeprefix("the ")
+    is_compound = owner in _INTERFACE_TITLES and name != part and " of " not in part
+    return f"the {owner} {name}" if is_compound else f"{part} of {owner}"
 
 
 #: Words for the status of an erratum. The manual's own evidence or arithmetic resolves a settled erratum.

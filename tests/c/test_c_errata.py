@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 from codewheel.model import Device
+from codewheel.say.errata import paths_in_words
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
 
@@ -65,3 +66,17 @@ def test_differences_from_other_editions_are_one_sentence_in_a_header(files: dic
         assert "Before edition" not in said
     assert all("encoder's page" not in text for path, text in files.items() if path.startswith("c/include/"))
     assert "### Before edition 1.8" in files["c/ERRATA-lika.md"]
+
+
+@pytest.mark.parametrize(
+    ("path", "expected"),
+    [
+        ("interfaces.rs485.position_reply", "the RS-485 position reply"),
+        ("interfaces.ssi.ssi_word", "the SSI word"),
+        ("interfaces.biss.scd.fields.error", "the field error of the BiSS C-mode scd"),
+        ("interfaces.biss.measurement", "the unit of the position of BiSS C-mode"),
+        ("registers.bank.default", "the default of the register bank"),
+    ],
+)
+def test_the_interface_comes_before_its_part(path: str, expected: str) -> None:
+    assert paths_in_words(path) == expected

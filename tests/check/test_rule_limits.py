@@ -434,7 +434,7 @@ LIMITS: dict[str, tuple[list[list[Change]], list[list[Change]], str, str]] = {
             [procedure("write, register: key, value: unlocked", "write, register: key, value: locked", WRITE)],
         ],
         "not-opened",
-        "'preset' must be opened by writing 'unlocked' to 'key', but 'locked' was written there",
+        "'preset' must be unlocked by writing 'unlocked' to 'key', but 'locked' was written there",
     ),
     "repetitions of an open part": (
         [[open_part("[0-9]+[A-Z]+[0-9]+"), ("{output}", "{output}{serial}")]],

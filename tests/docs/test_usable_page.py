@@ -43,7 +43,7 @@ def frames(device: Device, cell: str) -> list[Layout]:
 
 def code_part(when: str) -> str:
     """Return the part of the order codes to which a row applies, since AMM5 has flags that depend on the order code."""
-    if "with all others" in when:
+    if "for all other order codes" in when:
         return "/1"
     return "/65K" if ".../65K..." in when else ""
 
@@ -57,7 +57,7 @@ def findings_of_frame(device: Device, layout: Layout, active: str, when: str = "
     interface = next(kind for kind, candidate in device.layouts() if candidate is layout)
     variants = [variant for variant in device.variants if variant.interface == interface.name]
     variant = next(variant for variant in variants if code_part(when) in variant.code)
-    answer = re.search(r"your choice is `(\w+)`", plain(when))
+    answer = re.search(r"you choose `(\w+)`", plain(when))
     for question in device.verdict_alternatives(layout) if answer is not None else ():
         variant = with_answers(device, variant, {question.name: answer[1]})
     placed = layout.place(variant.parameters)
@@ -163,15 +163,15 @@ def test_what_a_battery_decides_goes_by_the_order_code(library: Library, pages: 
     conditions = {(plain(row[2]).strip("`"), plain(row[3]).partition(", ")[0], row[4]) for row in amm5_rows}
     chosen = {
         "warning": (
-            "0 with `.../65K...` if your choice is `either_cause` (the default)",
-            "0 with all other order codes",
+            "0 for `.../65K...` if you choose `either_cause` (the default)",
+            "0 for all other order codes",
         ),
-        "mt_error": ("1 with `.../65K...`", "1 with all other order codes"),
+        "mt_error": ("1 for `.../65K...`", "1 for all other order codes"),
     }
     for name, (with_battery, without) in chosen.items():
         assert (name, with_battery, "✕ **not usable**") in conditions
         assert (name, without, "▲ usable with a warning") in conditions
-    with_answer = "0 with `.../65K...` if your choice is `low_battery`"
+    with_answer = "0 for `.../65K...` if you choose `low_battery`"
     assert ("warning", with_answer, "▲ usable with a warning") in conditions
 
 

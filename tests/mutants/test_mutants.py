@@ -122,7 +122,7 @@ def test_mistakes_of_a_number_follow_how_it_is_written(invented_spec: Document) 
 
 def test_mistakes_of_words_booleans_and_items(invented_spec: Document) -> None:
     assert mistakes_of(invented_spec, "crcs", 0, "refin")["boolean flipped"] == [True]
-    assert mistakes_of(invented_spec, "registers", 0, "access")["another word"] == ["read_write", "write_only"]
+    assert mistakes_of(invented_spec, "registers", 0, "access")["different word"] == ["read_write", "write_only"]
     exchanged = mutants_at(invented_spec, "registers", 0, "address")["swapped with the next"]
     assert [register["address"] for register in mutated(invented_spec, exchanged)["registers"]] == [0x49, 0x48]
     lost = mutants_at(invented_spec, "registers", 0)["item omitted"]
@@ -188,7 +188,7 @@ def test_values_are_code_spans(text: str, span: str) -> None:
 def test_an_omitted_value_is_not_a_code_span(invented_spec: Document) -> None:
     omitted = mutants_at(invented_spec, "registers", 0)["item omitted"]
     assert omitted.difference == "`{'name': 'one', 'address': 72, 'access': 'read_only'}` -> nothing"
-    assert mutants_at(invented_spec, "movement")["another word"].difference == "`rotary` -> `linear`"
+    assert mutants_at(invented_spec, "movement")["different word"].difference == "`rotary` -> `linear`"
 
 
 def test_the_worst_effect_is_last() -> None:

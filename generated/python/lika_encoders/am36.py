@@ -949,7 +949,7 @@ class ProfileId(FixedRegister, _ProfileId):
             derive a data length from it.
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the timings of BiSS C-mode and 2 more.
+            the BiSS C-mode timings and 2 more.
     """
 
     __slots__ = ()
@@ -1007,7 +1007,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
             numbers. The year is the plain value of its byte. 46h is the high byte of the serial number.
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the timings of BiSS C-mode and 2 more.
+            the BiSS C-mode timings and 2 more.
     """
 
     __slots__ = ()
@@ -1054,7 +1054,7 @@ class Command(IntEnum):
             first, and only then writes and activates the preset.
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the timings of BiSS C-mode and 2 more.
+            the BiSS C-mode timings and 2 more.
     """
 
     NORMAL_OPERATIONAL_STATE = 0
@@ -1385,7 +1385,7 @@ class DeviceType(FixedRegister, _DeviceType):
     Errata, with their full text in ERRATA:
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the timings of BiSS C-mode and 2 more.
+            the BiSS C-mode timings and 2 more.
     """
 
     __slots__ = ()
@@ -1547,7 +1547,7 @@ class DeviceId(FixedRegister, _DeviceId):
         All models have the same device ID, despite different data lengths (open): The device ID is used as printed.
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the timings of BiSS C-mode and 2 more.
+            the BiSS C-mode timings and 2 more.
     """
 
     __slots__ = ()
@@ -1603,7 +1603,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     Errata, with their full text in ERRATA:
         In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
             register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the timings of BiSS C-mode and 2 more.
+            the BiSS C-mode timings and 2 more.
     """
 
     __slots__ = ()
@@ -1709,7 +1709,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, it has another length, or a byte is not 0 to 255.
+        ValueError: There is no such register, its length differs, or a byte is outside 0 to 255.
     """
     from .facts.am36 import REGISTERS
 

@@ -2825,7 +2825,7 @@ class Command(IntEnum):
     After a command, the register automatically returns to 00.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
             set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
     """
 
@@ -2970,7 +2970,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, it has another length, or a byte is not 0 to 255.
+        ValueError: There is no such register, its length differs, or a byte is outside 0 to 255.
     """
     from .facts.amm5 import REGISTERS
 
@@ -3016,7 +3016,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     Result: The position at the moment of activation becomes the preset value. All other positions shift accordingly.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
             set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
 
     Args:
@@ -3066,7 +3066,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     Result: The preset is saved. The position is the same as before.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
             set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
 
     Args:
@@ -3114,7 +3114,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: New register values are saved.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
             set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
 
     Args:
@@ -3143,7 +3143,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The position at the moment of the command becomes the preset value.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
             set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
 
     Args:

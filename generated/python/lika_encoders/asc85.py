@@ -1403,7 +1403,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, it has another length, or a byte is not 0 to 255.
+        ValueError: There is no such register, its length differs, or a byte is outside 0 to 255.
     """
     from .facts.asc85 import REGISTERS
 

@@ -45,7 +45,7 @@ def add_arguments(parser: Parser) -> None:
         "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as this register's value"
     )
     add_register_option(parser)
-    add_choose_option(parser, "frames that depend on the answer are not decoded")
+    add_choose_option(parser, "frames that depend on it are not decoded")
     add_edition_option(parser)
     parser.add_argument(
         "--layout",

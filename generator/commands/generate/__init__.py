@@ -61,7 +61,7 @@ def _add_selection(parser: argparse.ArgumentParser) -> None:
         dest="output",
         type=a_path,
         metavar="DIR",
-        help="output folder (default: that under [tool.codewheel], or else generated)",
+        help="output folder (default: the folder set in [tool.codewheel], otherwise 'generated')",
     )
     parser.add_argument(
         "--packaged",

@@ -27,7 +27,7 @@ _Connection = tuple[LocatedPart[Connector], LocatedPart[Connector]]
 _MOST_CONNECTORS, _MOST_CONNECTIONS = 100, 10
 #: The statement of a note that explains the order of a pair.
 _PAIR_ORDER_NOTE = re.compile(
-    r"(?P<first>[\w/ ]+?(?: ?[+-])?) is on a lower contact than (?P<second>[\w/ ]+(?: ?[+-])?)"
+    r"(?P<first>[\w/ ]+?(?: ?[+-])?) is on a lower(?:-numbered)? contact than (?P<second>[\w/ ]+(?: ?[+-])?)"
 )
 
 
@@ -185,7 +185,8 @@ def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the two lines of each differential pair are on adjacent contacts, in the same order for all pairs.
 
     The first pair decides the order. If all of three or more pairs are apart, or the only pair is, adjacency is not
-    required. A note such as "MA - is on a lower contact than MA +" explains an unusual pair. The note must be true.
+    required. A note such as "MA - is on a lower-numbered contact than MA +" explains an unusual pair. The note must be
+    true.
     """
     if is_second(report.document.file):  # It has no notes.
         return
@@ -197,7 +198,7 @@ def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
             problem = _describe_unusual_order(pair, pairs)
             indices = {pair.plain_index, pair.inverted_index}
             if problem and indices not in explained_pairs:
-                statement = f"{pair.first} is on a lower contact than {pair.second}"
+                statement = f"{pair.first} is on a lower-numbered contact than {pair.second}"
                 message = f"{problem}; correct it, or say in a 'note' that {statement}"
                 path = (*connector.path, "contacts", min(indices), "signal")
                 report.add("pair-order", path, message)
@@ -253,7 +254,8 @@ def _check_statements_of_note(
 ) -> list[set[int]]:
     """Return the pairs of contacts whose order the note of a connector states, and report each false statement.
 
-    For "MA - is on a lower contact than MA +", the pair consists of the indices of both contacts, such as ``{2, 3}``.
+    For "MA - is on a lower-numbered contact than MA +", the pair consists of the indices of both contacts, such as
+    ``{2, 3}``.
     """
     stated_pairs: list[set[int]] = []
     for match in _PAIR_ORDER_NOTE.finditer(connector.part.note):
@@ -263,8 +265,8 @@ def _check_statements_of_note(
         if not lower_line or not higher_line:
             continue
         if index_by_line[lower_line] > index_by_line[higher_line]:
-            problem = f"the note says that {lower_line} is on a lower contact than {higher_line}"
-            message = f"{problem}, but it is on a higher one; correct one of the two"
+            problem = f"the note says that {lower_line} is on a lower-numbered contact than {higher_line}"
+            message = f"{problem}, but it is on a higher-numbered one; correct one of the two"
             report.add("pair-order", (*connector.path, "note"), message)
         stated_pairs.append({index_by_line[lower_line], index_by_line[higher_line]})
     return stated_pairs

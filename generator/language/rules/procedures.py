@@ -95,7 +95,7 @@ def _check_written_registers(spec: WrittenSpec, read_only: Collection[str], repo
     for register in spec.registers:
         opener = register.opened_by.register if register.opened_by is not None else ""
         if opener in read_only:
-            message = f"{quoted(opener)} is read_only, so it cannot open {quoted(register.name)}"
+            message = f"{quoted(opener)} is read_only, so it cannot unlock {quoted(register.name)}"
             report.add("access-mismatch", (*register.place_of("opened_by"), "register"), message)
     select = bank_select(spec)
     if select in read_only:
@@ -173,7 +173,7 @@ def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
             # The caller of the procedure may pass the correct value as an argument.
             if last_value != opener.value and last_value not in arguments:
                 message = (
-                    f"{quoted(step.register)} must be opened by writing {quoted(opener.value)} to"
+                    f"{quoted(step.register)} must be unlocked by writing {quoted(opener.value)} to"
                     f" {quoted(opener.register)}, but {quoted(last_value)} was written there"
                 )
                 report.add("not-opened", step.place_of("register"), message)

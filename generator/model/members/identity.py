@@ -15,7 +15,7 @@ IDENTITY = (
             "Empty for the manual itself, a language code for another edition, otherwise a key of documents.",
         ),
         ModelMember("section", "string", "Section as numbered, or its title."),
-        ModelMember("page", "integer?", "Page, if the table of contents, the index or a cross-reference proves it."),
+        ModelMember("page", "integer?", "Page, if the table of contents, the index or a cross-reference confirms it."),
         is_sourced=False,
     ),
     ModelPart(

@@ -166,7 +166,7 @@ class DeviceView:
         registers_header = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else first_header
         parts = [self._build_part("labels", "find the order code that a label shows", encoder_header, first_header)]
         if self.reports.all or self.alarms or self.timings:
-            about = "texts that describe reports, alarms and times"
+            about = "strings that describe reports, alarms and times"
             parts.append(self._build_part("reports", about, encoder_header, first_header))
         if self.registers:
             about = "registers, and identification of encoders"

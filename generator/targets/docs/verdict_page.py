@@ -163,11 +163,11 @@ def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Co
 
 
 def _condition_text(device: Device, condition: CodeCondition) -> str:
-    """Return a condition as text: order codes, such as ``with X-24``, or the required answer to an open question."""
+    """Return a condition as text: order codes, such as ``for X-24``, or the required answer to an open question."""
     for alternative in device.optional_alternatives:
         if alternative.parameter == condition.parameter:
             return _answer_text(device, alternative, condition)
-    return f"with {code_span(condition.codes)}" if condition.holds else "with all other order codes"
+    return f"for {code_span(condition.codes)}" if condition.holds else "for all other order codes"
 
 
 def _answer_text(device: Device, question: Alternative, condition: CodeCondition) -> str:
@@ -183,7 +183,7 @@ def _answer_text(device: Device, question: Alternative, condition: CodeCondition
     page = f"{device.name}/{interface.name}.md#alternative-{question.name}"
     # The default answer sets the parameter to 0.
     default = "" if condition.holds else " (the default)"
-    return f"if {markdown_link('your choice', page)} is {answer_names}{default}"
+    return f"if {markdown_link('you choose', page)} {answer_names}{default}"
 
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:

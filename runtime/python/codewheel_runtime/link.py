@@ -72,7 +72,7 @@ class Link:
     Args:
         encoder: The encoder, with RS-485.
         transport: Line to the encoder.
-        timeout_s: Time in seconds in which a reply must be complete.
+        timeout_s: Time in seconds within which a reply must be complete.
         retries: Number of further attempts after a failure.
         settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud rate
             and the measured reply times. With 0, a request of another kind is sent before each request instead.
@@ -290,7 +290,7 @@ def open_encoder(
     Args:
         port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
         encoder: The encoder, with RS-485.
-        timeout_s: Time in seconds in which a reply must be complete.
+        timeout_s: Time in seconds within which a reply must be complete.
         retries: Number of further attempts after a failure.
         settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud rate
             and the measured reply times. With 0, a request of another kind is sent before each request instead.
@@ -358,7 +358,7 @@ class Ports:
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
             label: Order code on the label, or an encoder whose class shows that it has RS-485.
-            timeout_s: Time in seconds in which a reply must be complete.
+            timeout_s: Time in seconds within which a reply must be complete.
             retries: Number of further attempts after a failure.
             settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
                 rate and the measured reply times. With 0, a request of another kind is sent before each request

@@ -120,7 +120,7 @@ class AsyncLink:
     Args:
         encoder: The encoder, with RS-485.
         transport: Line to the encoder.
-        timeout_s: Time in seconds in which a reply must be complete.
+        timeout_s: Time in seconds within which a reply must be complete.
         retries: Number of further attempts after a failure.
         settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud rate
             and the measured reply times. With 0, a request of another kind is sent before each request instead.
@@ -211,7 +211,7 @@ def open_async(
     Args:
         port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
         encoder: The encoder, with RS-485.
-        timeout_s: Time in seconds in which a reply must be complete.
+        timeout_s: Time in seconds within which a reply must be complete.
         retries: Number of further attempts after a failure.
         settle_s: Time in seconds for which the line must be quiet after a reply, as for :class:`AsyncLink`.
 
@@ -254,7 +254,7 @@ class AsyncPorts:
         Args:
             port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
             label: Order code on the label, or an encoder whose class shows that it has RS-485.
-            timeout_s: Time in seconds in which a reply must be complete.
+            timeout_s: Time in seconds within which a reply must be complete.
             retries: Number of further attempts after a failure.
             settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
                 rate and the measured reply times. With 0, a request of another kind is sent before each request

@@ -83,7 +83,7 @@ _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
 _TIMEOUTS_OF_LATE_REPLIES = 4
 #: Seconds to wait for more bytes after a reply that follows other bytes.
 _QUIET_S = 0.002
-#: Seconds in which an encoder begins to reply, for the default of ``settle_s``. The manuals state no reply time.
+#: Seconds within which an encoder begins to reply, for the default of ``settle_s``. The manuals state no reply time.
 _TURNAROUND_S = 0.00025
 #: Number of kinds of requests that ``settle_s=0`` needs.
 _KINDS_OF_REQUESTS_NEEDED = 3
@@ -139,8 +139,8 @@ class Session:
 
     Args:
         encoder: The encoder, with RS-485.
-        timeout_s: Time in seconds in which a reply must be complete. The manuals give no reply time. The default allows
-            for the latency of USB adapters.
+        timeout_s: Time in seconds within which a reply must be complete. The manuals give no reply time. The default
+            allows for the latency of USB adapters.
         retries: Number of further attempts after a failure.
         settle_s: Time in seconds for which the line must be quiet after a reply. The default is 0.25 ms plus the time
             that the request and the reply take at the baud rate, or the usual time of the last replies if that is

@@ -26,7 +26,7 @@ extern "C" {
 /** Kinds of procedure steps. */
 typedef enum cw_step_kind {
     CW_STEP_WRITE = 1, /**< write value to the register byte at address */
-    CW_STEP_WAIT = 2,  /**< wait at least the given microseconds */
+    CW_STEP_WAIT = 2,  /**< wait at least the given number of microseconds */
     CW_STEP_SEND = 3,  /**< send the request in value. times is the number of requests */
     CW_STEP_READ = 4,  /**< read the register byte at address */
     CW_STEP_POLL = 5,  /**< read the byte at address until its bits under mask equal value */

@@ -267,8 +267,7 @@ SSI: Final = SsiFacts(
 #
 # In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
 # Not known: the register profile_id, the register serial_number, the register command, the register device_type, the
-# register device_id, the register manufacturer_id, the printed table of defaults, the timings of BiSS C-mode and 2
-# more.
+# register device_id, the register manufacturer_id, the printed table of defaults, the BiSS C-mode timings and 2 more.
 # Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is known
 # only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No procedure is known
 # to be correct for this edition.
@@ -1248,7 +1247,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The start value is 0.",
         why=(
-            "In public BiSS documents, the start value is 0 unless stated differently. BiSS devices may have a "
+            "In public BiSS documents, the start value is 0 unless otherwise stated. BiSS devices may have a "
             "different start value. With the wrong start value, the CRC check of every frame fails, with or without "
             "errors on the line."
         ),
@@ -1418,7 +1417,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="italian_words",
         title="The English manual contains Italian words",
         printed="\"non usato\" in the configuration example, \"e seg.\" in the index",
-        used="The generated files use \"Not used\" and \"and the following page\".",
+        used="The generated files print \"Not used\" and \"and the following page\".",
         why=(
             "These words were left over from the Italian edition. The register table prints \"Not used\" for the same "
             "bits."

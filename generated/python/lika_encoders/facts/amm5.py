@@ -278,7 +278,7 @@ SSI: Final = SsiFacts(
 # Why: In the BiSS protocol description, the clock range starts at 80 kHz.
 #
 # Before edition 1.4 [Document release]:
-# Not known: the register command, the time eeprom_write of BiSS C-mode, the procedure set_preset, the procedure
+# Not known: the register command, the BiSS C-mode time eeprom_write, the procedure set_preset, the procedure
 # store_preset, the procedure save_parameters and the procedure activate_preset.
 # Why: The Command register was updated, so older encoders may have different values or a different pause. Every
 # procedure ends by accessing this register, so no procedure is known to be correct for these encoders.
@@ -1882,8 +1882,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="ground_wire",
         title="The manual lists no cable wire for the ground pin that must be used",
         printed=(
-            "Pin 1 is the ground of the encoder and must be used. The tables of the mating cable do not list a wire "
-            "for it."
+            "Pin 1 is the ground of the encoder and must be used. The mating cable tables do not list a wire for it."
         ),
         used="The tables are listed as printed. No wire is assumed for pin 1.",
         why=(
@@ -2104,7 +2103,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The start value is 0.",
         why=(
-            "In public BiSS documents, the start value is 0 unless stated differently. BiSS devices may have a "
+            "In public BiSS documents, the start value is 0 unless otherwise stated. BiSS devices may have a "
             "different start value. With the wrong start value, the CRC check of every frame fails, with or without "
             "errors on the line."
         ),
@@ -2303,9 +2302,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="44h to 47h read \"0A E8 69 EE\", decimal 18 30 03630",
         used="The high byte comes first, as printed.",
         why=(
-            "The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to 47h and "
-            "reverses it. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to 47h, so an older "
-            "AMM5 may use the other order. An impossible year or week indicates the wrong order."
+            "The AMM36, a sister model, has the same example. In its manual, EE 69 E8 0A is read from 44h to 47h, and "
+            "the bytes are then reversed. The AMM80 manual agrees with this one. Manual 1.7 updated registers 44h to "
+            "47h, so an older AMM5 may use the other order. An impossible year or week indicates the wrong order."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -3022,7 +3021,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_4",
-        title="Before edition 1.6: interfaces of SSI BiSS connector and interfaces of SSI BiSS cable",
+        title="Before edition 1.6: SSI BiSS connector interfaces and SSI BiSS cable interfaces",
         printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
         used="biss",
         why="There was no SSI version yet.",
@@ -3033,7 +3032,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_5_1",
-        title="Before edition 1.5: contact 1 of SSI BiSS connector and ground",
+        title="Before edition 1.5: contact 1 of the SSI BiSS connector and ground",
         printed="connectors.ssi_biss_connector.contacts.1, characteristics.ground",
         used="not known",
         why="This revision connected pin 1 to ground. The table does not give the earlier connection.",

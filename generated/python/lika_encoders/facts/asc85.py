@@ -824,7 +824,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
         ),
         note=(
             "+Vdc is the voltage given by the order code. The table has no row for pins 5 to 10. CLOCK IN- is on a "
-            "lower contact than CLOCK IN+, but DATA OUT+ is on a lower contact than DATA OUT-."
+            "lower-numbered contact than CLOCK IN+, but DATA OUT+ is on a lower-numbered contact than DATA OUT-."
         ),
         source="4 p.13, 4.2 p.13",
     ),
@@ -1310,7 +1310,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The start value is 0.",
         why=(
-            "In public BiSS documents, the start value is 0 unless stated differently. The one public driver for this "
+            "In public BiSS documents, the start value is 0 unless otherwise stated. The one public driver for this "
             "encoder also uses this value. However, a public controller with the same registers lets its manufacturer "
             "set any start value. With the wrong start value, the CRC check of every frame fails, with or without "
             "errors on the line."
@@ -1327,7 +1327,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="cycle_counter",
         title="The manual does not explain the cycle counter of a singleturn encoder",
         printed=(
-            "Command 02 sets the cycle counter. Synchronization error is about \"the cycle counter and the "
+            "Command 02 sets the cycle counter. The synchronization error refers to \"the cycle counter and the "
             "interpolator\""
         ),
         used="The command and the error are described as printed.",

@@ -321,8 +321,8 @@ BISS: Final = BissFacts(
 # RS-485
 #
 # Erratum: The manual both rules out and describes zero setting over RS-485 (open) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
-# Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and RS-485.
-# 7.3.3.2: data ID F resets the position to 0.
+# Printed: 3.3: zero setting and preset are needed after mounting but are available only with BiSS, not with SSI or
+# RS-485. 7.3.3.2: data ID F resets the position to 0.
 # Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
 #
 # Erratum: The interval between the ten reset requests is ambiguous (open) [7.3.2 p.38, 7.3.3.2 p.41]:
@@ -1506,8 +1506,8 @@ TABLES: Final[tuple[Table, ...]] = (
             "Order code",
             "Resolution µm",
             "Minimum time between edges µs",
-            "Maximum AB frequency kHz, periods",
-            "Maximum AB frequency kHz, edges",
+            "Maximum frequency of AB periods kHz",
+            "Maximum frequency of AB edges kHz",
             "Maximum speed m/s",
             "Recommended speed m/s for best performance",
         ),
@@ -2046,7 +2046,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The start value is 0.",
         why=(
-            "In public BiSS documents, the start value is 0 unless stated differently. BiSS devices may have a "
+            "In public BiSS documents, the start value is 0 unless otherwise stated. BiSS devices may have a "
             "different start value. With the wrong start value, the CRC check of every frame fails, with or without "
             "errors on the line."
         ),
@@ -2090,7 +2090,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="zero_setting_rs485",
         title="The manual both rules out and describes zero setting over RS-485",
         printed=(
-            "3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and "
+            "3.3: zero setting and preset are needed after mounting but are available only with BiSS, not with SSI or "
             "RS-485. 7.3.3.2: data ID F resets the position to 0"
         ),
         used="Data ID F is used as described in 7.3.1 and 7.3.3.2.",
@@ -2580,7 +2580,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="shaft",
         title="The manual says that a linear encoder has a shaft",
         printed="Data ID F: while the shaft is at rest (\"mentre l'albero è in stop\")",
-        used="The condition is that the sensor is at rest.",
+        used="Data ID F requires the sensor to be at rest.",
         why="A linear encoder has no shaft.",
         status=Status.SETTLED,
         severity=Severity.WORDING,

@@ -129,7 +129,7 @@ class Chunk:
             np.equal(bit, 0, out=out)
 
     def convert_to_binary(self, shape: Shape) -> None:
-        """Convert numbers that are sent as separate digits or in Gray code to binary, in this chunk.
+        """Convert to binary any numbers in this chunk that are sent as separate digits or in Gray code.
 
         ``as_sent`` returns the unconverted bits. Frames with such numbers have a single word.
         """

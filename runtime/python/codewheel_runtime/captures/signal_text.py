@@ -386,9 +386,9 @@ class _ValueChanges:
         return Edges(tuple(first_levels), edge_times, float(self._begin), float(self._now), bytes_read)
 
     def _advance(self, token: bytes) -> None:
-        """Set the present time to the time in ``token``, such as ``#1200``.
+        """Set the current time to the time in ``token``, such as ``#1200``.
 
-        Raises InputError if it is not a time, or earlier than the present time.
+        Raises InputError if it is not a time, or earlier than the current time.
         """
         digits = token[1:]
         if not digits.isdigit() or len(digits) > _MAX_TIME_DIGITS:

@@ -130,7 +130,7 @@ def watch(
 
 
 def _wait_until(due: float) -> float:
-    """Wait until a time, and return it. If the time has passed, return the present time.
+    """Wait until a time, and return it. If the time has passed, return the current time.
 
     Readings therefore come at fixed intervals. After a late reading, the next interval starts at that reading.
     """

@@ -293,7 +293,7 @@ class _CycleFinder:
         return int(np.searchsorted(self._data, next_cycle, "left"))
 
     def _find_frames(self, starts: Any, ends: Any, is_last: bool) -> CapturedFrames:
-        """Return the frames in the cycles of the clock, and the lost cycles with their reasons.
+        """Return the frames in the clock cycles, and the lost cycles with their reasons.
 
         Each cycle has the clock edges from an index in ``starts`` up to, but not including, the one in ``ends``.
         ``is_last`` is True at the end of the capture, which may cut off the last cycle.
@@ -340,7 +340,7 @@ class _CycleFinder:
         return ControlBits(times=cycles.begin * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
     def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
-        """Return the cycles of the clock. Cycles without a falling edge are left out.
+        """Return the clock cycles. Cycles without a falling edge are left out.
 
         Each cycle has the clock edges from an index in ``starts`` up to, but not including, the one in ``ends``.
         """
