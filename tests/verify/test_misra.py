@@ -25,7 +25,7 @@ SMALL, USUAL, LARGE = "avr8", "arm32-wchar_t4", "unix64"
 
 def deviations() -> set[str]:
     """Return the rules of the first table, which lists the findings of the add-on."""
-    table = DEVIATIONS.read_text(encoding="utf-8").partition("These further deviations are known")[0]
+    table = DEVIATIONS.read_text(encoding="utf-8").partition("These additional deviations")[0]
     lines = [line.strip("|").split("|") for line in table.splitlines() if line.startswith("|")]
     rows = [[*map(str.strip, cells)] for cells in lines[2:]]
     assert rows, "each deviation has a rule, a category, a place and a reason"
