@@ -144,10 +144,10 @@ def _mistakes_in_value(place: Place, document: Document) -> Iterator[tuple[str, 
     elif isinstance(value, float):
         yield from ((mistake, float(text)) for mistake, text in _mistakes_in_text(str(value), bare=False))
     elif isinstance(value, str) and "enum" in schema:
-        yield from (("another word", word) for word in schema["enum"])
+        yield from (("different word", word) for word in schema["enum"])
     elif isinstance(value, str):
         names = list(other_names(place, document.data))
-        yield from (("another name", name) for name in names)
+        yield from (("different name", name) for name in names)
         if place.kind == "name" and len(value) > 1:
             yield from (("letter lost", value[:at] + value[at + 1 :]) for at in {1, len(value) // 2, len(value) - 1})
         if place.kind != "name" and not names:
@@ -205,10 +205,10 @@ def _mistakes_in_expression(text: str, parameters: Mapping[str, Any]) -> Iterato
     for match in _WORD.finditer(text):
         for name in parameters:
             if name != match[0]:
-                yield "another name", text[: match.start()] + name + text[match.end() :]
+                yield "different name", text[: match.start()] + name + text[match.end() :]
     for index, sign in enumerate(text):
         if sign in "+-":
-            yield "another word", text[:index] + {"+": "-", "-": "+"}[sign] + text[index + 1 :]
+            yield "different word", text[:index] + {"+": "-", "-": "+"}[sign] + text[index + 1 :]
 
 
 def _mistakes_in_labels(place: Place) -> Iterator[tuple[str, tuple[Change, ...]]]:
