@@ -194,7 +194,7 @@ def add_choose_option(parser: argparse.ArgumentParser, default: str) -> None:
         action="append",
         default=[],
         metavar="NAME=ANSWER",
-        help="answer a question that the manual leaves open. show lists these questions (may be repeated, default: "
+        help="answer a question that the manual leaves open. show lists these questions (may be repeated; default: "
         f"{default})",
     )
 

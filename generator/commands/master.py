@@ -53,7 +53,7 @@ def add_arguments(parser: Parser) -> None:
         help="your own descriptions of masters, as files or folders",
     )
     add_register_option(parser)
-    add_choose_option(parser, "no settings if they depend on the answer")
+    add_choose_option(parser, "an error if the settings depend on the answer")
     add_edition_option(parser)
     parser.add_argument("--cable", type=metres, metavar="METRES", help="choose clocks for a cable of this length")
     add_specs_option(parser)
