@@ -178,14 +178,13 @@ def page(outcome: Outcome, command: str, files: Sequence[str], reversed_words: t
 This page shows which transcription mistakes `check` detects. `{command}` plants mistakes, one at a time, in
 {_joined_words(map(code_span, files))}, and runs `check` on each. The command writes this page, so do not edit it.
 
-A mistake is a lost, swapped or misread digit, an extra zero, a number that is off by one, a flipped bit or boolean,
-a different word of a list, a different name, a lost letter in a name, an omitted item or key, two items in the wrong
+A mistake is a lost, swapped or misread digit, an extra zero, a number that is off by one, a flipped bit or boolean, a
+different word from a list, a different name, a lost letter in a name, an omitted item or key, two items in the wrong
 order, a value swapped with that of the next item, or a reversed word in a text (*before* for *after*, or without
-*not*).
-Mutants in the column *same* change no output, or only an order that has no meaning. Mutants in *left out* pass, but no
-output is wrong. *Texts* and *code* count wrong values that pass, in documents only and in code. *Wrong* is the share of
-wrong values in all mutants except *same*. In classes with *, a wrong value moves a position, breaks a check or an
-access, or comes at the wrong time. No such mutant may pass.
+*not*). Mutants in the column *same* change no output, or only an order that has no meaning. Mutants in *left out* pass,
+but no output is wrong. *Texts* counts wrong values that pass and reach only documents, *code* those that reach code.
+*Wrong* is their percentage of all mutants except *same*. In classes with *, a wrong value moves a position, breaks a
+check or an access, or comes at the wrong time. No such mutant may pass.
 
 The last row includes every class. A *characteristic, hazard* has a quantity that can damage hardware: supply, battery,
 torque, current, clearance, clock or temperature. A *cited page* is a page in a section for which the table of contents

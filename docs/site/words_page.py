@@ -59,22 +59,26 @@ def _has_optional_crc(uses: Uses) -> bool:
 
 
 WORDS = (
-    Word("`over`: parity over every other bit", _any_of("field.over"), ("6120ac30b",)),
+    Word("`over`: parity over alternate bits", _any_of("field.over"), ("6120ac30b",)),
     Word("`crc_of`: a CRC over a part of a frame", _any_of("field.crc_of"), ("45d61611b",)),
     Word("`others: reserved`", _any_of("field.others"), ("cf41ff4f3",)),
     Word("`scale`: a quantity with its unit", _any_of("field.scale"), ("27b5fc87f",)),
     Word("`step_nm`, `per_counts`", _any_of("measurement.step_nm"), ("819952881",)),
-    Word("`by_code`: a width by a code in a register", _any_of("parameter.by_code"), ("aebec4036",)),
+    Word("`by_code`: a width given by a code in a register", _any_of("parameter.by_code"), ("aebec4036",)),
     Word("`spi`: requests, replies and registers", _any_of("interfaces.spi"), ("244d2f84f",)),
     Word("`exchanges` over RS-485", _any_of("rs485.exchanges"), ("2ee0d9604", "a20e78e2a")),
     Word("`used_hz`: a clock in use, not a limit", _any_of("clock.used_hz"), ("0d8d0d8d1",)),
     Word("`position_range` of a layout", _any_of("layout.position_range"), ("b638ccfcf",)),
     Word("`makes_position` of a value", _any_of("values.makes_position"), ("9a0d32916",)),
     Word("`combinations` of fields", _any_of("layout.combinations"), ("9a0d32916",)),
-    Word("`makes_position_if`: a verdict by an answer", _any_of("field.makes_position_if"), ("304c7d089",)),
-    Word("a flag or parity bit by order code", _has_optional_flag_or_parity, ("4b647a9ac",)),
-    Word("several CRCs by order code", _has_optional_crc, ("9ae9f004a", "20db94950")),
-    Word("clock or timeout by order code", _any_of("clock.only", "timeout.only"), ("0b57bd23e", "fd701d2d7")),
+    Word("`makes_position_if`: a verdict given by an answer", _any_of("field.makes_position_if"), ("304c7d089",)),
+    Word("a flag or parity bit selected by order code", _has_optional_flag_or_parity, ("4b647a9ac",)),
+    Word("a CRC selected by order code", _has_optional_crc, ("9ae9f004a", "20db94950")),
+    Word(
+        "a clock or timeout selected by order code",
+        _any_of("clock.only", "timeout.only"),
+        ("0b57bd23e", "fd701d2d7"),
+    ),
     Word("`excess`: Gray excess", _any_of("layout.gray.excess"), ("080d1a243",)),
     Word(
         "`channels`: several in one BiSS frame",

@@ -53,7 +53,7 @@ def add_arguments(parser: Parser) -> None:
         help="your own descriptions of masters, as files or folders",
     )
     add_register_option(parser)
-    add_choose_option(parser, "settings that depend on it are not shown")
+    add_choose_option(parser, "it is an error if the settings depend on it")
     add_edition_option(parser)
     parser.add_argument("--cable", type=metres, metavar="METRES", help="choose clocks for a cable of this length")
     add_specs_option(parser)

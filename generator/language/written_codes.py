@@ -140,8 +140,8 @@ class WrittenParameter(WrittenPart):
     read_from: RegisterBit = key(
         "For a parameter that the encoder holds in a register at run time: the register and its field, as "
         "in configuration.output_code. Until the register is read, the register's default applies. If the "
-        "register has no default, every order code must set the parameter, for the configuration that "
-        "the order code stands for.",
+        "register has no default, every order code must set the parameter to match the configuration "
+        "it represents.",
         default="",
     )
     alternative: Name = key("For a parameter set by an alternative: the name of the alternative.", default="")
@@ -188,8 +188,8 @@ class WrittenCodePart(WrittenPart):
     )
     source: SourceText = key("", default="")
     open: str = key(
-        "Regular expression for values that the manual leaves open. Such values are accepted, shown as "
-        "unlisted, and not counted. Only letters, digits, classes and repetition counts are allowed.",
+        "Regular expression for values beyond those that the manual lists. Such values are accepted, shown "
+        "as unlisted, and not counted. Only letters, digits, classes and repetition counts are allowed.",
         pattern=r"^[A-Za-z0-9\[\]{},?+*-]+$",
         longest=40,
         default="",

@@ -63,8 +63,8 @@ def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> 
     grade = device.evidence.grade
     if names and grade != _LOWEST_GRADE:
         names_text = first_of(names, _MAX_SHOWN_NAMES)
-        message = f"the grade '{grade}' allows no values left over from the template: {names_text}"
-        remedy = f"replace each text with TODO, or write 'grade: {_LOWEST_GRADE}' until then"
+        message = f"values left over from the template are not allowed with grade '{grade}': {names_text}"
+        remedy = f"replace every text that contains TODO, or write 'grade: {_LOWEST_GRADE}' until all are replaced"
         report.add("evidence-grade", ("evidence", "grade"), f"{message}; {remedy}")
     return replace(device, evidence=replace(device.evidence, placeholders=tuple(names)))
 

@@ -183,7 +183,7 @@ def _check_gray(layout: Layout, site: LayoutSite) -> None:
     elif len(coded_fields) == 1 and coded_fields[0].widest == 1:
         problem = f"'{coded_fields[0].name}' has one bit"
     if problem:
-        site.report("gray-of", f"{problem}; only a number of several bits can be in Gray code", "gray", "of")
+        site.report("gray-of", f"{problem}; only a multi-bit number can be in Gray code", "gray", "of")
     sets_with_switch = [parameters for parameters in site.parameter_sets if layout.gray_when in parameters]
     switch_values = {parameters[layout.gray_when] for parameters in sets_with_switch}
     if not switch_values <= {0, 1}:
@@ -330,7 +330,7 @@ def _problem_of_digits(layout: Layout, field: Field, site: LayoutSite) -> str:
     if site.path[0] == "registers" or site.interface == Biss.name:
         return f"is in a register or over BiSS, where numbers are binary; {fix}"
     if field.name in layout.names_in(layout.gray_of):
-        return "is in Gray code, too; remove 'digit_code' or 'gray'"
+        return "has 'digit_code' and is also covered by 'gray'; remove one of them"
     if field.name == layout.selector:
         return f"distinguishes frames by its bits; {fix}"
     if not field.width.is_constant:

@@ -123,6 +123,12 @@ def actual_value(name: str, record: EncoderFacts) -> str:
     return f"{NUMBERS[name]}: {number}"
 
 
+def padding_text(record: EncoderFacts) -> str:
+    """Return the zero bits around the position in words, such as ``4 zero bits before the position``, or ``none``."""
+    padding_names = [name for name in ("padding_left", "padding_right") if record.known_numbers.get(name)]
+    return ", ".join(actual_value(name, record) for name in padding_names) or "none"
+
+
 def encoder_has(name: str, record: EncoderFacts) -> str:
     """Return a fact about an encoder as a sentence, such as ``This encoder has 4 zero bits before the position.``"""
     value = actual_value(name, record)

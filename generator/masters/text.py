@@ -15,9 +15,10 @@ from ..order_codes.labels import LabelMatch
 from ..say.evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, two_columns, wrap_text
-from ..say.text import PLAIN_STYLE, count_with_unit, hertz, time_text, volts
+from ..say.text import PLAIN_STYLE, hertz, time_text, volts
 from .places import place_lines
 from .record import EncoderFacts
+from .setting_values import padding_text
 from .sheet import Master, MasterRefusal, Setting, SettingsSheet
 from .writing import WriteCondition, write_order
 
@@ -61,8 +62,7 @@ def _frame_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
     if numbers["multiturn_bits"]:
         position_text += f": {numbers['multiturn_bits']} multiturn, {numbers['singleturn_bits']} singleturn"
     yield "Position bits", position_text
-    padding_before = count_with_unit(numbers["padding_left"] or 0, "zero bit")
-    yield "Padding", f"{padding_before} before the position, {numbers['padding_right']} after it"
+    yield "Padding", padding_text(record)
     yield "Status bits", _status_bits_text(record)
     other_parts = [part.name for part in record.parts if part.role == "other"]
     if other_parts:

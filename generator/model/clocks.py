@@ -22,8 +22,8 @@ class Clock:
     """
 
     min_hz: int | None = key(
-        "Lowest clock frequency in hertz. Leave it out if it is not known.",
-        data="Lowest frequency in hertz.",
+        "Minimum clock frequency in Hz. Leave it out if it is not known.",
+        data="Minimum frequency in Hz.",
         minimum=1,
         maximum=1000000000,
         default=None,
@@ -32,8 +32,8 @@ class Clock:
         read="clock",
     )
     max_hz: int | None = key(
-        "Highest clock frequency in hertz. Required, unless 'used_hz' is given or no clock is known.",
-        data="Highest frequency in hertz.",
+        "Maximum clock frequency in Hz. Required, unless 'used_hz' is given or no clock is known.",
+        data="Maximum frequency in Hz.",
         minimum=1,
         maximum=1000000000,
         default=None,
@@ -42,10 +42,10 @@ class Clock:
         read="clock",
     )
     used_hz: ClocksInUse = key(
-        "A clock in hertz at which a program or a master reads the encoder, or a list of them in "
+        "A clock in Hz at which a program or a master reads the encoder, or a list of them in "
         "ascending order. It is not a limit. Use it if no document of the manufacturer gives the "
         "limits.",
-        data="Frequencies in hertz that programs or masters use, in ascending order. They are not limits.",
+        data="Frequencies in Hz that programs or masters use, in ascending order. They are not limits.",
         default=(),
         rule="clock-used",
         label="clock in use",
@@ -68,7 +68,7 @@ class Clock:
 class PrintedTimeout:
     """Timeout given in the manual for one clock frequency."""
 
-    clock_hz: int = key("Clock in hertz.", minimum=1)
+    clock_hz: int = key("Clock in Hz.", minimum=1)
     timeout_ns: Count = key("Timeout in nanoseconds.")
 
 
@@ -101,6 +101,6 @@ class CableLength:
     """Clock limit in Hz, exclusive, for cables shorter than a length in metres."""
 
     shorter_than_m: int = key("Cable length in metres, exclusive upper bound.", minimum=1)
-    below_hz: int = key("Clock in hertz, exclusive upper bound.", minimum=1)
+    below_hz: int = key("Clock in Hz, exclusive upper bound.", minimum=1)
     only: Phrase = only_key(default="")
     source: Sources = source_key(default=())

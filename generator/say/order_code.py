@@ -93,8 +93,11 @@ def _value_with_meaning(value: CodeValue) -> tuple[TextPart, ...]:
 
 def open_values(code_part: CodePart) -> Iterator[Statement]:
     """Yield which unlisted values a part of the order code accepts, or nothing if it accepts only listed values."""
-    if code_part.open:
-        yield statement("Other values that match ", CodeText(code_part.open), " are accepted and shown as unlisted")
+    if code_part.open.isalnum():
+        yield statement("The value ", CodeText(code_part.open), " is also accepted, and shown as unlisted")
+    elif code_part.open:
+        pattern = CodeText(code_part.open)
+        yield statement("Other values that match the pattern ", pattern, " are accepted and shown as unlisted")
 
 
 def describe_spelling(label_spelling: Spelling) -> Statement:

@@ -41,7 +41,7 @@ ALONE = {
     "evidence.grade.quoted": "a grade of the issue on evidence",
     "field.makes_position.usable": "one of three verdicts",
     "values.makes_position.usable_with_warning": "as field.makes_position.usable",
-    "field.over": "check bits over every other bit, of the AMT21 and the AMT22. No second manufacturer is known",
+    "field.over": "check bits over alternate bits, of the AMT21 and the AMT22. No second manufacturer is known",
     "field.over.even_bits": "as over",
     "field.over.odd_bits": "as over",
     "field.parity": "odd parity, for a UART or an encoder with odd parity",

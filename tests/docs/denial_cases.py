@@ -504,6 +504,11 @@ case(
     lambda: printed(order_code.open_values(open_part(""))),
 )
 case(
+    "open_value",
+    lambda: printed(order_code.open_values(open_part("17"))),
+    lambda: printed(order_code.open_values(open_part("17|18"))),
+)
+case(
     "special_model",
     lambda: printed(origin.origin(special_model("S123"))),
     lambda: printed(origin.origin(special_model(""))),

@@ -26,8 +26,8 @@ TEXTS = {
     "`makes_position_if`": r"\bmakes_position_if:",
     # A number of bits that begins with a letter is that of a parameter.
     "a flag or parity bit": r"\{[^{}]*\bbits: [a-z][^{}]*\b(active|parity_of):",
-    "several CRCs": r"\{[^{}]*\bbits: [a-z][^{}]*\bcrc:",
-    "clock or timeout": r"^    (clock|timeout):(\n      #.*)*(\n      - |\s*\[).*\bonly:",
+    "a CRC selected": r"\{[^{}]*\bbits: [a-z][^{}]*\bcrc:",
+    "a clock or timeout": r"^    (clock|timeout):(\n      #.*)*(\n      - |\s*\[).*\bonly:",
     "`excess`": r"\bexcess:",
     "`channels`": r"^    channels:",
 }

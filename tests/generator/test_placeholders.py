@@ -78,7 +78,7 @@ def test_a_manufacturer_that_is_still_the_template_s_allows_only_the_lowest_grad
     new_spec.write_text(manual, encoding="utf-8")
     (problem,) = load_for_targets([new_spec.parent], targets_named())[1].problems
     assert (problem.line, problem.rule) == (19, "evidence-grade")
-    assert "left over from the template: manufacturer.title;" in problem.message
+    assert "with grade 'manual': manufacturer.title;" in problem.message
     maker = new_spec.with_name("manufacturer.yaml")
     maker.write_text(maker.read_text(encoding="utf-8").replace("TODO Name of the manufacturer", "Acme"))
     devices, report = load_for_targets([new_spec.parent], targets_named())

@@ -51,6 +51,19 @@ def test_it_fits_a_terminal(capsys: pytest.CaptureFixture[str], code: str) -> No
     assert "Not yet tested on hardware." in " ".join(out.split())
 
 
+@pytest.mark.parametrize(
+    ("code", "padding"),
+    [
+        ("SMA21-SC1-0050", "4 zero bits before the position"),
+        ("iC-MU-28-7", "7 zero bits after the position"),
+        ("AMM5A21/65KSC1", "none"),
+    ],
+)
+def test_only_padding_that_is_sent_is_listed(capsys: pytest.CaptureFixture[str], code: str, padding: str) -> None:
+    _, out, _ = run(capsys, "master", code)
+    assert re.search(rf"^ *Padding +{padding}$", out, re.MULTILINE)
+
+
 def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "master", "SMA21-SC1-0050", "--master", "linuxcnc_hostmot2")
     assert code == 0

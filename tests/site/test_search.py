@@ -126,7 +126,7 @@ AMM5 novanta                    | Novanta (Ingenia) drives | amm5-biss-masters.h
 zero position                   | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
 AMM5A21/65KSC1 zero position    | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
 how do I set zero               | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
-m12 pinout | M12 8-pin connector, A coding, male | am36/biss-wiring.html#m12-8-pin-connector-a-coding-male
+m12 pinout | M12 8-pin connector, A-coded, male | am36/biss-wiring.html#m12-8-pin-connector-a-coded-male
 led red blinking                | LEDs                | amm5/biss-wiring.html#leds
 AMM5A21/65KSC1 max cable length 10 MHz | Clock and cable | amm5/AMM5A21-65KSC1.html#clock-and-cable
 AMM5A21/65KSC1 0x43             | Frame               | amm5/AMM5A21-65KSC1.html#frame
@@ -137,7 +137,7 @@ AMM5B23 65KJP1                  | AMM5B23/65KJP1      | amm5/AMM5A23-65KJP1.html
 AM3616/4096-I7/S55              | AM3616/4096-I7      | am36/AM3616-4096-I7.html
 SMA21-JP1-0050-M1               | SMA21-JP1-0050      | sma21/SMA21-JP1-0050.html
 AMM5A21/65KSC1 SSI pinout       | Wiring              | amm5/AMM5A21-65KSC1.html#wiring
-conector | M12 8-pin connector, A coding, male | am36/biss-wiring.html#m12-8-pin-connector-a-coding-male
+conector | M12 8-pin connector, A-coded, male | am36/biss-wiring.html#m12-8-pin-connector-a-coded-male
 wirring                         | Wiring              | am36/biss-wiring.html#wiring
 presset                         | Preset              | am36/biss-registers.html#register-preset
 polinomial                      | CRC biss_6          | am36/biss.html#crc-biss_6

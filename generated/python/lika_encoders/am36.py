@@ -662,8 +662,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         Raises:
             RangeError: ``position`` does not fit into its bits.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         check_encoder(variant, Variant, _SSI)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
@@ -689,8 +689,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Raises:
             LengthError: There are too many or too few bits.
             RangeError: The number is negative, or the string has other characters.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder_error(variant, Variant, _SSI)
@@ -821,8 +821,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
         Raises:
             RangeError: ``position`` does not fit into its bits.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         check_encoder(variant, Variant, _BISS)
         position = check_width("position", position, variant.used_singleturn_bits + variant.used_multiturn_bits)
@@ -850,8 +850,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
             RangeError: The number is negative, or the string has other characters.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)
@@ -1340,8 +1340,8 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)
@@ -1709,7 +1709,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, its length differs, or a byte is outside 0 to 255.
+        ValueError: There is no such register, it has a different length, or a byte is not 0 to 255.
     """
     from .facts.am36 import REGISTERS
 
@@ -1785,8 +1785,8 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     Raises:
         RangeError: An argument is outside the limits of its register.
         ConstantError: A number sets constant bits of its register to a wrong value.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1824,8 +1824,8 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
@@ -1875,8 +1875,8 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
@@ -1914,8 +1914,8 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1940,8 +1940,8 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1973,8 +1973,8 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -2021,8 +2021,8 @@ def set_resolution(
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     content = InformationPerRevolution(steps=information_per_revolution).encode()
@@ -2112,8 +2112,8 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)

@@ -284,7 +284,7 @@ class Variant(Rotary, Wrapping):
             The encoder.
 
         Raises:
-            TypeError: An answer belongs to another class.
+            TypeError: An answer belongs to a different class.
         """
         require_answer(WarningCause, warning_cause)
         return self._with_changes(
@@ -815,8 +815,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
         Raises:
             RangeError: ``position`` does not fit into its bits.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         check_encoder(variant, Variant, _SSI)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
@@ -842,8 +842,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Raises:
             LengthError: There are too many or too few bits.
             RangeError: The number is negative, or the string has other characters.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder_error(variant, Variant, _SSI)
@@ -990,8 +990,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
         Raises:
             RangeError: ``position`` does not fit into its bits.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         check_encoder(variant, Variant, _BISS)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
@@ -1020,8 +1020,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             LengthError: There are too many or too few bits.
             CrcError: The CRC does not match.
             RangeError: The number is negative, or the string has other characters.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)
@@ -1474,8 +1474,8 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     position = (DF2 << 16) + (DF1 << 8) + DF0. The bits above the resolution are 0: bit 23, bits 23:21 or bits 23:17.
 
     Errata, with their full text in ERRATA:
-        One bit combines BUSY with errors that leave the position intact (open): EE_1 is one flag, status_other_error.
-            Do not trust a position received with this flag until ALMC has been read.
+        One bit combines BUSY with errors that leave the position intact (open): EE_1 is decoded as a single flag,
+            status_other_error. Do not trust a position received with this flag until ALMC has been read.
         The frame in the CRC example does not match any reply (resolved): The bytes are used only as a check of the CRC.
             The decoder rejects them as a reply because of their length.
 
@@ -1532,8 +1532,8 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder_error(variant, Variant, _RS485)
@@ -1631,8 +1631,8 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
     Singleturn models do not use these three bytes. Unused high bits are 0.
 
     Errata, with their full text in ERRATA:
-        One bit combines BUSY with errors that leave the position intact (open): EE_1 is one flag, status_other_error.
-            Do not trust a position received with this flag until ALMC has been read.
+        One bit combines BUSY with errors that leave the position intact (open): EE_1 is decoded as a single flag,
+            status_other_error. Do not trust a position received with this flag until ALMC has been read.
 
     See also these errata in ERRATA: The manual's error bits, LEDs and alarms do not match one to one; The manual does
     not say what nonzero unused bits mean; The manual only partly says which errors affect the position; The manual does
@@ -1692,8 +1692,8 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder_error(variant, Variant, _RS485)
@@ -2039,8 +2039,8 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
 
         Raises:
             RangeError: ``position`` does not fit into its bits.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         check_encoder(variant, Variant, _RS485)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
@@ -2075,8 +2075,8 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder_error(variant, Variant, _RS485)
@@ -2458,8 +2458,8 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
         CrcError: The CRC does not match.
         ConstantError: A constant or a parity bit has the wrong value.
         RangeError: The field Data ID or another field has an undefined value.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
         TypeError: An answer that the request depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
@@ -2523,8 +2523,8 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
         CrcError: The CRC does not match.
         ConstantError: A constant or a parity bit has the wrong value.
         RangeError: The field Data ID or another field has an undefined value.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
         TypeError: An answer that the reply depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
@@ -2651,8 +2651,8 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
 
         Raises:
             RangeError: ``position`` does not fit into its bits.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         check_encoder(variant, Variant, _BISS)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
@@ -2676,8 +2676,8 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         Raises:
             LengthError: There are too many or too few bytes.
             ConstantError: A constant or a parity bit has the wrong value.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)
@@ -2970,7 +2970,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, its length differs, or a byte is outside 0 to 255.
+        ValueError: There is no such register, it has a different length, or a byte is not 0 to 255.
     """
     from .facts.amm5 import REGISTERS
 
@@ -3028,8 +3028,8 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
@@ -3078,8 +3078,8 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
@@ -3124,8 +3124,8 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -3153,8 +3153,8 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -3189,8 +3189,8 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
@@ -3225,8 +3225,8 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
@@ -3261,8 +3261,8 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)

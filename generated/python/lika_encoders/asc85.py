@@ -563,8 +563,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Raises:
             LengthError: There are too many or too few bits.
             RangeError: The number is negative, or the string has other characters.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder_error(variant, Variant, _SSI)
@@ -684,8 +684,8 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: The number is negative, or the string has other characters.
             TypeError: An answer is missing or of another class.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)
@@ -1190,8 +1190,8 @@ class Position(RegisterOf["BissEncoder"], _Position):
 
         Raises:
             LengthError: There are too many or too few bytes.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)
@@ -1403,7 +1403,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, its length differs, or a byte is outside 0 to 255.
+        ValueError: There is no such register, it has a different length, or a byte is not 0 to 255.
     """
     from .facts.asc85 import REGISTERS
 
@@ -1472,8 +1472,8 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1511,8 +1511,8 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1556,8 +1556,8 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1592,8 +1592,8 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1632,8 +1632,8 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1662,8 +1662,8 @@ def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1685,8 +1685,8 @@ def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1712,8 +1712,8 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -1751,8 +1751,8 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)

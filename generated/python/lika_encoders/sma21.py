@@ -860,8 +860,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Raises:
             LengthError: There are too many or too few bits.
             RangeError: The number is negative, or the string has other characters.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder_error(variant, Variant, _SSI)
@@ -992,8 +992,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: The number is negative, or the string has other characters.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)
@@ -1274,8 +1274,8 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder_error(variant, Variant, _RS485)
@@ -1644,8 +1644,8 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder_error(variant, Variant, _RS485)
@@ -1730,8 +1730,8 @@ def decode_request(data: Data, variant: Rs485Encoder) -> Request:
         CrcError: The CRC does not match.
         ConstantError: A constant or a parity bit has the wrong value.
         RangeError: The field cc0 ... cc3 or another field has an undefined value.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder_error(variant, Variant, _RS485)
@@ -1784,8 +1784,8 @@ def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
         CrcError: The CRC does not match.
         ConstantError: A constant or a parity bit has the wrong value.
         RangeError: The field cc0 ... cc3 or another field has an undefined value.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder_error(variant, Variant, _RS485)
@@ -1895,8 +1895,8 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
 
         Raises:
             LengthError: There are too many or too few bytes.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)
@@ -2119,8 +2119,8 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
 
         Raises:
             LengthError: There are too many or too few bytes.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)
@@ -2498,7 +2498,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         The matching order codes.
 
     Raises:
-        ValueError: There is no such register, its length differs, or a byte is outside 0 to 255.
+        ValueError: There is no such register, it has a different length, or a byte is not 0 to 255.
     """
     from .facts.sma21 import REGISTERS
 
@@ -2583,8 +2583,8 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     Raises:
         RangeError: An argument is outside the limits of its register.
         ConstantError: A number sets constant bits of its register to a wrong value.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -2619,8 +2619,8 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("position", position, PresetOffset.preset_limits(variant))
@@ -2654,8 +2654,8 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -2695,8 +2695,8 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
 
     Raises:
         RangeError: An argument is outside the limits of its register.
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("offset", offset, PresetOffset.offset_limits(variant))
@@ -2757,8 +2757,8 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -2780,8 +2780,8 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -2806,8 +2806,8 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
@@ -2841,8 +2841,8 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
@@ -2876,8 +2876,8 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         The steps, for ``run``.
 
     Raises:
-        FamilyError: The encoder belongs to another family.
-        InterfaceError: The encoder has another interface.
+        FamilyError: The encoder belongs to a different family.
+        InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)

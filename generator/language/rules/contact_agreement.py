@@ -175,7 +175,7 @@ def _compare_signals(
         )
         if not is_explained:
             message = (
-                f"contact {quoted(contact.contact)} and the wire {quoted(wire)} have the same line over another"
+                f"contact {quoted(contact.contact)} and wire {quoted(wire)} carry the same signal on another"
                 f" interface, but {quoted(contact.signal)} and {quoted(signal)} here; correct one of the tables"
             )
             report.add("contact-wire", (*connector.path, "contacts", index, "signal"), message)

@@ -370,8 +370,9 @@ def check_units(spec: WrittenSpec, report: DocumentReport) -> None:
             parameter = parameters.get(str(field.equals))
             parameter_unit = parameter.unit if parameter is not None else ""
             if field.unit and parameter_unit and kind_of_unit(field.unit) != kind_of_unit(parameter_unit):
-                problem = f"{quoted(field.name)} is in {field.unit}, but it equals {quoted(field.equals)}"
-                report.add("unit-mismatch", field.place_of("unit"), f"{problem}, which is in {parameter_unit}")
+                problem = f"field {quoted(field.name)} is in {field.unit}, but the parameter {quoted(field.equals)}"
+                message = f"{problem}, which it equals, is in {parameter_unit}"
+                report.add("unit-mismatch", field.place_of("unit"), message)
     for path, text in expressions(spec):
         for factor in _list_factors(text):
             if factor.parameter in parameters:

@@ -63,7 +63,7 @@ IDENTITY = (
             "string",
             "Origin of the spelling on the label. Empty if it is written like the listed codes.",
         ),
-        ModelMember("unlisted", "[name]", "Parts with values that the manual leaves open."),
+        ModelMember("unlisted", "[name]", "Parts with values beyond those that the manual lists."),
         ModelMember("tail", "string", "Suffix after the order code."),
         ModelMember("special", "boolean", "True if the code ends in /Sxxx, for which the manual warns of differences."),
         is_sourced=False,
@@ -204,7 +204,7 @@ IDENTITY = (
         ModelMember(
             "open",
             "string",
-            "Regular expression for values that the manual leaves open. Empty if there are none.",
+            "Regular expression for values beyond those that the manual lists. Empty if there are none.",
             "label",
             "unlisted values",
         ),

@@ -345,7 +345,7 @@ def note_of_step(device: Device, operation: PlannedStep) -> str:
             purpose = meaning or f"{_register_place(device, operation)}: {step.value_name}"
             return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose
         case VerifyWrite():
-            return f"{_register_place(device, operation)}: read back, in addition to the steps of the manual"
+            return f"{_register_place(device, operation)}: read back, in addition to the steps in the manual"
         case ReadRegister() | PollRegister():
             return ": ".join(filter(None, (title_of(operation.field or operation.register), meaning)))
         case _:

@@ -33,7 +33,7 @@ from ...say.commands import Commands, commands_over
 from ...say.evidence import word_for_document
 from ...say.layout import name_as_words
 from ...say.markdown import code_span, escape, join_filled, markdown_link
-from ...say.names_and_places import addresses_text, bits, title_of
+from ...say.names_and_places import addresses_text, bits, register_at, title_of
 from ...say.order_code import PURPOSES, word_lengths
 from ...say.text import count_with_unit, time_text
 
@@ -200,8 +200,8 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     example_position = min(1000, highest_position)
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
     return (
-        f"Another position: write position{shift} as {count_with_unit(register.length, 'byte')}, {order}, to "
-        f"{markdown_link(addresses_text(register), f'#register-{register.name}')}. "
+        f"For a different position, write position{shift} as {count_with_unit(register.length, 'byte')}, {order}, to "
+        f"{markdown_link(register_at(register), f'#register-{register.name}')}. "
         f"For {example_position:,}: {code_span(example_bytes)}."
     )
 

@@ -412,7 +412,7 @@ def wrong_encoder_error(
     interface: Interface,
     procedures: _Procedures = _NO_PROCEDURES,
 ) -> Exception:
-    """Return the error for an encoder that belongs to another family or does not have the interface ``interface``.
+    """Return the error for an encoder that belongs to a different family or does not have the interface ``interface``.
 
     ``kind`` is the class of all encoders of the family. ``procedures`` lists the procedures for each interface, which
     the message suggests. The error is a TypeError if ``variant`` is not an encoder.
@@ -434,7 +434,7 @@ def check_encoder(
     interface: Interface,
     procedures: _Procedures = _NO_PROCEDURES,
 ) -> None:
-    """Raise an error if the encoder does not belong to the family of the class ``kind``, or has another interface.
+    """Raise an error if the encoder does not belong to the family of the class ``kind``, or has a different interface.
 
     ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
     """

@@ -41,7 +41,7 @@ class NoReplyError(LinkError):
 
 
 class DisturbedError(LinkError):
-    """Bytes arrived, but no valid reply, two different replies, or a reply with another value than its request."""
+    """Bytes arrived, but no valid reply, two different replies, or a reply with a different value than its request."""
 
 
 class WrongEncoderError(LinkError):

@@ -157,7 +157,7 @@ class Pipeline:
 
         Returns:
             The answer. With late replies, it belongs to the request before the last one, and is None if there was none
-            or if its word had another length.
+            or if its word had a different length.
 
         Raises:
             FrameError: The word is damaged. The pipeline stays in step: take the next word as usual.
@@ -171,7 +171,7 @@ class Pipeline:
         self._previous = self._sent
         self._sent = None
         number = as_word(word, length, bits)
-        # A word of another length cannot contain a late reply.
+        # A word of a different length cannot contain a late reply.
         if answered_request is None or answered_request.bits != length:
             return None
         request, register, _ = answered_request

@@ -445,7 +445,7 @@ static inline cw_result cw_biss_master_begin(
 }
 
 /**
- * Begin to read registers. An access in progress is aborted.
+ * Start reading registers. An access in progress is aborted.
  *
  * @param master  the master
  * @param id  ID of the slave
@@ -472,7 +472,7 @@ static inline cw_result cw_biss_master_read(
 }
 
 /**
- * Begin to write registers. An access in progress is aborted.
+ * Start writing registers. An access in progress is aborted.
  *
  * @param master  the master
  * @param id  ID of the slave

@@ -234,7 +234,7 @@ static inline bool cw_biss_slave_start(cw_biss_slave *slave, bool cdm, bool upst
     return true;
 }
 
-/** Steps 5 and 6: return the CDS bit of the byte, then of P. */
+/** Steps 5 and 6: return the CDS bit of this frame, part of the byte and its CRC, or P. */
 static inline bool cw_biss_slave_byte(cw_biss_slave *slave, bool cdm)
 {
     slave->received_bits = (slave->received_bits << 1U) | (cdm ? 1U : 0U);

@@ -204,7 +204,7 @@ static inline void cw_received_words32(const uint32_t *words, size_t count, uint
  */
 static inline uint32_t cw_received_8_samples(const uint8_t *samples, uint32_t pin_bit)
 {
-    /* Compilers turn each sum into a single load if the processor supports unaligned loads. */
+    /* Compilers merge each expression into one load if the processor has a load of this width. */
     const uint32_t first = (uint32_t)samples[0] | ((uint32_t)samples[1] << 8U) |
         ((uint32_t)samples[2] << 16U) | ((uint32_t)samples[3] << 24U);
     const uint32_t second = (uint32_t)samples[4] | ((uint32_t)samples[5] << 8U) |

@@ -428,8 +428,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             CrcError: The CRC does not match.
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: The number is negative, or the string has other characters.
-            FamilyError: The encoder belongs to another family.
-            InterfaceError: The encoder has another interface.
+            FamilyError: The encoder belongs to a different family.
+            InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder_error(variant, Variant, _BISS)

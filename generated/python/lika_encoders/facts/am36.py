@@ -202,7 +202,7 @@ CRCS: Final[tuple[Crc, ...]] = (
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
 # Not known: order codes with output BG, order codes with output GG, SSI and the parameter modulus.
-# Why: No page about SSI is public. Only the series name shows that SSI models with BG exist.
+# Why: No publicly available page covers SSI. Only the series name shows that SSI models with BG exist.
 
 SSI: Final = SsiFacts(
     clock=Clock(min_hz=100_000, max_hz=3_000_000, source="5.3"),
@@ -673,7 +673,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
     Connector(
         name="m12_connector",
         kind=ConnectorKind.CONNECTOR,
-        title="M12 8-pin connector, A coding, male",
+        title="M12 8-pin connector, A-coded, male",
         interfaces=(Interface.SSI, Interface.BISS),
         contacts=(
             Contact("1", "0VDC"),
@@ -1417,7 +1417,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="italian_words",
         title="The English manual contains Italian words",
         printed="\"non usato\" in the configuration example, \"e seg.\" in the index",
-        used="The generated files print \"Not used\" and \"and the following page\".",
+        used="\"non usato\" is translated as \"Not used\", and \"e seg.\" as \"and the following page\".",
         why=(
             "These words were left over from the Italian edition. The register table prints \"Not used\" for the same "
             "bits."
@@ -1581,7 +1581,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi, parameters.modulus"
         ),
         used="not known",
-        why="No page about SSI is public. Only the series name shows that SSI models with BG exist.",
+        why="No publicly available page covers SSI. Only the series name shows that SSI models with BG exist.",
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,
         affects=("order_code.output", "interfaces.ssi", "parameters.modulus"),
@@ -1687,7 +1687,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="In edition 1.1: connectors, inputs and supply",
         printed="connectors, inputs, supply",
         used="not known",
-        why="No page about connections is public.",
+        why="No publicly available page covers connections.",
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("connectors", "inputs", "supply"),
@@ -1702,7 +1702,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "characteristics.solid_shaft_coupling, characteristics.solid_shaft_mounting and 11 more"
         ),
         used="not known",
-        why="No page about safety, mounting and cables is public.",
+        why="No publicly available page covers safety, mounting and cables.",
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=(

@@ -1426,8 +1426,8 @@ LEDS: Final[tuple[Led, ...]] = (
             LedState(
                 "red in operation",
                 (
-                    "An error is active, for instance a misalignment of the circuitry and the disk: gap out of "
-                    "tolerance, circuitry not installed properly"
+                    "An error is active, for instance because the circuitry and the disk are misaligned: the gap is "
+                    "out of tolerance, or the circuitry is not installed properly"
                 ),
             ),
             LedState(
@@ -2375,8 +2375,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="One bit combines BUSY with errors that leave the position intact",
         printed="EE_1 = 1: \"BUSY flag, PS error, Battery alarm, or MT error\"",
         used=(
-            "EE_1 is one flag, status_other_error. Do not trust a position received with this flag until ALMC has "
-            "been read."
+            "EE_1 is decoded as a single flag, status_other_error. Do not trust a position received with this flag "
+            "until ALMC has been read."
         ),
         why=(
             "BUSY is not latched, and all position data are 0 while it is active. The other three are latched, and "
@@ -2691,8 +2691,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "again."
         ),
         why=(
-            "A multiturn position that differs from the previous one is not correct. Section 4.3.1 uses the same "
-            "words for the case in which both positions are kept."
+            "The shaft is where it was stopped, so a multiturn position that differs from the previous one is not "
+            "correct. Section 4.3.1 uses the same words for the case in which both positions are kept."
         ),
         status=Status.SETTLED,
         severity=Severity.WORDING,

@@ -794,7 +794,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
     Connector(
         name="m12_connector",
         kind=ConnectorKind.CONNECTOR,
-        title="M12 8-pin, A coding, male",
+        title="M12 8-pin, A-coded, male",
         interfaces=(Interface.SSI, Interface.BISS),
         contacts=(
             Contact("1", "0Vdc"),
@@ -1311,9 +1311,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The start value is 0.",
         why=(
             "In public BiSS documents, the start value is 0 unless otherwise stated. The one public driver for this "
-            "encoder also uses this value. However, a public controller with the same registers lets its manufacturer "
-            "set any start value. With the wrong start value, the CRC check of every frame fails, with or without "
-            "errors on the line."
+            "encoder also uses this value. However, in the iC-MR, an encoder chip with the same registers, the "
+            "manufacturer of the encoder can set any start value. With the wrong start value, the CRC check of every "
+            "frame fails, with or without errors on the line."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1333,8 +1333,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The command and the error are described as printed.",
         why=(
             "This is a singleturn encoder, so it does not count revolutions. The manual does not say what the counter "
-            "counts. In a public controller with the same commands, the cycle counter counts the periods of the sine "
-            "and cosine signals within the turn."
+            "counts. In the iC-MR, an encoder chip with the same commands, the cycle counter counts the periods of "
+            "the sine and cosine signals within the turn."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1402,8 +1402,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "It fits only the model with 25 bits. According to 6.2.1, the others send 20 + 1 to 24 + 1 bits. In the "
             "SMA21 manual, the same byte differs between models and is the data length. A different ID at a lower "
-            "resolution is likely. A public controller with the same registers supports only 24 or 26 singleturn "
-            "bits, so the frame might differ instead."
+            "resolution is likely. The iC-MR, an encoder chip with the same registers, supports only 24 or 26 "
+            "singleturn bits, so the frame might differ instead."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1447,8 +1447,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Command 02: \"The status bit 2 Absolute data valid\". List of status bits: bit 1",
         used="Absolute data valid is bit 1.",
         why=(
-            "The list gives each of the eight bits once, with \"Internal data bus busy\" at bit 2. A public "
-            "controller with the same commands lists its status byte in the same order."
+            "The list gives each of the eight bits once, with \"Internal data bus busy\" at bit 2. The data sheet of "
+            "the iC-MR, an encoder chip with the same commands, lists the status byte in the same order."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1461,8 +1461,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed="Commands 01 and 04: \"the status bit 3 Internal data bus busy\". List of status bits: bit 2",
         used="Internal data bus busy is bit 2.",
         why=(
-            "The list gives each of the eight bits once, with the write access to the EDS memory area at bit 3. A "
-            "public controller with the same commands lists its status byte in the same order."
+            "The list gives each of the eight bits once, with the write access to the EDS memory area at bit 3. The "
+            "data sheet of the iC-MR, an encoder chip with the same commands, lists the status byte in the same "
+            "order."
         ),
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
@@ -1480,8 +1481,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="No bit of the error register is interpreted as a warning. All are active errors.",
         why=(
             "The manual does not say which of them make nE active and set \"Error message\", and which set nW and "
-            "\"Warning message\". A public controller with the same registers has two masks for this purpose, which "
-            "the manufacturer sets."
+            "\"Warning message\". The iC-MR, an encoder chip with the same registers, has two masks for this purpose, "
+            "which the manufacturer of the encoder sets."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -1517,7 +1518,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "No model has 26 bits. The 25 bits of the position and the constant 0 bit of the frame fill this width. "
             "The manual does not say whether the position remains left-aligned at 20 to 24 bits, or what the bits "
-            "below it then contain. A public controller has 26 singleturn bits at the same addresses."
+            "below it then contain. The iC-MR, an encoder chip with the same registers, has 26 singleturn bits at "
+            "these addresses."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,

@@ -1303,7 +1303,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
     Connector(
         name="ssi_biss_m12_8",
         kind=ConnectorKind.CONNECTOR,
-        title="M12, 8 pins, male, A coding",
+        title="M12, 8 pins, male, A-coded",
         interfaces=(Interface.SSI, Interface.BISS),
         contacts=(
             Contact("1", "0Vdc"),
@@ -1371,7 +1371,7 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
     Connector(
         name="rs485_m12_8",
         kind=ConnectorKind.CONNECTOR,
-        title="M12, 8 pins, male, A coding",
+        title="M12, 8 pins, male, A-coded",
         interfaces=(Interface.RS485,),
         contacts=(
             Contact("1", "0Vdc"),
@@ -2010,10 +2010,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="BG is binary and GG is Gray. Supply 1 is +5 V. Supply 4 is +5 V to +30 V.",
         why=(
-            "The manual does not contain the order code key. It explains only G1 (Gray with AB /AB) and SC, and it "
-            "shows the supplies 1 and 4 with SC as an example. BG is binary in the AMM5 manual of the same "
-            "manufacturer. GG is the remaining code. Other supply digits and the rest of the label have no "
-            "explanation."
+            "The manual does not contain the order code key. It explains only G1 (Gray with AB /AB) and SC, and shows "
+            "supply codes 1 and 4 with SC as examples. BG is binary in the AMM5 manual of the same manufacturer. GG "
+            "is the remaining code. Other supply digits and the rest of the label have no explanation."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2679,9 +2678,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         ),
         used="The table is listed as printed.",
         why=(
-            "At 2 µm, 4.7 m/s corresponds to 587.5 and 2,350 kHz. At 1 µm, 2.4 m/s corresponds to 600 and 2,400 kHz. "
-            "580 and 2,320 kHz correspond to 4.64 and 2.32 m/s. The other rows agree. With a minimum distance of 0.25 "
-            "µs, the frequency would be 4,000 kHz in every row."
+            "At 2 µm, 4.7 m/s corresponds to 587.5 kHz per period and 2,350 kHz between edges. At 1 µm, 2.4 m/s "
+            "corresponds to 600 kHz per period and 2,400 kHz between edges. 580 kHz and 2,320 kHz correspond to 4.64 "
+            "m/s at 2 µm and 2.32 m/s at 1 µm. The other rows agree. With a minimum distance of 0.25 µs, the "
+            "frequency would be 4,000 kHz in every row."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_LIMIT,

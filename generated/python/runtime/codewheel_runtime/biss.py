@@ -508,7 +508,7 @@ class Master:
         self._bits_to_send = first_word >> 15
 
     def abort(self) -> None:
-        """Abort the access by sending zeros. An aborted write can store another value, as described above."""
+        """Abort the access by sending zeros. An aborted write can store a different value, as described above."""
         if self.outcome is Outcome.RUNNING:
             self.outcome = Outcome.ABORTED
         self._phase = _Phase.WAIT
@@ -565,7 +565,7 @@ class Master:
         return self._request_register()
 
     def _request_register(self) -> int:
-        """Return the CDM bit S = 1, which asks the slave to look up a register, and begin to wait for its answer."""
+        """Return the CDM bit S = 1, which asks the slave to look up a register, and start waiting for its answer."""
         self._phase = _Phase.START
         self._busy_count = 0
         return 1
@@ -848,7 +848,7 @@ class Slave:
     def _take_address(self) -> None:
         """Take the address of the register from the header. Leave the control frame if it is not for this slave.
 
-        It is not for this slave if it is a command (CTS = 0), has another ID, or has a CRC error.
+        It is not for this slave if it is a command (CTS = 0), has a different ID, or has a CRC error.
         """
         head = ControlHead.decode_with_crc(self._received)
         if head is not None and head.is_register_access and head.slave_id == self.slave_id:

@@ -162,7 +162,7 @@ class ChannelLayout:
 
         Raises:
             FrameError: The frame or one of its channels is damaged. ``channel`` is the class of the channel.
-            TypeError: ``frame`` is of another type.
+            TypeError: ``frame`` is of a different type.
         """
         number = as_word(frame, self.bits, bits)
         if number >> self.bits:

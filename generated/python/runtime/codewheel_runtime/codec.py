@@ -291,7 +291,7 @@ def check_power_of_two(field: str, value: SupportsIndex) -> None:
 
 
 def as_member(enumeration: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
-    """Return the member of an enumeration with the number ``value``. Raises RangeError if there is no such member."""
+    """Return the enumeration member whose number is ``value``. Raises RangeError if there is no such member."""
     number = value if type(value) is int else whole_number(field, value)
     try:
         return enumeration(number)
@@ -304,7 +304,7 @@ def text_number(field: str, text: str, length: int) -> int:
     """Return a text of ``length`` characters as one number: ``0x4142`` for ``"AB"``.
 
     The text must be Latin-1, which has a character for each byte, so every decoded text can be encoded again. Raises
-    RangeError for other characters or another length.
+    RangeError for other characters or a different length.
     """
     try:
         data = text.encode("latin-1")

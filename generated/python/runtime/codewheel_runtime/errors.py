@@ -137,7 +137,7 @@ class RangeError(FrameError):
 
 
 class FamilyError(ValueError):
-    """The encoder belongs to another family."""
+    """The encoder belongs to a different family."""
 
     def __init__(self, code: str, found: str, expected: str) -> None:
         super().__init__(code, found, expected)

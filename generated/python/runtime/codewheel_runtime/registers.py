@@ -165,7 +165,7 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
 
     Raises:
         ValueError: There is no register of this name.
-        LengthError: A register has another number of bytes.
+        LengthError: A register has a different number of bytes.
         RangeError: A byte is not 0 to 255.
         TypeError: An address or a byte is not an integer, or a register is not bytes.
     """

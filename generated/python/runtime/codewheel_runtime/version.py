@@ -28,7 +28,7 @@ def require(package: str, needed: str) -> str:
         The version of this runtime.
 
     Raises:
-        ImportError: The runtime has another major version, or is older.
+        ImportError: The runtime has a different major version, or is older.
     """
     installed = _parse_numbers(__version__)
     lowest = _parse_numbers(needed)

@@ -101,6 +101,6 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
 
 
 def _is_text(column: Any) -> bool:
-    """Return whether a column is a NumPy array of byte strings. Other columns of a file may have another type."""
+    """Return whether a column is a NumPy array of byte strings. Other columns of a file may have a different type."""
     dtype = getattr(column, "dtype", None)
     return getattr(dtype, "kind", "") == "S"

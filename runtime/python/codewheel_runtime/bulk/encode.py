@@ -13,7 +13,7 @@ from .decode import CHUNK
 from .shape import Column, DigitCoding, Join, Shape, find_scales, find_width
 from .table import Table
 
-#: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Bools are not numbers.
+#: Allowed ``dtype.kind`` of the NumPy array for a field, if more than integers are allowed. Bools are not numbers.
 ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag": "uib"}
 
 

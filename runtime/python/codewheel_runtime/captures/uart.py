@@ -120,7 +120,7 @@ _ROWS_AT_ONCE: Final = 1 << 16
 
 
 def find_exported_columns(head: bytes) -> tuple[int, int] | None:
-    """Return the indices of the columns of times and of bytes if a file is an export of serial bytes, otherwise None.
+    """Return the indices of the time and byte columns if a file is an export of serial bytes, otherwise None.
 
     ``head`` are the first bytes of the file. Its first line must begin with a header that Saleae's serial analyzer
     writes.

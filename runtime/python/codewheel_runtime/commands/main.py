@@ -143,7 +143,7 @@ def _print_failure(package: str, message: object, code: int) -> int:
 
 
 def _make_parser(package: str) -> argparse.ArgumentParser:
-    """Return the parser of the command line."""
+    """Return the command-line parser."""
 
     def formatter(prog: str) -> argparse.RawDescriptionHelpFormatter:
         return argparse.RawDescriptionHelpFormatter(prog, width=80)

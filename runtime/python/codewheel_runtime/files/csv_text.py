@@ -136,7 +136,7 @@ class _SlowReader:
         self._rows: Iterator[list[str]] = iter(())
 
     def open(self, blocks: Iterable[bytes], lines_before: int, bytes_before: int) -> None:
-        """Begin to read these blocks. ``lines_before`` and ``bytes_before`` count the lines and bytes before them."""
+        """Start reading these blocks. ``lines_before`` and ``bytes_before`` count the lines and bytes before them."""
         self.lines = _Lines(_open_text(blocks), self.lines.name, lines_before, bytes_before)
         _, self._rows = _open_rows(self.lines, self.delimiter)
         if self._skips_header:

@@ -25,7 +25,7 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
 
     Raises:
         TypeError: An argument is missing or not an encoder, or an answer is not a member of the enumeration.
-        FamilyError, InterfaceError: The encoder belongs to another family, or has another interface.
+        FamilyError, InterfaceError: The encoder belongs to a different family, or has a different interface.
     """
     make_shape, argument_types = find_description(frame_class)
     # There can be fewer arguments. The call of ``make_shape`` then raises TypeError.

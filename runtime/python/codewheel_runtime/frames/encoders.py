@@ -96,7 +96,7 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
     """Return the code for the condition on a field and for its bits, or None if the field needs ``encode_number``.
 
     ``encode_number`` handles strings, decimal digits, numbers and choices with a list of values, powers of two, numbers
-    whose value 0 has another meaning, and signed numbers without bits.
+    whose value 0 has a different meaning, and signed numbers without bits.
     """
     width = column.width
     if column.zero_means or column.power_of_two:

@@ -103,7 +103,7 @@ def _read_integers(array: Any, shape: Shape) -> Any:
 def _read_rows(array: Any, length: int) -> Any:
     """Return byte strings as an array with a row for each string, without copying.
 
-    Return None if a string has another length.
+    Return None if a string has a different length.
     """
     arrow_type = array.type
     row_count = len(array)

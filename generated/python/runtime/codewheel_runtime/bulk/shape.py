@@ -221,7 +221,7 @@ class Shape(NamedTuple):
     none, and ``default_verdict`` is the verdict if none of ``verdict_causes`` is active. ``fields`` are all fields in
     the order of the manual. ``kept_mask`` selects the bits of a register that belong to no field, if they are kept.
     ``limited`` is the name of a value with limits, and its attribute. ``frame`` is the name of the frame if other
-    frames have another range of the position.
+    frames have a different position range.
     """
 
     bits: int

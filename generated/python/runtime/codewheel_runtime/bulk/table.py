@@ -242,7 +242,7 @@ class Table(_TableOf[_Name, _Unit]):
 
         Raises:
             TypeError: A column is a single value.
-            ValueError: A column has another length, or the name of a decoded column.
+            ValueError: A column has a different length, or the name of a decoded column.
         """
         for name, column in columns.items():
             if not hasattr(column, "__len__"):

@@ -121,7 +121,7 @@ class Accesses:
         yield from ()
 
     def _begin_access(self, time: float) -> None:
-        """Begin to follow a control frame, whose S bit is at this time."""
+        """Start following a control frame, whose S bit is at this time."""
         self._time = time
         self._is_outside_frame = False
         self._bit_count = self._sent = self._answers = self._head = 0

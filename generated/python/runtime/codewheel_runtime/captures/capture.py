@@ -287,7 +287,7 @@ def _open_capture(
 
 
 def _find_exported_columns(paths: Sequence[str]) -> tuple[int, int] | None:
-    """Return the indices of the columns of times and bytes if a capture is an export of serial bytes, or None."""
+    """Return the indices of the time and byte columns if a capture is an export of serial bytes, otherwise None."""
     if len(paths) != 1:
         return None
     with open(paths[0], "rb") as file:

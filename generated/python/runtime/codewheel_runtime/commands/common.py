@@ -46,8 +46,8 @@ def _select_encoder(package: str, options: argparse.Namespace) -> Encoder:
     """Return the encoder for the arguments of the command: order code, interface, registers and answers.
 
     Raises:
-        ValueError: The label is not an order code, the encoder has another interface, no registers affect its frames,
-            or a register or an answer is not valid.
+        ValueError: The label is not an order code, the encoder has a different interface, no registers affect its
+            frames, or a register or an answer is not valid.
     """
     encoder: Encoder = import_module(package).lookup(str(options.order_code))
     if options.interface is not None and encoder.interface.value != options.interface:
