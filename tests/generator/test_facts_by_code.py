@@ -294,7 +294,7 @@ def test_an_overlay_changes_the_clock_of_some_order_codes(tmp_path: Path, capsys
     assert main(["show", "FBC16-BG", "--specs", str(tmp_path)]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "100 kHz to 1.5 MHz" in text
-    assert "In the spec: the max hz of row 2 of the clock of SSI: 1000000." in text
+    assert "In the spec: the max hz of row 2 of the SSI clock: 1000000." in text
     assert main(["show", "FBC12-BG", "--specs", str(tmp_path)]) == 0
     assert "100 kHz to 2 MHz" in capsys.readouterr().out
 

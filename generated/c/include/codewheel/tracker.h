@@ -76,7 +76,7 @@ typedef struct cw_tracker {
 
 /**
  * Time after which the reach no longer grows. The reach grows with the time since the last accepted
- * position, up to 2^19 us. An axis that moves unobserved for longer can move farther than the reach.
+ * position, up to 2^19 us. An axis that moves unobserved for longer can move farther than this.
  */
 #define CW_TRACKER_REACH_US 524288U
 
