@@ -45,7 +45,7 @@
 
   /** A text in lower case, with numbers without separators and exponents as ^n. */
   function plain(text) {
-    return text.toLowerCase()
+    return text.toLowerCase().replaceAll("time-out", "timeout")
       .replace(/[⁰¹²³⁴⁵⁶⁷⁸⁹]+/g, (digits) => `^${[...digits].map((digit) => superscripts.indexOf(digit)).join("")}`)
       .replace(/\b\d{1,3}(?:[,\u00a0\u202f']\d{3})+\b/g, (number) => number.replace(/\D/g, ""))
       .replace(/\b(\d+(?:\.\d+)?)\s*m(?:bits?|bd|baud|bps)\b/g, (_, number) => `${Math.round(number * 1e6)} baud`);
@@ -58,7 +58,7 @@
     return (cut.length < 3 || /(?:ss|us)$/.test(word) ? word : cut).replace(/e$/, "");
   }
 
-  /** The words of a text, also the parts of identifiers, and compounds such as time-out as one word. */
+  /** The words of a text, also the parts of identifiers, and compounds such as read-only as one word. */
   function wordsOf(text) {
     const found = [];
     for (const [word] of plain(text).matchAll(/[\p{L}\p{N}_^µ]+(?:\.\d+)*(?:-[\p{L}\p{N}_]+)*/gu)) {
