@@ -59,7 +59,7 @@ ANSWERS: dict[str, dict[str, list[str]]] = {
         ],
         "preset bytes": [
             "Set and save a preset without activating it | 40h: 01, 11h to 17h: 00 00 00 00 00 00 00, 40h: 00, 77h: 01",
-            "write position × 2^12 as 7 bytes, low byte first, to 11h to 17h",
+            "write position × 2^12 as 7 bytes, low byte first, to registers 11h to 17h",
         ],
         "blinking LED": ["on or blinking after power-on | An error is active | depleted battery"],
         "error bit": ["Active at 0 | error (bit 7)"],

@@ -199,10 +199,12 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     highest_position = (1 << width) - 1
     example_position = min(1000, highest_position)
     example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
+    # The script of the page finds the rows of commands by the text of the link, which is only the addresses.
+    addresses = addresses_text(register)
+    linked_place = register_at(register).replace(addresses, markdown_link(addresses, f"#register-{register.name}"))
     return (
         f"For a different position, write position{shift} as {count_with_unit(register.length, 'byte')}, {order}, to "
-        f"{markdown_link(register_at(register), f'#register-{register.name}')}. "
-        f"For {example_position:,}: {code_span(example_bytes)}."
+        f"{linked_place}. For {example_position:,}: {code_span(example_bytes)}."
     )
 
 
