@@ -21,7 +21,7 @@ from ..model import (
     Variant,
 )
 from ..model.expressions import Expression, Term
-from .parameters import run_time_names, with_sent_layouts
+from .parameters import with_sent_layouts
 from .reduction import names_of_members, parts_of, sent_crcs
 
 #: Members of a device that contain expressions.
@@ -31,19 +31,19 @@ _PARTS_WITH_EXPRESSIONS = ("interfaces", "registers", "procedures", "measurement
 def with_quantities(device: Device, variant: Variant, *, keeps_settings: bool = False) -> Device:
     """Return the device with the parameters in its expressions replaced by the numbers of an order code.
 
-    Parameters that registers hold have their factory defaults. With ``keeps_settings``, they remain, and parameters
-    that are calculated from others are calculated from numbers where possible. Parameters that the answer to an open
-    question sets remain. Layouts that have no bits for the order code are left out, as are CRCs that only these layouts
+    Parameters that the answer to an open question sets remain, as do those calculated from them. Parameters that
+    registers hold have their factory defaults. With ``keeps_settings``, they also remain, and the device has no other
+    parameters. Layouts that have no bits for the order code are left out, as are CRCs that only these layouts
     have.
     """
-    open_parameters = {parameter.name for parameter in device.parameters if parameter.alternative}
-    if keeps_settings:
-        open_parameters |= run_time_names(device)
-    known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_parameters}
-    part_names = (*_PARTS_WITH_EXPRESSIONS, "parameters") if keeps_settings else _PARTS_WITH_EXPRESSIONS
+    open_names = _names_of_open_parameters(device, keeps_settings)
+    known_parameters = {name: value for name, value in variant.parameters.items() if name not in open_names}
     parts_with_numbers: dict[str, Any] = {}
-    for part_name in part_names:
+    for part_name in _PARTS_WITH_EXPRESSIONS:
         parts_with_numbers[part_name] = _with_numbers(getattr(device, part_name), known_parameters)
+    if keeps_settings:
+        open_parameters = tuple(parameter for parameter in device.parameters if parameter.name in open_names)
+        parts_with_numbers["parameters"] = _with_numbers(open_parameters, known_parameters)
     interfaces: list[Interface] = []
     for interface in parts_with_numbers["interfaces"]:
         interface_with_code = with_output_code(interface, variant)
@@ -52,6 +52,18 @@ def with_quantities(device: Device, variant: Variant, *, keeps_settings: bool = 
     parts_with_numbers["interfaces"] = tuple(interfaces)
     device_with_numbers = replace(device, **parts_with_numbers)
     return _without_crcs(device_with_numbers, sent_crcs(device.interfaces) - sent_crcs(interfaces))
+
+
+def _names_of_open_parameters(device: Device, keeps_settings: bool) -> set[str]:
+    """Return the names of the parameters that depend on an answer or, with ``keeps_settings``, on a register."""
+    undecided = {parameter.name for parameter in device.parameters if parameter.alternative}
+    if keeps_settings:
+        undecided |= {parameter.name for parameter in device.run_time_parameters}
+    return {
+        parameter.name
+        for parameter in device.parameters
+        if not undecided.isdisjoint(device.needed_parameters([parameter.name]))
+    }
 
 
 def _without_needless_joins(interface: Interface, measurement: Measurement | None) -> Interface:

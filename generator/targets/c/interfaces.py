@@ -153,7 +153,7 @@ class InterfaceCode:
 
     @property
     def frames(self) -> list[Layout]:
-        """The frames that can be told apart by the value of a field."""
+        """The frames that the value of a field distinguishes."""
         names: set[str] = set()
         for frame_selector in self.frame_selectors:
             dispatch = frame_selector.dispatch

@@ -10,12 +10,10 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import replace
 from itertools import chain
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer, Spi
-from ...order_codes.parameters import run_time_names
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
 from .. import TargetError
@@ -383,14 +381,7 @@ def single_views(device: Device, passing: StructPassing) -> Iterator[DeviceView]
     """
     for variant in device.variants:
         device_with_numbers = with_quantities(for_codes(device, {variant.code}), variant, keeps_settings=True)
-        open_names = {parameter.name for parameter in device.parameters if parameter.alternative}
-        open_names |= run_time_names(device)
-        open_parameters = [
-            parameter
-            for parameter in device_with_numbers.parameters
-            if not open_names.isdisjoint(device.needed_parameters([parameter.name]))
-        ]
-        yield from views_of(replace(device_with_numbers, parameters=tuple(open_parameters)), passing)
+        yield from views_of(device_with_numbers, passing)
 
 
 def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]], str], header: str) -> str:

@@ -118,7 +118,7 @@ def _introduction_for_biss(
 ) -> Iterator[str]:
     """Yield sentences on the rows of commands over BiSS or, without rows, on the commands that the encoder may have.
 
-    That it has no commands is said only if the spec covers a whole manual.
+    The statement that it has no commands is included only if the spec covers a whole manual.
     """
     if has_preset:
         # The script of the site changes this sentence together with the bytes.

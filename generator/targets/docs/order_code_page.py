@@ -73,7 +73,7 @@ def with_widths_of_order_code(family_device: Device, device: Device, variant: Va
     ranges = [range_of_widths(family_device, parameter) for parameter in parameters]
     widths: dict[str, str] = {}
     for parameter, family_range in zip(parameters, ranges, strict=True):
-        # In a text, two parameters with the same range cannot be told apart.
+        # A text does not distinguish two parameters with the same range.
         is_unique = ranges.count(family_range) == 1
         if family_range and is_unique:
             widths[family_range] = str(variant.parameters[parameter.name])
