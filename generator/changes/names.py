@@ -65,7 +65,7 @@ def name_changes(
 
 
 def _family_of_file(path: str, families: Sequence[str]) -> str:
-    """Return the first family whose name begins the name of a file, such as ``tv62`` for ``c/tv62_biss.h``, or ""."""
+    """Return the first family whose name a file name begins with, such as ``tv62`` for ``c/tv62_biss.h``, or ""."""
     stem = PurePosixPath(path).name.partition(".")[0]
     for family in families:
         if stem == family or stem.startswith(f"{family}_"):

@@ -47,7 +47,7 @@ def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) ->
 
 
 def _first_difference(device: Device, parameter: Parameter) -> str:
-    """Return how a parameter differs from the width of the number of its name in the first such frame, or ""."""
+    """Return the text of a difference between a parameter and the width of the number with its name, or ""."""
     for interface in device.interfaces:
         for layout in interface.layouts:
             difference = _describe_difference(device, parameter, interface, layout)

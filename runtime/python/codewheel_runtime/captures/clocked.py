@@ -374,7 +374,7 @@ class _CycleFinder:
         )
 
     def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
-        """Return where the bits of each cycle are.
+        """Return the places of the bits in each cycle.
 
         They follow the start bit, the first rise of the data line after its fall.
 
@@ -431,7 +431,7 @@ class _CycleFinder:
         )
 
     def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
-        """Return where the bits of each cycle are: one for each rising edge of the clock.
+        """Return the places of the bits in each cycle: one for each rising edge of the clock.
 
         The first change of the data line in a cycle shows its delay after the clock.
         """
