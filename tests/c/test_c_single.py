@@ -20,6 +20,7 @@ from codewheel.order_codes.reduction import for_codes
 from codewheel.targets import Library
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.files import generate
+from exhaustive import mostly_exhaustive
 from rust_frames import numbers
 from working_tools import require
 
@@ -198,11 +199,12 @@ def buffers(view: DeviceView, count: int) -> bytes:
 
 
 @pytest.mark.slow
-def test_it_reads_what_the_tree_reads(packaged: tuple[Device, ...], tmp_path: Path) -> None:
+@pytest.mark.parametrize("first_family", mostly_exhaustive(range(5), 0))
+def test_it_reads_what_the_tree_reads(packaged: tuple[Device, ...], first_family: int, tmp_path: Path) -> None:
     """The quantities of the order code are numbers in its header, and members of a struct in the tree."""
     require(["gcc"])
     compared = 0
-    for device in packaged:
+    for device in packaged[first_family::5]:
         for interface, code in codes_of(device):
             folder = tmp_path / own_name(device, code)
             include = write_headers(folder, device, code)
@@ -233,7 +235,7 @@ def test_it_reads_what_the_tree_reads(packaged: tuple[Device, ...], tmp_path: Pa
             assert usable > 0, code
             assert different == 0, code
             compared += 1
-    assert compared >= 80
+    assert compared >= 10
 
 
 #: Counts the words that are refused or accepted wrongly. Each check bit makes the number of 1 bits in every second bit

@@ -163,7 +163,6 @@ def test_editions_of_sma21() -> None:
 
 
 @pytest.mark.exhaustive
-@pytest.mark.slow
 def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None:
     """Neither order of its bytes has a name in any language."""
     headers = sorted((generated / "c" / "include" / "lika").glob("amm5_1_6_*.h"))
@@ -181,7 +180,7 @@ def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None
     assert "LIKA_AMM5_BISS_REG_SERIAL_NUMBER_ADDRESS 0x44U" in header
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_each_edition_is_in_each_output(generated: Path) -> None:
     for name, revision in [*(("amm5", revision) for revision in OLD), ("am36", "1.1"), ("sma21", "1.0")]:
         stem = f"{name}_{revision.replace('.', '_')}"
@@ -198,7 +197,7 @@ def test_each_edition_is_in_each_output(generated: Path) -> None:
     assert identity == shipped
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_files_of_the_spec_stay_as_they_are(generated: Path) -> None:
     for path in (
         "c/include/lika/amm5_biss.h",
@@ -209,7 +208,7 @@ def test_the_files_of_the_spec_stay_as_they_are(generated: Path) -> None:
         assert (generated / path).read_bytes() == (ROOT / "generated" / path).read_bytes(), path
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_python_has_the_editions_side_by_side(generated: Path) -> None:
     program = """
 import lika_encoders as lika
@@ -232,7 +231,7 @@ assert lika.identify({"manufacturer_id": b"Li"}) == tuple(dict.fromkeys(lika.ide
     subprocess.run([sys.executable, "-c", program], env=environment, check=True)
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_c_has_the_editions_side_by_side(generated: Path, tmp_path: Path) -> None:
     names = ["amm5", "am36", "am36_1_1", *(f"amm5_{revision.replace('.', '_')}" for revision in OLD)]
     program = tmp_path / "all.c"

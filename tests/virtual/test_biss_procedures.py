@@ -14,6 +14,7 @@ from bench import codes_with
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.virtual import BissLine, VirtualEncoder
+from exhaustive import mostly_exhaustive
 
 pytestmark = pytest.mark.slow
 
@@ -72,12 +73,13 @@ def _has_preset(device: Device) -> bool:
     return any(procedure.name == "set_preset" for procedure in device.procedures)
 
 
-def test_presets_of_every_order_code(generated_python: Package, library: Library) -> None:
+@pytest.mark.parametrize("first_code", mostly_exhaustive(range(4), 0))
+def test_presets_of_every_order_code(generated_python: Package, library: Library, first_code: int) -> None:
     """The position is always the old one or the preset, and in the end the preset."""
     lika: Any = generated_python[1]
     presets_by_module = Counter[str]()
     with_preset = [device for device in library.devices if _has_preset(device)]
-    for at, code in enumerate(codes_with(with_preset, "biss")):
+    for at, code in enumerate(codes_with(with_preset, "biss")[first_code::4]):
         encoder = lika.lookup(code)
         module = getattr(lika, encoder.family.name)
         wire = Wire(lika, code, seed=at)
