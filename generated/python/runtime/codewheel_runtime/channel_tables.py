@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any, Final, NamedTuple, cast
 
 from .bulk.chunk import bit_mask, shift_left, shift_right
-from .bulk.decode import read_rows
+from .bulk.frame_rows import read_rows
 from .bulk.table import Table
 from .codec import whole_number
 from .errors import ErrorKind
