@@ -643,8 +643,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn.
-        return self[1] << self[0].singleturn_bits | self[2]
+        variant, multiturn, singleturn = self
+        return multiturn << variant.singleturn_bits | singleturn
 
     @property
     def position(self) -> int:
@@ -799,11 +799,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn, 3 is
-        # unused.
-        if self[3] & 0x2:
+        variant, multiturn, singleturn, unused = self
+        if unused & 0x2:
             return None
-        return self[1] << self[0].used_singleturn_bits | self[2]
+        return multiturn << variant.used_singleturn_bits | singleturn
 
     @property
     def position(self) -> int:

@@ -796,8 +796,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn.
-        return self[1] << self[0].singleturn_bits | self[2]
+        variant, multiturn, singleturn = self
+        return multiturn << variant.singleturn_bits | singleturn
 
     @property
     def position(self) -> int:
@@ -962,11 +962,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn, 3 is
-        # error, 4 is warning.
-        if self[3] or (self[4] and self[0].multiturn_bits and not self[0].low_battery_only):
+        variant, multiturn, singleturn, error, warning = self
+        if error or (warning and variant.multiturn_bits and not variant.low_battery_only):
             return None
-        return self[1] << self[0].singleturn_bits | self[2]
+        return multiturn << variant.singleturn_bits | singleturn
 
     @property
     def position(self) -> int:
@@ -1996,19 +1995,30 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is status_st_error, 2 is
-        # status_other_error, 3 is singleturn, 5 is multiturn, 6 is busy, 7 is st_error, 8 is ps_error, 9 is mt_error,
-        # 10 is battery_alarm.
+        (
+            variant,
+            status_st_error,
+            status_other_error,
+            singleturn,
+            _,
+            multiturn,
+            busy,
+            st_error,
+            ps_error,
+            mt_error,
+            battery_alarm,
+            _,
+        ) = self
         if (
-            self[1]
-            or (self[2] and not (self[10] or self[9]))
-            or self[6]
-            or self[7]
-            or self[8]
-            or (self[9] and self[0].multiturn_bits)
+            status_st_error
+            or (status_other_error and not (battery_alarm or mt_error))
+            or busy
+            or st_error
+            or ps_error
+            or (mt_error and variant.multiturn_bits)
         ):
             return None
-        return self[5] << self[0].singleturn_bits | self[3]
+        return multiturn << variant.singleturn_bits | singleturn
 
     @property
     def position(self) -> int:

@@ -544,8 +544,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 1 is position.
-        return self[1]
+        return self.position
 
     @classmethod
     def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
@@ -659,10 +658,9 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 2 is position, 3 is error.
-        if self[3]:
+        if self.error:
             return None
-        return self[2]
+        return self.position
 
     @classmethod
     def decode(cls, word: Word, variant: BissEncoder, zero_bit: ZeroBit, *, bits: int | None = None) -> SingleCycleData:

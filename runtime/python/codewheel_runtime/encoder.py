@@ -9,7 +9,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, NoReturn, Protocol, TypeVar, cast, runtime_checkable
 
 from .codec import PositionRange, shorten
-from .error_handlers import ErrorHandler, raise_frame_error, return_frame_error
+from .error_handlers import ErrorHandler as ErrorHandler
+from .error_handlers import raise_frame_error as raise_frame_error
+from .error_handlers import return_frame_error as return_frame_error
 from .errors import FamilyError, FrameError, InterfaceError
 from .order_codes import OrderCode, check_label
 from .reports import Family, Interface, Report, Verdict

@@ -405,10 +405,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 1 is position, 2 is error.
-        if self[2]:
+        if self.error:
             return None
-        return self[1]
+        return self.position
 
     @classmethod
     def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
