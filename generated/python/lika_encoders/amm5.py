@@ -99,8 +99,8 @@ from codewheel_runtime.frames.base import (
     InBytes,
     LimitedRegisterOf,
     Sent,
-    decode_many,
-    encode_many,
+    decode_frames,
+    encode_columns,
     keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
@@ -365,7 +365,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SsiWord, variant=self)
+        return decode_frames(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -381,7 +381,7 @@ class SsiEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SsiWord, variant=self)
+        return encode_columns(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -447,7 +447,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SingleCycleData, variant=self)
+        return decode_frames(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -463,7 +463,7 @@ class BissEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SingleCycleData, variant=self)
+        return encode_columns(columns, SingleCycleData, variant=self)
 
 
 class Rs485Encoder(Variant, SerialEncoder):
@@ -535,7 +535,7 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, variant=self, eeprom_address=eeprom_address)
+        return decode_frames(frames, kind, variant=self, eeprom_address=eeprom_address)
 
     def encode_many(
         self,
@@ -562,7 +562,7 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``, or a required answer is missing.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, variant=self, eeprom_address=eeprom_address)
+        return encode_columns(columns, kind, variant=self, eeprom_address=eeprom_address)
 
 
 @overload
@@ -1271,7 +1271,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1289,7 +1289,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _EepromReadRequest(NamedTuple):
@@ -1414,7 +1414,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1432,7 +1432,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _SingleturnReply(NamedTuple):
@@ -2277,7 +2277,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2295,7 +2295,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _EepromReadReply(NamedTuple):
@@ -2423,7 +2423,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2441,7 +2441,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 Request: TypeAlias = Union[

@@ -93,8 +93,8 @@ from codewheel_runtime.frames.base import (
     FixedRegister,
     RegisterOf,
     Sent,
-    decode_many,
-    encode_many,
+    decode_frames,
+    encode_columns,
     keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
@@ -426,7 +426,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SsiWord, variant=self)
+        return decode_frames(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -442,7 +442,7 @@ class SsiEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SsiWord, variant=self)
+        return encode_columns(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -508,7 +508,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SingleCycleData, variant=self)
+        return decode_frames(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -524,7 +524,7 @@ class BissEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SingleCycleData, variant=self)
+        return encode_columns(columns, SingleCycleData, variant=self)
 
 
 class Rs485Encoder(Variant, SerialEncoder):
@@ -584,7 +584,7 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, variant=self)
+        return decode_frames(frames, kind, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table, kind: type[Reply]) -> Any:
         """Encode many frames of one ``kind``. Needs NumPy.
@@ -603,7 +603,7 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, variant=self)
+        return encode_columns(columns, kind, variant=self)
 
     def _position_ranges(self) -> Mapping[str, PositionRange]:
         """Return the range of the positions in counts, by the names of frames."""

@@ -66,7 +66,7 @@ from codewheel_runtime.encoder import (
     wrong_encoder_error,
 )
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
-from codewheel_runtime.frames.base import BitsOf, FixedRegister, Sent, decode_many, encode_many
+from codewheel_runtime.frames.base import BitsOf, FixedRegister, Sent, decode_frames, encode_columns
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 
@@ -239,7 +239,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SingleCycleData, variant=self)
+        return decode_frames(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -255,7 +255,7 @@ class BissEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SingleCycleData, variant=self)
+        return encode_columns(columns, SingleCycleData, variant=self)
 
 
 @overload
