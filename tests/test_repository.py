@@ -17,6 +17,8 @@ RECIPES = (ROOT / "docs/extend/how-to-change.md").read_text(encoding="utf-8")
 MOST_WORDS = 1500
 #: Widest line of a template. ruff has the same limit for Python.
 COLUMNS = 120
+#: Most lines of a module that users can read in one sitting.
+MOST_LINES_OF_A_MODULE = 450
 #: A place of this machine, in a text.
 MACHINE_PLACE = re.compile(r"(?<![\w.}*)\\/])/(dev|etc|home|proc|root|run|sys|tmp|var)/\w")
 
@@ -63,6 +65,14 @@ def test_no_line_of_a_template_is_too_wide_to_read() -> None:
         lines = enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
         wide_lines += [f"{path.relative_to(ROOT)}:{number}" for number, line in lines if len(line) > COLUMNS]
     assert wide_lines == []
+
+
+def test_no_module_of_the_python_runtime_is_too_long_to_read() -> None:
+    line_counts = {
+        path: path.read_text(encoding="utf-8").count("\n") for path in (ROOT / "runtime/python").rglob("*.py")
+    }
+    long_modules = {str(path): count for path, count in line_counts.items() if count > MOST_LINES_OF_A_MODULE}
+    assert long_modules == {}
 
 
 @pytest.mark.parametrize(("word", "limit"), [("zero_means", 3), ("active_low", 3), ("xorout", 6)])

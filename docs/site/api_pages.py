@@ -45,7 +45,7 @@ def api_pages(root: Path) -> Iterator[tuple[str, str]]:
     headers = [path for path in sorted((root / HEADERS).glob("*/*.h")) if path.parent.name != "codewheel"]
     packages = [path.parent for path in (root / MODULES).rglob("*_encoders/__init__.py")]
     modules = [path for folder in sorted(packages) for path in sorted(folder.glob("[!_]*.py")) if path.stem != "biss"]
-    runtime = [path for path in sorted((root / RUNTIME).rglob("*.py")) if path.stem in _RUNTIME_MODULES]
+    runtime = [path for path in sorted((root / RUNTIME).rglob("*")) if path.stem in _RUNTIME_MODULES]
     yield "api/c.md", _index("c", "C headers", "generated/c", headers)
     yield "api/python.md", _index("python", "Python package", "generated/python", modules)
     yield "api/runtime.md", _index("runtime", "Python runtime", "generated/python/runtime", runtime)
@@ -55,7 +55,7 @@ def api_pages(root: Path) -> Iterator[tuple[str, str]]:
             _page(f"{path.parent.name}/{path.name}", "c", c_entries(path.read_text(encoding="utf-8"))),
         )
     for path in runtime:
-        entries = python_entries(ast.parse(path.read_text(encoding="utf-8")))
+        entries = _package_entries(path) if path.is_dir() else python_entries(_parse(path))
         module = ".".join(path.relative_to((root / RUNTIME).parent).with_suffix("").parts)
         yield f"api/runtime/{path.stem}.md", _page(module, "python", entries)
     for path in modules:
@@ -75,7 +75,7 @@ def _index(kind: str, title: str, folder: str, files: list[Path]) -> str:
 def _family_pages(path: Path) -> Iterator[tuple[str, str]]:
     """Yield the page of a module with order codes and procedures, and the pages of its frames and its registers."""
     entries_by_subject: dict[str, list[Entry]] = {"": [], "frames": [], "registers": []}
-    for entry in python_entries(ast.parse(path.read_text(encoding="utf-8"))):
+    for entry in python_entries(_parse(path)):
         entries_by_subject[entry.subject].append(entry)
     module = f"{path.parent.name}.{path.stem}"
     subjects = [subject for subject, entries in entries_by_subject.items() if subject and entries]
@@ -125,6 +125,22 @@ def c_entries(header: str) -> Iterator[Entry]:
             yield Entry(name, declared, comment)
     if last_type is not None:
         yield last_type
+
+
+def _parse(path: Path) -> ast.Module:
+    """Return the syntax tree of a Python file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def _package_entries(folder: Path) -> Iterator[Entry]:
+    """Yield the entries of the modules in a package that the package exports in ``__all__``."""
+    statements = _parse(folder / "__init__.py").body
+    assignments = [statement for statement in statements if isinstance(statement, ast.Assign)]
+    (exported_names,) = [ast.literal_eval(assignment.value) for assignment in assignments]
+    for path in sorted(folder.glob("[!_]*.py")):
+        for entry in python_entries(_parse(path)):
+            if entry.name in exported_names:
+                yield entry
 
 
 def python_entries(module: ast.Module) -> Iterator[Entry]:

@@ -20,8 +20,8 @@ from codewheel_runtime.captures import signals
 from codewheel_runtime.captures.accesses import Accesses, ControlBits
 from codewheel_runtime.captures.any_biss import biss_layout
 from codewheel_runtime.captures.capture import Captures
+from codewheel_runtime.captures.serial_bytes import read_serial_bytes
 from codewheel_runtime.captures.signals import Edges, Signals
-from codewheel_runtime.captures.uart import read_serial_bytes
 from codewheel_runtime.commands.main import main
 from lines import Biss, Wave, biss_word, serial
 

@@ -20,7 +20,7 @@ SPECS = Path(__file__).parents[1] / "c" / "specs"
 
 def registers_of(lika: ModuleType) -> Iterator[tuple[Any, tuple[Any, ...], int]]:
     """Yield each class of a register with the arguments that it needs, and its length."""
-    from codewheel_runtime.codec import LengthError
+    from codewheel_runtime.errors import LengthError
 
     for family in lika.FAMILIES:
         module: Any = getattr(lika, family.name)

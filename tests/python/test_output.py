@@ -103,6 +103,14 @@ except e.OrderCodeError as error:
 
 
 @pytest.mark.slow
+def test_no_method_reads_an_item_by_its_number(files: Mapping[str, str]) -> None:
+    """Items of a frame have names. ``data[0]`` is a byte, which has none."""
+    modules = [text for path, text in files.items() if path.startswith("python/lika_encoders/")]
+    assert len(modules) > 4
+    assert re.findall(r"\bself\[\d+\]", "".join(modules)) == []
+
+
+@pytest.mark.slow
 def test_lines_are_of_a_length_to_read(files: Mapping[str, str]) -> None:
     for path, text in files.items():
         if path.endswith(".py"):

@@ -31,8 +31,8 @@ class Bench:
         self.line = Rs485Line(self.virtual)
         encoder = package.lookup(code)
         self.session: Any = Session(encoder, timeout_s=TIMEOUT_S, retries=retries, clock=lambda: self.now)
-        kind = self.session._position_kind
-        self.control = kind.control if kind is not None else self.session._make_position_request().encode()[0]
+        kind = self.session.requests.position_kind
+        self.control = kind.control if kind is not None else self.session.requests.make_position_request().encode()[0]
         self.later = b""
         self.outcomes: Counter[str] = Counter()
 

@@ -163,7 +163,7 @@ def test_another_kind_of_encoder(generated_python: Package, virtual_encoder: Cal
     with lika.open_encoder(served.port, "AMM5A17/65KJP1", timeout_s=0.2) as encoder:
         with pytest.raises(WrongEncoderError, match=r"is from another kind of encoder: .*; check the order code"):
             encoder.position()
-        encoder.session.encoder = lika.lookup(CODE)
+        encoder.session.requests.encoder = lika.lookup(CODE)
         assert encoder.position() == (1 << 23) - 1
 
 

@@ -79,8 +79,8 @@ from codewheel_runtime.frames.base import (
     FixedRegister,
     LimitedRegisterOf,
     Sent,
-    decode_many,
-    encode_many,
+    decode_frames,
+    encode_columns,
     keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
@@ -377,7 +377,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SsiWord, variant=self)
+        return decode_frames(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -393,7 +393,7 @@ class SsiEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SsiWord, variant=self)
+        return encode_columns(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -459,7 +459,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SingleCycleData, variant=self)
+        return decode_frames(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -475,7 +475,7 @@ class BissEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SingleCycleData, variant=self)
+        return encode_columns(columns, SingleCycleData, variant=self)
 
 
 @overload
@@ -643,8 +643,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn.
-        return self[1] << self[0].singleturn_bits | self[2]
+        variant, multiturn, singleturn = self
+        return multiturn << variant.singleturn_bits | singleturn
 
     @property
     def position(self) -> int:
@@ -799,11 +799,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn, 3 is
-        # unused.
-        if self[3] & 0x2:
+        variant, multiturn, singleturn, unused = self
+        if unused & 0x2:
             return None
-        return self[1] << self[0].used_singleturn_bits | self[2]
+        return multiturn << variant.used_singleturn_bits | singleturn
 
     @property
     def position(self) -> int:

@@ -99,8 +99,8 @@ from codewheel_runtime.frames.base import (
     InBytes,
     LimitedRegisterOf,
     Sent,
-    decode_many,
-    encode_many,
+    decode_frames,
+    encode_columns,
     keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
@@ -365,7 +365,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SsiWord, variant=self)
+        return decode_frames(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -381,7 +381,7 @@ class SsiEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SsiWord, variant=self)
+        return encode_columns(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -447,7 +447,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SingleCycleData, variant=self)
+        return decode_frames(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -463,7 +463,7 @@ class BissEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SingleCycleData, variant=self)
+        return encode_columns(columns, SingleCycleData, variant=self)
 
 
 class Rs485Encoder(Variant, SerialEncoder):
@@ -535,7 +535,7 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, variant=self, eeprom_address=eeprom_address)
+        return decode_frames(frames, kind, variant=self, eeprom_address=eeprom_address)
 
     def encode_many(
         self,
@@ -562,7 +562,7 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``, or a required answer is missing.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, variant=self, eeprom_address=eeprom_address)
+        return encode_columns(columns, kind, variant=self, eeprom_address=eeprom_address)
 
 
 @overload
@@ -796,8 +796,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn.
-        return self[1] << self[0].singleturn_bits | self[2]
+        variant, multiturn, singleturn = self
+        return multiturn << variant.singleturn_bits | singleturn
 
     @property
     def position(self) -> int:
@@ -962,11 +962,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is multiturn, 2 is singleturn, 3 is
-        # error, 4 is warning.
-        if self[3] or (self[4] and self[0].multiturn_bits and not self[0].low_battery_only):
+        variant, multiturn, singleturn, error, warning = self
+        if error or (warning and variant.multiturn_bits and not variant.low_battery_only):
             return None
-        return self[1] << self[0].singleturn_bits | self[2]
+        return multiturn << variant.singleturn_bits | singleturn
 
     @property
     def position(self) -> int:
@@ -1272,7 +1271,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1290,7 +1289,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _EepromReadRequest(NamedTuple):
@@ -1415,7 +1414,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1433,7 +1432,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _SingleturnReply(NamedTuple):
@@ -1996,19 +1995,30 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 0 is variant, 1 is status_st_error, 2 is
-        # status_other_error, 3 is singleturn, 5 is multiturn, 6 is busy, 7 is st_error, 8 is ps_error, 9 is mt_error,
-        # 10 is battery_alarm.
+        (
+            variant,
+            status_st_error,
+            status_other_error,
+            singleturn,
+            _,
+            multiturn,
+            busy,
+            st_error,
+            ps_error,
+            mt_error,
+            battery_alarm,
+            _,
+        ) = self
         if (
-            self[1]
-            or (self[2] and not (self[10] or self[9]))
-            or self[6]
-            or self[7]
-            or self[8]
-            or (self[9] and self[0].multiturn_bits)
+            status_st_error
+            or (status_other_error and not (battery_alarm or mt_error))
+            or busy
+            or st_error
+            or ps_error
+            or (mt_error and variant.multiturn_bits)
         ):
             return None
-        return self[5] << self[0].singleturn_bits | self[3]
+        return multiturn << variant.singleturn_bits | singleturn
 
     @property
     def position(self) -> int:
@@ -2267,7 +2277,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2285,7 +2295,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _EepromReadReply(NamedTuple):
@@ -2413,7 +2423,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2431,7 +2441,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 Request: TypeAlias = Union[

@@ -78,8 +78,8 @@ from codewheel_runtime.frames.base import (
     InBits,
     RegisterOf,
     Sent,
-    decode_many,
-    encode_many,
+    decode_frames,
+    encode_columns,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.frames.descriptions import shape_of
@@ -288,7 +288,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SsiWord, variant=self)
+        return decode_frames(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -304,7 +304,7 @@ class SsiEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SsiWord, variant=self)
+        return encode_columns(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -371,7 +371,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form, or a required answer is missing.
         """
-        return decode_many(frames, SingleCycleData, variant=self, zero_bit=zero_bit)
+        return decode_frames(frames, SingleCycleData, variant=self, zero_bit=zero_bit)
 
     def encode_many(self, columns: Mapping[str, Any] | Table, *, zero_bit: ZeroBit) -> Any:
         """Encode many frames. Needs NumPy.
@@ -389,7 +389,7 @@ class BissEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SingleCycleData, variant=self, zero_bit=zero_bit)
+        return encode_columns(columns, SingleCycleData, variant=self, zero_bit=zero_bit)
 
 
 @overload
@@ -544,8 +544,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 1 is position.
-        return self[1]
+        return self.position
 
     @classmethod
     def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
@@ -659,10 +658,9 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 2 is position, 3 is error.
-        if self[3]:
+        if self.error:
             return None
-        return self[2]
+        return self.position
 
     @classmethod
     def decode(cls, word: Word, variant: BissEncoder, zero_bit: ZeroBit, *, bits: int | None = None) -> SingleCycleData:
@@ -757,7 +755,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=variant, zero_bit=zero_bit)
+        return decode_frames(frames, cls, variant=variant, zero_bit=zero_bit)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, variant: BissEncoder, zero_bit: ZeroBit) -> Any:
@@ -776,7 +774,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=variant, zero_bit=zero_bit)
+        return encode_columns(columns, cls, variant=variant, zero_bit=zero_bit)
 
 
 #: Any frame that an encoder of this family sends.

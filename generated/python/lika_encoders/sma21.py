@@ -93,8 +93,8 @@ from codewheel_runtime.frames.base import (
     FixedRegister,
     RegisterOf,
     Sent,
-    decode_many,
-    encode_many,
+    decode_frames,
+    encode_columns,
     keep_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
@@ -426,7 +426,7 @@ class SsiEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SsiWord, variant=self)
+        return decode_frames(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -442,7 +442,7 @@ class SsiEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SsiWord, variant=self)
+        return encode_columns(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -508,7 +508,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SingleCycleData, variant=self)
+        return decode_frames(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -524,7 +524,7 @@ class BissEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SingleCycleData, variant=self)
+        return encode_columns(columns, SingleCycleData, variant=self)
 
 
 class Rs485Encoder(Variant, SerialEncoder):
@@ -584,7 +584,7 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, variant=self)
+        return decode_frames(frames, kind, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table, kind: type[Reply]) -> Any:
         """Encode many frames of one ``kind``. Needs NumPy.
@@ -603,7 +603,7 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, variant=self)
+        return encode_columns(columns, kind, variant=self)
 
     def _position_ranges(self) -> Mapping[str, PositionRange]:
         """Return the range of the positions in counts, by the names of frames."""
@@ -839,10 +839,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 1 is position, 2 is error.
-        if self[2]:
+        if self.error:
             return None
-        return self[1]
+        return self.position
 
     @classmethod
     def decode(cls, word: Word, variant: SsiEncoder, *, bits: int | None = None) -> SsiWord:
@@ -969,10 +968,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 1 is position, 2 is error.
-        if self[2]:
+        if self.error:
             return None
-        return self[1]
+        return self.position
 
     @classmethod
     def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:
@@ -1251,12 +1249,33 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 3 is status_error, 4 is position, 5 is overspeed, 6 is
-        # initialization_error, 7 is hardware_error, 8 is encoder_inharmonious_error, 9 is higher_track_error, 10 is
-        # low_amplitude_error.
-        if self[3] or self[5] or self[6] or self[7] or self[8] or self[9] or self[10]:
+        (
+            _,
+            _,
+            _,
+            status_error,
+            position,
+            overspeed,
+            initialization_error,
+            hardware_error,
+            encoder_inharmonious_error,
+            higher_track_error,
+            low_amplitude_error,
+            _,
+            _,
+            _,
+        ) = self
+        if (
+            status_error
+            or overspeed
+            or initialization_error
+            or hardware_error
+            or encoder_inharmonious_error
+            or higher_track_error
+            or low_amplitude_error
+        ):
             return None
-        return self[4]
+        return position
 
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> PositionReply:
@@ -1429,10 +1448,9 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 1 is status_error, 2 is position.
-        if self[1]:
+        if self.status_error:
             return None
-        return self[2]
+        return self.position
 
     @classmethod
     def decode(cls, data: Data) -> WidePositionReply:
@@ -1621,12 +1639,32 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 2 is status_error, 3 is position, 4 is overspeed, 5 is
-        # initialization_error, 6 is hardware_error, 7 is encoder_inharmonious_error, 8 is higher_track_error, 9 is
-        # low_amplitude_error.
-        if self[2] or self[4] or self[5] or self[6] or self[7] or self[8] or self[9]:
+        (
+            _,
+            _,
+            status_error,
+            position,
+            overspeed,
+            initialization_error,
+            hardware_error,
+            encoder_inharmonious_error,
+            higher_track_error,
+            low_amplitude_error,
+            _,
+            _,
+            _,
+        ) = self
+        if (
+            status_error
+            or overspeed
+            or initialization_error
+            or hardware_error
+            or encoder_inharmonious_error
+            or higher_track_error
+            or low_amplitude_error
+        ):
             return None
-        return self[3]
+        return position
 
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> IdentificationReply:

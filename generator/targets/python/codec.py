@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -33,6 +32,7 @@ from .literals import Atom, ParameterExpressions, PythonExpression, coded, quote
 from .named_values import NamedValues
 from .names import ClassNames, ModuleContext, OpenQuestion, encoder_name, interface_name
 from .reports import FrameReports
+from .usable_position import AttributeReader, UsablePosition, write_usable_position
 
 
 @dataclass(frozen=True)
@@ -321,16 +321,38 @@ class LayoutClass:
         return self.names.attribute(position_name) if position_name in number_names else ""
 
     @property
-    def usable_position(self) -> str:
-        """Expression for the position: its attribute, or if several unsigned numbers form it, their bits joined."""
-        scope = self._scope_of_attributes(self.by_index)
+    def usable_position(self) -> UsablePosition:
+        """The code that returns the position if it is usable."""
+        other_names = (attribute_name for attribute_name, _ in self.encoder_and_answers)
+        item_names = [*other_names, *(attribute.name for attribute in self.attributes)]
+        return write_usable_position(item_names, self._not_usable_conditions_with, self._position_with)
+
+    def _not_usable_conditions_with(self, read: AttributeReader) -> list[str]:
+        """Return the conditions under which the position is not usable. ``read`` gives the code for an attribute."""
+        if self.reports is None:
+            return []
+        reports = FrameReports(
+            reporting=self.context.reportings.get(self.layout.name),
+            layout_plan=self.plan,
+            class_names=self.names,
+            parameters=self.context.parameters,
+            attribute_of=read,
+        )
+        return reports.not_usable_conditions
+
+    def _position_with(self, read: AttributeReader) -> str:
+        """Return the code for the position: its attribute, or if several unsigned numbers form it, their bits joined.
+
+        ``read`` gives the code for an attribute.
+        """
+        scope = self._scope_of_attributes(read)
         for joined_number in self.plan.joined_numbers:
             is_position = self.names.attribute(joined_number.join.name) == self.position_attribute
             if is_position and all(isinstance(meaning_of(field), UnsignedNumber) for field in joined_number.fields):
-                return str(self.encoding.join_numbers(joined_number, scope, self.by_index))
-        return self.by_index(self.position_attribute)
+                return str(self.encoding.join_numbers(joined_number, scope, read))
+        return read(self.position_attribute)
 
-    def _scope_of_attributes(self, read: Callable[[str], str]) -> ParameterExpressions:
+    def _scope_of_attributes(self, read: AttributeReader) -> ParameterExpressions:
         """Return how parameters are written if ``read`` gives the expression for an attribute of the class.
 
         A parameter is then an attribute of ``variant``, or of the answer to an open question.
@@ -340,38 +362,6 @@ class LayoutClass:
             for parameter, member in question.members:
                 code_of_parameter[parameter] = f"{read(question.name)}.{member}"
         return ParameterExpressions(code_of_parameter)
-
-    @property
-    def not_usable_conditions(self) -> list[str]:
-        """Conditions under which the position of a frame is not usable."""
-        if self.reports is None:
-            return []
-        reports_with_indices = FrameReports(
-            reporting=self.context.reportings.get(self.layout.name),
-            layout_plan=self.plan,
-            class_names=self.names,
-            parameters=self.context.parameters,
-            attribute_of=self.by_index,
-        )
-        return reports_with_indices.not_usable_conditions
-
-    @property
-    def index_names(self) -> str:
-        """Names of the attributes that ``usable_position`` reads by index, for a comment: ``0 is position``."""
-        expressions = " ".join([*self.not_usable_conditions, self.usable_position])
-        indices = {int(index) for index in re.findall(r"self\[(\d+)\]", expressions)}
-        return ", ".join(f"{index} is {self._names_by_index[index]}" for index in sorted(indices))
-
-    def by_index(self, name: str) -> str:
-        """Return an expression that reads an attribute by its index, or by its name if it has none."""
-        names = self._names_by_index
-        return f"self[{names.index(name)}]" if name in names else f"self.{name}"
-
-    @property
-    def _names_by_index(self) -> list[str]:
-        """The names of the attributes in the order of the NamedTuple."""
-        other_names = (attribute_name for attribute_name, _ in self.encoder_and_answers)
-        return [*other_names, *(attribute.name for attribute in self.attributes)]
 
     @cached_property
     def reports(self) -> FrameReports | None:

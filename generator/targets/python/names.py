@@ -79,7 +79,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister ForEncoder InBits
-            InBytes LimitedRegisterOf RegisterOf Sent decode_many encode_many keep_bytes""",
+            InBytes LimitedRegisterOf RegisterOf Sent decode_frames encode_columns keep_bytes""",
         "frames.decoders": "cached_decoder raise_error",
         "frames.descriptions": "shape_of",
         "registers": """RegisterParameter bytes_by_address encode_register format_parameters is_consistent

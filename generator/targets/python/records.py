@@ -23,7 +23,11 @@ from .names import ModuleContext, byte_order
 
 #: Sources with classes of records and enumerations.
 _RUNTIME_PACKAGE = our_runtime("python") / "codewheel_runtime"
-_RECORD_SOURCES = (_RUNTIME_PACKAGE / "facts.py", _RUNTIME_PACKAGE / "order_codes.py", _RUNTIME_PACKAGE / "reports.py")
+_RECORD_SOURCES = (
+    *sorted((_RUNTIME_PACKAGE / "facts").glob("*.py")),
+    _RUNTIME_PACKAGE / "order_codes.py",
+    _RUNTIME_PACKAGE / "reports.py",
+)
 #: Records whose required members are printed without their names.
 _POSITIONAL_RECORDS = frozenset(
     "Contact Document Edition Family LedState LostFigure NamedValue PrintedTimeout RegisterMeaning Revision"
@@ -64,7 +68,7 @@ class RuntimeRecords:
 def runtime_records() -> RuntimeRecords:
     """Return all records and enumerations of the runtime."""
     members: dict[str, tuple[RecordMember, ...]] = {}
-    enumerations = {"Interface"}
+    enumerations: set[str] = set()
     for path in _RECORD_SOURCES:
         for class_def in _record_classes(path.read_text(encoding="utf-8")):
             base_names = {ast.unparse(base) for base in class_def.bases}

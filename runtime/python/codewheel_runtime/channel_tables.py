@@ -7,11 +7,11 @@ from collections.abc import Iterable
 from typing import Any, Final, NamedTuple, cast
 
 from .bulk.chunk import bit_mask, shift_left, shift_right
-from .bulk.decode import read_rows
+from .bulk.frame_rows import read_rows
 from .bulk.table import Table
 from .codec import whole_number
 from .errors import ErrorKind
-from .frames.base import decode_many
+from .frames.base import decode_frames
 from .packages import load
 from .reports import Verdict
 
@@ -97,7 +97,7 @@ def decode_channels(layout: Any, frames: object) -> ChannelTable:
     for frame_class, bits in zip(layout.kinds, layout.channel_bits, strict=True):
         low_bit -= bits
         words = _extract_bits(rows, low_bit, bits)
-        tables.append(decode_many(words, frame_class, variant=layout.encoder))
+        tables.append(decode_frames(words, frame_class, variant=layout.encoder))
     return ChannelTable(layout, tuple(tables), is_wrong_length)
 
 

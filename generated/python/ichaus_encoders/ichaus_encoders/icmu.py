@@ -66,7 +66,7 @@ from codewheel_runtime.encoder import (
     wrong_encoder_error,
 )
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
-from codewheel_runtime.frames.base import BitsOf, FixedRegister, Sent, decode_many, encode_many
+from codewheel_runtime.frames.base import BitsOf, FixedRegister, Sent, decode_frames, encode_columns
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 
@@ -239,7 +239,7 @@ class BissEncoder(Variant):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, SingleCycleData, variant=self)
+        return decode_frames(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -255,7 +255,7 @@ class BissEncoder(Variant):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, SingleCycleData, variant=self)
+        return encode_columns(columns, SingleCycleData, variant=self)
 
 
 @overload
@@ -405,10 +405,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        # Fields are read by index, which is faster than by name: 1 is position, 2 is error.
-        if self[2]:
+        if self.error:
             return None
-        return self[1]
+        return self.position
 
     @classmethod
     def decode(cls, word: Word, variant: BissEncoder, *, bits: int | None = None) -> SingleCycleData:

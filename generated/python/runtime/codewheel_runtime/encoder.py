@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, NoReturn, Protocol, TypeVar, cast, runtime_checkable
 
 from .codec import PositionRange, shorten
+from .error_handlers import ErrorHandler as ErrorHandler
+from .error_handlers import raise_frame_error as raise_frame_error
+from .error_handlers import return_frame_error as return_frame_error
 from .errors import FamilyError, FrameError, InterfaceError
 from .order_codes import OrderCode, check_label
 from .reports import Family, Interface, Report, Verdict
@@ -18,8 +21,6 @@ if TYPE_CHECKING:
     from .facts import Clock, Timeout
 
 _Same = TypeVar("_Same", bound="Encoder")
-#: Function for an error of a frame. It receives the error, the frame and the encoder, and raises or returns the error.
-ErrorHandler = Callable[[Exception, object, Any], NoReturn]
 #: Names of the procedures for each interface.
 _Procedures = Mapping[Interface, tuple[str, ...]]
 _NO_PROCEDURES: Final[_Procedures] = MappingProxyType({})
@@ -336,7 +337,7 @@ class _BoundDecoder:
         """Return the decoder for an encoder, or the method itself if it is accessed on the class."""
         if encoder is None:
             return self._method
-        handle_error = raise_frame_error if self._name == "decode" else return_frame_error
+        handle_error: ErrorHandler = raise_frame_error if self._name == "decode" else return_frame_error
         decode = encoder._get_decoder(handle_error)
         decode.__doc__ = self._method.__doc__
         # Later accesses find it there, before this descriptor.
@@ -440,36 +441,3 @@ def check_encoder(
     """
     if not isinstance(variant, kind) or variant.interface is not interface:
         raise wrong_encoder_error(variant, kind, interface, procedures)
-
-
-def raise_frame_error(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
-    """Raise an error after adding the frame and the encoder to it. This handles the errors of ``decode``."""
-    raise _complete_error(error, frame, encoder)
-
-
-def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Return a frame error after adding the frame and the encoder to it. This handles the errors of ``try_decode``.
-
-    Raises:
-        TypeError: The error is not a frame error, because the frame does not have the right type.
-    """
-    error = _complete_error(error, frame, encoder)
-    if isinstance(error, FrameError):
-        return error
-    raise error
-
-
-return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
-
-
-def _complete_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
-    """Add the frame and the encoder to a frame error, and return the error.
-
-    Any other error becomes a TypeError whose message begins with the order code.
-    """
-    if isinstance(error, FrameError):
-        error.add(frame, encoder)
-        return error
-    type_error = TypeError(f"{encoder.code}: {error}")
-    type_error.__cause__ = error
-    return type_error

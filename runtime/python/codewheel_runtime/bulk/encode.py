@@ -3,65 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Final, NamedTuple
 
 from ..codec import NO_SUCH_FLAG, assert_never
-from ..errors import RangeError
 from .chunk import Chunk, are_within_limits, bit_mask, compute_crc, compute_parity, np, shift_left, shift_right
 from .decode import CHUNK
-from .shape import Column, DigitCoding, Join, Shape, find_scales, find_width
+from .encode_columns import FirstError, list_names, read_arrays
+from .shape import Column, DigitCoding, Join, Shape, find_width
 from .table import Table
-
-#: Allowed ``dtype.kind`` of the NumPy array for a field, if more than integers are allowed. Bools are not numbers.
-ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag": "uib"}
-
-
-class RowError(RangeError):
-    """A value cannot be encoded. ``row`` is the index of the first row with such a value."""
-
-    def __init__(self, row: int, field: str, value: object, allowed: str) -> None:
-        super().__init__(field, value, allowed)
-        self.row = row
-        self.args = (row, field, value, allowed)
-
-    def __str__(self) -> str:
-        return f"row {self.row}: {super().__str__()}"
-
 
 #: Bits of a character in a frame, and the number of the last character of Latin-1.
 _CHARACTER_BITS: Final = 8
 _LAST_LATIN_1: Final = 0xFF
-
-
-class FirstError:
-    """First error in the rows: the first wrong field of the first row with an error.
-
-    Fields are checked one after another, each in all rows. ``row`` is the lowest row with an error so far, or None, and
-    ``_error`` the arguments of its ``RowError``: field, value and allowed values.
-    """
-
-    def __init__(self) -> None:
-        self.row: int | None = None
-        self._error: tuple[str, object, str] = ("", 0, "")
-
-    def add(self, is_wrong: Any, field: str, values: Any, allowed: str) -> None:
-        """Record the first row in which ``is_wrong`` is True, if no earlier or equal row has an error.
-
-        ``values`` are the values of ``field`` in all rows, and ``allowed`` describes the allowed values, for the
-        message.
-        """
-        if not is_wrong.any():
-            return
-        row = int(is_wrong.argmax())
-        if self.row is None or row < self.row:
-            self.row = row
-            self._error = (field, values[row].item(), allowed)
-
-    def raise_first(self, start: int) -> None:
-        """Raise RowError if there is an error. ``start`` is the index of the first of these rows among all rows."""
-        if self.row is not None:
-            raise RowError(start + self.row, *self._error)
 
 
 def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
@@ -74,7 +28,7 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     if isinstance(columns, Table):
         other_names = columns.others
         columns = columns.columns
-    arrays = _read_arrays(columns, shape, other_names)
+    arrays = read_arrays(columns, shape, other_names)
     # All arrays have the same length.
     count = max(map(len, arrays.values()), default=0)
     frames = np.empty((count, shape.length), np.uint8) if shape.length else np.empty(count, np.uint64)
@@ -87,104 +41,6 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
         # A frame of bits has at most 64 bits, which are one word.
         frames[rows] = _convert_to_rows(words, shape) if shape.length else words[0]
     return frames
-
-
-def _read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
-    """Return the columns of the frame that are present as arrays of equal length. A single value applies to all rows.
-
-    ``other_names`` are the names of columns that do not belong to the frame and are ignored.
-
-    Raises:
-        TypeError: A column is missing, unknown or of the wrong type.
-        ValueError: The columns have different lengths.
-    """
-    if not hasattr(columns, "keys"):
-        raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
-    fields: dict[str, Column] = {}
-    for column in shape.columns:
-        fields |= dict.fromkeys(list_names(column), column)
-    _check_names([*columns], fields, shape, other_names)
-    joined_names = [join.name for join in shape.joins]
-    names_present = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
-    arrays = {name: _make_array(name, columns[name]) for name in names_present}
-    # Single values become arrays without dimensions. If there are only single values, there is one row.
-    row_count = max((array.size for array in arrays.values() if array.ndim), default=1)
-    for name, array in arrays.items():
-        field_kind = fields[name].kind if name in fields else "number"
-        _check_array(name, array, columns[name], field_kind, row_count)
-    return {name: np.broadcast_to(array, (row_count,)) for name, array in arrays.items()}
-
-
-def _make_array(name: str, cells: Any) -> Any:
-    """Return a column as an array. Raises TypeError if it has cells of different shapes, or masked ones."""
-    try:
-        array: Any = np.asanyarray(cells)
-    except ValueError:
-        raise TypeError(f"column {name} is not a row of values: its cells have different shapes") from None
-    if not isinstance(array, np.ma.MaskedArray):
-        return np.asarray(array)
-    if np.ma.getmaskarray(array).any():
-        raise TypeError(f"column {name} has masked values, which no frame can contain: leave out their rows")
-    return array.filled()
-
-
-def _check_array(name: str, array: Any, cells: Any, field_kind: str, row_count: int) -> None:
-    """Raise an error if a column does not have ``row_count`` rows, or if its type does not fit a field of this kind.
-
-    ``array`` has been made from ``cells``, which are the column as the caller passed it.
-
-    Raises:
-        ValueError: The length is wrong.
-        TypeError: The type is wrong.
-    """
-    is_single_value = array.ndim == 0
-    if array.ndim > 1:
-        raise ValueError(f"column {name} has the shape {array.shape}: expected one value per row")
-    if not is_single_value and array.shape != (row_count,):
-        raise ValueError(f"column {name} has the shape {array.shape}, but others have {row_count} rows")
-    # An empty list has no type.
-    if array.size and array.dtype.kind not in ARRAY_KINDS.get(field_kind, "ui"):
-        advice = ": convert it to integers" if array.dtype.kind in "fO" else ""
-        raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field{advice}")
-    # NumPy converts bools to numbers if the list also has numbers, so the type of the array does not show them.
-    if not field_kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
-        raise TypeError(f"column {name} contains bools, which do not fit the field")
-
-
-def _has_bool(cells: Any) -> bool:
-    """Return whether a cell is a bool."""
-    return any(type(cell) is bool for cell in cells)
-
-
-def _check_names(
-    columns: Collection[str], fields: Mapping[str, Column], shape: Shape, other_names: Iterable[str]
-) -> None:
-    """Raise TypeError if a column is missing or unknown.
-
-    ``fields`` contains the field of each column by name. Flags, fields without bits, and unused bits may be omitted. If
-    a joined number is given, its fields may be omitted too. Additional columns of a decoded table are ignored.
-    """
-    optional = {"unused"}
-    for name, column in fields.items():
-        if column.kind.endswith("flag") or not column.width:
-            optional.add(name)
-    for join in shape.joins:
-        if join.name in columns:
-            optional.update(name for name, _ in join.fields)
-    missing = sorted(fields.keys() - {*columns} - optional)
-    joined_names = {join.name for join in shape.joins}
-    ignored = {*other_names, *find_scales(shape), "unused", "fault", "verdict"}
-    unknown = sorted(map(str, {*columns} - ignored - fields.keys() - joined_names))
-    known_columns = ", ".join([*fields, *sorted(joined_names)])
-    if unknown:
-        raise TypeError(f"unknown columns: {', '.join(unknown)}; the columns are {known_columns}")
-    if missing:
-        raise TypeError(f"missing columns: {', '.join(missing)}; the columns are {known_columns}")
-
-
-def list_names(column: Column) -> tuple[str, ...]:
-    """Return the names of a field's columns: one for each group of its decimal digits, or just the field."""
-    return tuple(name for name, _, _ in column.runs) or (column.name,)
 
 
 def _make_words_of_constants(shape: Shape, row_count: int) -> list[Any]:

@@ -6,7 +6,6 @@ Files are recognized by their contents and read in chunks, so memory use does no
 
 from __future__ import annotations
 
-import io
 import re
 import struct
 import zipfile
@@ -15,18 +14,18 @@ from collections.abc import Generator, Sequence
 from configparser import ConfigParser
 from configparser import Error as ConfigError
 from contextlib import ExitStack, contextmanager
-from typing import Any, BinaryIO, Final, NamedTuple
+from typing import Any, BinaryIO, Final
 
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
 from ..packages import load
-from .signal_text import Voltages, measure_size, read_table_signals, read_vcd_signals
-from .signals import SAMPLES, SignalNames, Signals, merge_edges, pack_bits, read_array, read_samples
+from .array_files import read_array_archive, read_array_file
+from .saleae import SALEAE_HEADER, read_saleae
+from .signal_text import read_table_signals, read_vcd_signals
+from .signals import MOST_UNPACKED, SAMPLES, SignalNames, Signals, read_samples
 from .table_forms import HEADER, HINT, parse_rate
 
 np: Any = load("numpy")
-
-_SALEAE_HEADER: Final = b"<SALEAE>"
 
 
 @contextmanager
@@ -52,7 +51,7 @@ def open_signals(
         heads = [file.read(HEADER) for file in files]
         for file in files:
             file.seek(0)
-        is_saleae = [head.startswith(_SALEAE_HEADER) for head in heads]
+        is_saleae = [head.startswith(SALEAE_HEADER) for head in heads]
         # A serial line has no clock, so it is the only signal.
         signal_count = 1 if names.clock is None else 2
         if any(is_saleae):
@@ -63,7 +62,7 @@ def open_signals(
                 raise UsageError(f"each binary file of Saleae has one signal: give {expected_files}")
             if len({*paths}) < len(paths):
                 raise UsageError("the clock and the data line are the same file: give one file for each")
-            signals = _read_saleae(files[::-1], paths[::-1]) if names.exchanged else _read_saleae(files, paths)
+            signals = read_saleae(files[::-1], paths[::-1]) if names.exchanged else read_saleae(files, paths)
         elif len(files) != 1:
             raise UsageError("give one file: only binary files of Saleae have one signal each")
         else:
@@ -89,7 +88,7 @@ def _open_single_file(
     if head.startswith(b"PK"):
         return _read_archive(stack, file, path, names, rate, threshold)
     if head.startswith(b"\x93NUMPY"):
-        return _read_array_file(file, path, names, rate)
+        return read_array_file(file, path, names, rate)
     if not head:
         raise InputError(path, "", "the file is empty")
     if b"\0" in head:
@@ -100,10 +99,6 @@ def _open_single_file(
     return read_table_signals(file, path, head, names, rate, threshold)
 
 
-# sigrok sessions
-
-#: Most bytes of samples in a session, when unpacked: three minutes at 24 MHz, which take a minute to read.
-_MOST_UNPACKED: Final = 1 << 32
 #: Errors that a damaged ZIP file causes.
 _ERRORS_OF_DAMAGED_ZIP: Final = (
     zipfile.BadZipFile,
@@ -130,7 +125,7 @@ def _read_archive(
         raise InputError(path, "", "this is not a valid sigrok session") from None
     has_arrays = any(file_name.endswith(".npy") for file_name in file_names)
     if has_arrays and "metadata" not in file_names:
-        return _read_array_archive(archive, path, names, rate, threshold)
+        return read_array_archive(archive, path, names, rate, threshold)
     return _read_session(archive, path, names, rate)
 
 
@@ -168,8 +163,8 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
         raise InputError(path, "", "this sigrok session has no samples")
     sample_rate = rate or parse_rate(device.get("samplerate", ""))
     total = sum(info.file_size for info in entries)
-    if total > _MOST_UNPACKED:
-        sizes = f"{total / 1e9:.1f} GB unpacked, and at most {_MOST_UNPACKED / 1e9:.1f} GB are read"
+    if total > MOST_UNPACKED:
+        sizes = f"{total / 1e9:.1f} GB unpacked, and at most {MOST_UNPACKED / 1e9:.1f} GB are read"
         raise InputError(path, "", f"the samples have {sizes}: save a shorter session")
     parts = _unpack_samples(archive, entries, size, path)
     seconds = 1 / sample_rate if sample_rate else None
@@ -243,285 +238,3 @@ def _parse_small_number(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 10):
         raise ValueError(text)
     return int(text)
-
-
-# NumPy files
-
-
-class _ArrayForm(NamedTuple):
-    """Form of an array of samples: its NumPy type, and the numbers of channels and samples.
-
-    If ``channels`` is None, each number is a sample whose bits are the channels.
-    """
-
-    kind: Any
-    channels: int | None
-    sample_count: int
-
-
-def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
-    """Return the form of the array in a NumPy file, and leave the file at its first sample.
-
-    Raises InputError if the file does not have whole numbers, one row per sample.
-    """
-    numpy_format = np.lib.format
-    try:
-        version = numpy_format.read_magic(file)
-        is_first_version = version == (1, 0)
-        read_header = numpy_format.read_array_header_1_0 if is_first_version else numpy_format.read_array_header_2_0
-        shape, is_fortran, dtype = read_header(file)
-    except Exception:  # The parser of the header raises many types.
-        raise InputError(path, "", "this is not a valid NumPy file") from None
-    has_rows = len(shape) == 2
-    are_integers = dtype.kind in "uib" and dtype.itemsize <= 8
-    if is_fortran and has_rows:
-        reason = "the samples of a channel follow each other: save numpy.ascontiguousarray(samples)"
-        raise InputError(path, "", reason)
-    if not are_integers or len(shape) not in (1, 2):
-        raise InputError(path, "", f"expected whole numbers, one row per sample, got {dtype} {shape}")
-    if has_rows and not 0 < shape[1] <= 1024:
-        raise InputError(path, "", f"expected 1 to 1024 channels, got {shape[1]}")
-    return _ArrayForm(dtype, shape[1] if has_rows else None, shape[0])
-
-
-def _read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float | None) -> Signals:
-    """Return the signals of a ``.npy`` file."""
-    form = _read_array_form(file, path)
-    channels = form.channels
-    channel_count = 8 * form.kind.itemsize if channels is None else channels
-    places = names.places([str(number) for number in range(1, channel_count + 1)], path)
-    # Bits of the signals in a sample. The chosen columns of rows are packed, so their bits are numbered from 0.
-    bits = places if channels is None else range(len(places))
-    parts = _read_array_parts(file, path, form, places)
-    edges = read_samples(parts, tuple(1 << bit for bit in bits))
-    return Signals(edges, seconds=1 / rate if rate else None, is_sampled=True)
-
-
-def _read_array_parts(
-    file: BinaryIO, path: str, form: _ArrayForm, places: Sequence[int]
-) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of some rows as unsigned numbers, the number of bytes read so far, and None instead of times.
-
-    ``places`` are the columns of the signals. If the array has no columns, each number is a sample, and all its bits
-    are kept. Raises InputError at the end if samples are missing there.
-    """
-    dtype = form.kind
-    channels = form.channels
-    row_width = 1 if channels is None else channels
-    row_bytes = row_width * dtype.itemsize
-    bytes_read = 0
-    while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
-        bytes_read += len(data)
-        row_count = len(data) // row_bytes
-        samples = np.frombuffer(data, dtype, count=row_count * row_width)
-        if channels is not None:
-            yield pack_bits(samples.reshape(-1, row_width)[:, places]), bytes_read, None
-            continue
-        byte_order = dtype.byteorder if dtype.itemsize > 1 else ""
-        # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
-        samples = samples.view(f"{byte_order}u{dtype.itemsize}")
-        yield samples.astype(f"u{dtype.itemsize}", copy=False), bytes_read, None
-    if bytes_read < form.sample_count * row_bytes:
-        reason = f"this NumPy file ends early: it has {bytes_read // row_bytes} of {form.sample_count} samples"
-        raise InputError(path, "", reason)
-
-
-class _Arrays(NamedTuple):
-    """Arrays of an ``.npz`` file: the channels by name, and the times and the sample rate in Hz, if it has them."""
-
-    channels: dict[str, Any]
-    times: Any
-    rate: float | None
-
-
-def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
-    """Return the arrays of an ``.npz`` file: channels, times and sample rate.
-
-    Raises InputError if an array is damaged or does not contain numbers.
-    """
-    channels: dict[str, Any] = {}
-    times: Any = None
-    rate: float | None = None
-    for file_name in archive.namelist():
-        name = file_name.removesuffix(".npy")
-        array = _read_array_in(archive, file_name, path)
-        if array.dtype.kind not in "uibf":
-            raise InputError(path, "", f"expected numbers in {short(name)}, got {array.dtype}")
-        if array.ndim == 1 and name.lower() in _NAMES_OF_TIMES:
-            times = array.astype(np.float64)
-        elif array.ndim:
-            channels[name] = array
-        elif name.lower() in _NAMES_OF_RATES:
-            # An array without dimensions is a single number. If there are several rates, the first one counts.
-            if not 0 < array < np.inf:
-                raise InputError(path, "", f"expected a sample rate above 0 in {short(name)}, got {array}")
-            rate = rate or float(array)
-    return _Arrays(channels, times, rate)
-
-
-def _read_array_archive(
-    archive: zipfile.ZipFile, path: str, names: SignalNames, rate: float | None, threshold: float | None
-) -> Signals:
-    """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
-
-    The names of the arrays are the names of the channels. A channel has levels, 0 and 1, or voltages. A single number
-    named ``rate`` or similar gives the sample rate in Hz, and an array named ``time`` or similar the times in seconds.
-    """
-    total = sum(info.file_size for info in archive.infolist())
-    if total > _MOST_UNPACKED:
-        raise InputError(path, "", f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
-    channels, times, rate_in_file = _load_arrays(archive, path)
-    sample_rate = rate or rate_in_file
-    arrays = list(channels.values())
-    if len(arrays) == 1 and arrays[0].dtype.kind != "f" and times is None:
-        try:
-            return read_array(arrays[0], names, sample_rate)
-        except TypeError as error:
-            raise InputError(path, "", str(error)) from None
-    columns = arrays if times is None else [times, *arrays]
-    shapes = {column.shape for column in columns}
-    if len(shapes) != 1 or any(column.ndim != 1 for column in columns):
-        raise InputError(
-            path, "", "expected one array of samples, or an array of 0 and 1 of the same length per channel"
-        )
-    places = names.places([*channels], path)
-    cells = np.stack([arrays[place] for place in places], 1)
-    samples = pack_bits(_convert_to_levels(cells, threshold, path))
-    masks = tuple(1 << bit for bit in range(len(places)))
-    edges = read_samples([(samples, len(samples), times)], masks)
-    if times is None:
-        return Signals(edges, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=len(samples))
-    if not (np.isfinite(times).all() and (np.diff(times) >= 0).all()):
-        raise InputError(path, "", "the times are not finite numbers in ascending order")
-    return Signals(edges, seconds=1.0, is_sampled=False, total=len(samples))
-
-
-def _convert_to_levels(cells: Any, threshold: float | None, path: str) -> Any:
-    """Return the levels of samples, with a column for each channel. ``cells`` are levels or voltages.
-
-    All numbers are voltages if one of them is neither 0 nor 1, or if there is a ``threshold``. Raises InputError if a
-    voltage is not finite.
-    """
-    if threshold is None and ((cells == 0) | (cells == 1)).all():
-        return cells
-    if not np.isfinite(cells).all():
-        raise InputError(path, "", "expected finite voltages: remove the samples that are infinite or NaN")
-    return Voltages(cells.min(axis=0), cells.max(axis=0), threshold).levels(cells)
-
-
-def _read_array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
-    """Return an array from an archive."""
-    try:
-        return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
-    except Exception:  # The parser of the header raises many types.
-        raise InputError(path, "", f"{short(name)} is not a valid NumPy array") from None
-
-
-#: Names of a sample rate in Hz next to the arrays of a file.
-_NAMES_OF_RATES: Final = ("rate", "samplerate", "sample_rate", "fs")
-#: Names of an array of times in seconds.
-_NAMES_OF_TIMES: Final = ("time", "times", "t", "seconds")
-
-
-# Saleae's binary files
-
-
-#: Number of edges that are read at once. Each takes eight bytes.
-_EDGES_AT_ONCE: Final = SAMPLES // 8
-
-
-class _Saleae:
-    """Binary file of one digital channel, version 0 or 1. Version 1 has several chunks with gaps between them.
-
-    ``chunks`` is their number. ``end`` is the latest end of the chunks read so far, in seconds. ``_start`` is the
-    beginning of the last chunk. ``_ready`` contains the first level and the number of edges of the first chunk, whose
-    header is read when the file is opened.
-    """
-
-    def __init__(self, file: BinaryIO, path: str) -> None:
-        self._file = file
-        self._path = path
-        # Eight bytes of identification, then two numbers. Kind 0 is a digital channel.
-        version, channel_kind = struct.unpack("<8xii", self._read_exactly(16))
-        if channel_kind != 0:
-            raise InputError(path, "", "this Saleae file has analog values: export the digital channels")
-        if version not in (0, 1):
-            raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")
-        self._has_rate = version == 1
-        self.chunks = 1
-        if self._has_rate:
-            (self.chunks,) = struct.unpack("<Q", self._read_exactly(8))
-        # The latest end of a chunk so far, in seconds. The first level and the number of edges of the first chunk.
-        self.end = 0.0
-        self._ready = (0, 0)
-        if self.chunks:
-            self._ready = self._read_chunk()
-
-    def _read_exactly(self, size: int) -> bytes:
-        """Return the next ``size`` bytes. Raises InputError if there are fewer bytes."""
-        data = self._file.read(size)
-        if len(data) != size:
-            raise InputError(self._path, "", "this Saleae file ends early")
-        return data
-
-    def _read_chunk(self) -> tuple[int, int]:
-        """Read the header of the next chunk. Return its first level and the number of its edges, which follow.
-
-        Raises InputError if the header is damaged.
-        """
-        # First level, sample rate in version 1, begin, end and number of edges.
-        header_format = "<IdddQ" if self._has_rate else "<IddQ"
-        header = struct.Struct(header_format)
-        # The sample rate is not used, because times are in seconds.
-        level, *_, begin, end, count = header.unpack(self._read_exactly(header.size))
-        if not (np.isfinite(begin) and np.isfinite(end)) or level > 1:
-            raise InputError(self._path, "", "this Saleae file is damaged")
-        self._start = begin
-        self.end = max(self.end, end)
-        return int(level), int(count)
-
-    def edges(self) -> Generator[tuple[int, Any, int], None, None]:
-        """Yield the level before some edges, their times, and the number of bytes read so far.
-
-        The first part has no edges, but shows the level at the beginning.
-        """
-        last_time = -np.inf
-        level, _ = self._ready
-        yield level, np.zeros(0), self._file.tell()
-        for chunk_index in range(self.chunks):
-            first_level, count = self._ready if chunk_index == 0 else self._read_chunk()
-            if self._start < last_time:
-                raise InputError(self._path, "", "the parts of this Saleae file are not in ascending order")
-            if first_level != level:
-                # The signal changed in the gap before this chunk, which is reported as an edge at its start.
-                level_before = level
-                level = first_level
-                last_time = self._start
-                yield level_before, np.array([self._start]), self._file.tell()
-            while count:
-                read_count = min(count, _EDGES_AT_ONCE)
-                edge_times = self._read_edge_times(read_count, last_time)
-                yield level, edge_times, self._file.tell()
-                count -= read_count
-                last_time = float(edge_times[-1])
-                # An odd number of edges inverts the level.
-                level ^= read_count & 1
-        if self._file.read(1):
-            raise InputError(self._path, "", "this Saleae file is damaged: more bytes follow its last edge")
-
-    def _read_edge_times(self, count: int, last_time: float) -> Any:
-        """Return the next ``count`` edge times. Raises InputError unless they ascend from ``last_time``."""
-        # The time of each edge is a number of eight bytes.
-        edge_times = np.frombuffer(self._read_exactly(8 * count), "<f8")
-        are_finite = np.isfinite(edge_times).all()
-        if not are_finite or edge_times[0] < last_time or (np.diff(edge_times) < 0).any():
-            raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
-        return edge_times
-
-
-def _read_saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:
-    """Return the signals of Saleae's binary files, one per file."""
-    readers = [_Saleae(file, path) for file, path in zip(files, paths, strict=True)]
-    edge_streams = [reader.edges() for reader in readers]
-    edges = merge_edges(edge_streams, end=lambda: max(reader.end for reader in readers))
-    return Signals(edges, seconds=1.0, is_sampled=False, total=sum(map(measure_size, files)))

@@ -14,6 +14,8 @@ np: Any = load("numpy")
 
 #: Number of samples that are read at once.
 SAMPLES: Final = 1 << 21
+#: Most bytes of samples in a compressed file, when unpacked: three minutes at 24 MHz, which take a minute to read.
+MOST_UNPACKED: Final = 1 << 32
 
 
 class Edges(NamedTuple):

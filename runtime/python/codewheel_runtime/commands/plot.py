@@ -11,7 +11,7 @@ from pathlib import PurePath
 from typing import Any, Final, NamedTuple
 
 from ..bulk.table import SpeedUnit, Table, Unit
-from ..captures.clocked import Lost
+from ..captures.captured_frames import Lost
 from ..errors import ErrorKind, UsageError
 from ..files.targets import open_for_writing
 

@@ -188,7 +188,7 @@ class FixedFrame(Fixed):
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_many(frames, cls, variant=None)
+        return decode_frames(frames, cls, variant=None)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table) -> Any:
@@ -205,7 +205,7 @@ class FixedFrame(Fixed):
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
         """
-        return encode_many(columns, cls, variant=None)
+        return encode_columns(columns, cls, variant=None)
 
 
 class FixedBits(FixedFrame, InBits):
@@ -284,7 +284,7 @@ class FrameOf(ByEncoder[_Encoder]):
             TypeError, ValueError: ``frames`` are not in this form.
             TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends such frames.
         """
-        return decode_many(frames, cls, variant=variant)
+        return decode_frames(frames, cls, variant=variant)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, variant: _Encoder) -> Any:
@@ -303,7 +303,7 @@ class FrameOf(ByEncoder[_Encoder]):
             ValueError: The columns have different lengths.
             TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends such frames.
         """
-        return encode_many(columns, cls, variant=variant)
+        return encode_columns(columns, cls, variant=variant)
 
 
 class BitsOf(FrameOf[_Encoder], InBits):
@@ -363,8 +363,10 @@ def keep_bytes(register: _Limited, data: bytes) -> _Limited:
     return register
 
 
-def decode_many(frames: object, frame_class: type, /, *, variant: Encoder | None, **answers: object) -> Table:
-    """Decode many frames of one class. ``variant`` is None for frames that are the same for every encoder.
+def decode_frames(frames: object, frame_class: type, /, *, variant: Encoder | None, **answers: object) -> Table:
+    """Return the columns of many frames of one class.
+
+    ``variant`` is None for frames that are the same for every encoder.
 
     ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
@@ -374,12 +376,12 @@ def decode_many(frames: object, frame_class: type, /, *, variant: Encoder | None
     return bulk_decode.decode_many(frames, shape, variant)
 
 
-def encode_many(
+def encode_columns(
     columns: Mapping[str, Any] | Table, frame_class: type, /, *, variant: Encoder | None, **answers: object
 ) -> Any:
-    """Encode many frames of one class, given as columns by name.
+    """Return many frames of one class, whose values are given as columns by name.
 
-    ``variant`` is None if all encoders have the same frames.
+    ``variant`` is None for frames that are the same for every encoder.
 
     ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """

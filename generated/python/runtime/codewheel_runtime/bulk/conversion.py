@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from typing import Any, Final, Protocol
 
+from ..codec import shorten
 from ..errors import ErrorKind
 from ..facts import Scale
 from ..packages import load
@@ -37,6 +39,58 @@ class Columns(Protocol):
 def insert_none(hidden: Iterable[bool], cells: Iterable[Any]) -> list[Any]:
     """Return the cells of a column as a list, with None in place of the cells for which ``hidden`` is True."""
     return [None if is_hidden else cell for cell, is_hidden in zip(cells, hidden, strict=True)]
+
+
+def check_new_columns(columns: Mapping[str, Any], decoded_names: Collection[str], count: int) -> None:
+    """Raise an error unless each column fits a table of ``count`` frames that has the columns ``decoded_names``.
+
+    Raises:
+        TypeError: A column is a single value.
+        ValueError: A column has a different length, or the name of a decoded column.
+    """
+    for name, column in columns.items():
+        if not hasattr(column, "__len__"):
+            raise TypeError(f"'{name}' must have a value for every frame, got {shorten(column)}")
+        if name in decoded_names:
+            raise ValueError(f"the frames already have a column '{name}'")
+        if len(column) != count:
+            raise ValueError(f"expected {count} values in '{name}', one per frame, got {len(column)}")
+
+
+def make_unknown_column_message(name: str, names: Sequence[str]) -> str:
+    """Return the message for a column that a table does not have, with the most similar one of its ``names``."""
+    nearest = get_close_matches(name, names, n=1)
+    suggestion = f"; did you mean {nearest[0]!r}?" if nearest else ""
+    return f"no column {name[:40]!r}; the columns are {', '.join(names)}{suggestion}"
+
+
+def convert_to_quantities(numbers: Any, scale: Scale) -> Any:
+    """Return a column of numbers converted to quantities, such as degrees Celsius, as decimals."""
+    np: Any = load("numpy")
+    # Numbers such as temperatures repeat, so each different number is converted only once.
+    different_numbers, index_in_numbers = np.unique(numbers, return_inverse=True)
+    quantities = np.array([scale.decimal(number) for number in different_numbers.tolist()], object)
+    return quantities[index_in_numbers]
+
+
+def read_cells(columns: Columns, name: str, rows: slice) -> list[Any]:
+    """Return the values of a column in some rows as Python objects.
+
+    Errors and verdicts become members of their enumerations, values without a meaning become None, and bytes become
+    text.
+    """
+    column = columns[name][rows]
+    cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
+    # A fault is the number of its ErrorKind. A verdict is its index in Verdict, whose values are texts.
+    if name == "fault":
+        return [ErrorKind(cell) for cell in cells]
+    if name == "verdict":
+        verdicts = [*Verdict]
+        return [verdicts[cell] for cell in cells]
+    hidden = columns.hidden(name)
+    if hidden is not None:
+        cells = insert_none(hidden[rows].tolist(), cells)
+    return [cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells]
 
 
 def list_texts(column: Any) -> list[str]:

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from enum import IntEnum
 from functools import lru_cache
-from typing import Any, Final, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from ..codec import BitField, assert_never
 from ..errors import ErrorKind
@@ -388,99 +388,34 @@ def find_scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
     return scales
 
 
-class QuickChecks(NamedTuple):
-    """Quick checks of a frame. Only frames that fail them are examined for their errors.
-
-    ``fixed`` contains a mask and the required bits of each 64-bit word, lowest word first. ``bytes`` contains the index
-    of a byte and its allowed values. ``remaining`` contains all other checks.
-    """
-
-    fixed: tuple[tuple[int, int], ...]
-    bytes: tuple[tuple[int, tuple[int, ...]], ...]
-    remaining: tuple[Check, ...]
-
-
-@lru_cache(maxsize=256)
-def find_quick_checks(shape: Shape) -> QuickChecks:
-    """Return the checks of a frame in the form in which they take the least time for many frames.
-
-    Checks are combined into a single comparison of all constant bits, and into the allowed values of single bytes. If
-    the four lowest bits of a frame must be 1010, the result is ``fixed=((0xF, 0xA),)``.
-    """
-    fixed_mask = fixed_bits = 0
-    remaining: list[Check] = []
-    checks_by_byte: dict[int, list[Check]] = {}
-    for check in shape.checks:
-        is_always_met = not check.width and not check.parity_of and holds(0, check)
-        if is_always_met:
-            continue
-        covers_unconverted_bits = bool(check.parity_of) and (shape.gray is not None or bool(shape.digit_codings))
-        byte_indices = _find_bytes_of(check)
-        possible_values = [value for value in check.values if not value >> check.width]
-        if covers_unconverted_bits:
-            remaining.append(check)
-        elif len(byte_indices) == 1:
-            checks_by_byte.setdefault(byte_indices.pop(), []).append(check)
-        elif len(possible_values) == 1:
-            fixed_mask |= ((1 << check.width) - 1) << check.low
-            fixed_bits |= possible_values[0] << check.low
-        else:
-            remaining.append(check)
-    byte_values: list[tuple[int, tuple[int, ...]]] = []
-    for index, checks in checks_by_byte.items():
-        allowed = [byte for byte in range(256) if _are_all_met(byte << (8 * index), checks)]
-        constant_mask = _find_constant_bits(allowed)
-        free_bits = 8 - constant_mask.bit_count()
-        # If the other bits can have any value, the constant bits are the whole condition.
-        if allowed and len(allowed) == 1 << free_bits:
-            fixed_mask |= constant_mask << (8 * index)
-            fixed_bits |= (allowed[0] & constant_mask) << (8 * index)
-        elif len(allowed) <= _MOST_COMPARED_VALUES:
-            byte_values.append((index, tuple(allowed)))
-        else:
-            remaining += checks
-    fixed = _split_into_words(fixed_mask, fixed_bits, shape.bits)
-    return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
-
-
-#: Number of allowed values of a byte up to which the byte is compared with each of them.
-_MOST_COMPARED_VALUES: Final = 8
-
-
-def _find_constant_bits(values: list[int]) -> int:
-    """Return a mask of the bits of a byte that are the same in all of these values."""
-    constant_mask = 0xFF
-    for value in values:
-        constant_mask &= ~(value ^ values[0])
-    return constant_mask
-
-
-def _split_into_words(mask: int, required_bits: int, bits: int) -> tuple[tuple[int, int], ...]:
-    """Return the 64-bit words of a mask and of the required bits of a frame of ``bits`` bits, the lowest word first."""
-    word_mask = (1 << 64) - 1
-    return tuple(
-        ((mask >> lowest_bit) & word_mask, (required_bits >> lowest_bit) & word_mask)
-        for lowest_bit in range(0, bits, 64)
-    )
-
-
-def _find_bytes_of(check: Check) -> set[int]:
-    """Return the indices of the bytes in which the checked bits, and the fields that a parity covers, begin and end."""
-    byte_indices: set[int] = set()
-    # A field without bits counts as one bit.
-    for low, width in ((check.low, check.width), *check.parity_of):
-        byte_indices |= {low // 8, (low + max(width, 1) - 1) // 8}
-    return byte_indices
-
-
-def _are_all_met(number: int, checks: list[Check]) -> bool:
-    """Return whether a frame, given as a number, meets all conditions."""
-    return all(holds(number, check) for check in checks)
-
-
 def holds(number: int, check: Check) -> bool:
     """Return whether a frame, given as a number, meets a condition."""
     bits = (number >> check.low) & ((1 << check.width) - 1)
     if check.parity_of:
         return bits == check.parity(number)
     return check.is_within(bits) if check.limit is not None else bits in check.values
+
+
+def all_match(columns: Any, values: Iterable[tuple[str, int]]) -> Any:
+    """Return an array that is True for each row in which all these columns have the values next to their names."""
+    matches: Any = True
+    for name, value in values:
+        matches = matches & (columns[name] == value)
+    return matches
+
+
+def find_active(columns: Any, cause: ReportCause) -> Any:
+    """Return an array that is True for the frames in which the cause of a report is active, valid or not.
+
+    The cause is columns with certain values, or an active flag, or unused bits that differ from the manual. ``columns``
+    are the columns of the frames by name.
+    """
+    if cause.when:
+        return all_match(columns, cause.when)
+    if cause.flag:
+        return columns[cause.flag]
+    unused: Any = columns["unused"]
+    # NumPy requires that the mask fits the type of the column, which has all unused bits.
+    column_bits = 8 * unused.itemsize
+    mask_in_column = cause.mask & ((1 << column_bits) - 1)
+    return (unused & mask_in_column) != 0

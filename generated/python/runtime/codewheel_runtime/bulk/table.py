@@ -3,42 +3,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from difflib import get_close_matches
-from fractions import Fraction
-from math import tau
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, overload
+from typing import Any, Final, cast, overload
 
-from ..codec import PositionRange, shorten, whole_number
-from ..errors import ErrorKind, RangeError
+from ..codec import PositionRange, whole_number
+from ..errors import ErrorKind
 from ..facts import Scale
 from ..packages import load
 from ..reports import Movement, Verdict
-from .conversion import insert_none
-from .shape import ReportCause
+from .conversion import (
+    Columns,
+    arrow_columns,
+    check_new_columns,
+    convert_to_quantities,
+    make_unknown_column_message,
+    pandas_columns,
+    read_cells,
+)
+from .motion import check_times, compute_speeds, find_motion, unwrap_positions
+from .shape import ReportCause, find_active
+from .table_base import ColumnName, FrameSource, PositionUnit, TableOf
+from .units import POSITION_UNITS, AngleUnit, LengthUnit, SpeedUnit, Unit, find_unit_size
 
-#: Units for positions and speeds.
-Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
-#: Units of encoders that measure angles, and of those that measure lengths.
-AngleUnit = Literal["counts", "turns", "degrees", "radians"]
-LengthUnit = Literal["counts", "micrometres", "millimetres", "metres"]
-#: Units for speeds: a unit per second, or revolutions per minute.
-SpeedUnit = Unit | Literal["rpm"]
-
-#: Size of one turn in each angular unit, and size of each unit of length in micrometers.
-_UNITS_PER_TURN: Final[Mapping[str, float]] = {"turns": 1, "degrees": 360, "radians": tau}
-_MICROMETERS_PER_UNIT: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000, "metres": 1_000_000}
-_POSITION_UNITS: Final = ("counts", *_UNITS_PER_TURN, *_MICROMETERS_PER_UNIT)
-
-
-def all_match(columns: Any, values: Iterable[tuple[str, int]]) -> Any:
-    """Return an array that is True for each row in which all these columns have the values next to their names."""
-    matches: Any = True
-    for name, value in values:
-        matches = matches & (columns[name] == value)
-    return matches
-
+__all__ = ["AngleUnit", "FrameSource", "LengthUnit", "SpeedUnit", "Table", "Unit"]
 
 #: Number of rows that are converted to Python objects at once.
 _ROWS_AT_ONCE: Final = 1 << 14
@@ -46,43 +34,7 @@ _ROWS_AT_ONCE: Final = 1 << 14
 _NO_COLUMNS: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
-class UnitError(ValueError, AttributeError):
-    """The encoder does not measure in this unit. The message lists the units that it measures in."""
-
-
-class FrameSource(Protocol):
-    """Encoder of the frames in a table, or a layout of frames instead."""
-
-    @property
-    def code(self) -> str:
-        """Order code, or the layout as text."""
-        ...
-
-    def _range_in(self, frame: str, /) -> PositionRange: ...
-
-
-if TYPE_CHECKING:
-    # Type checkers know this module, which the standard library of Python 3.10 does not replace.
-    from typing_extensions import TypeVar
-
-    _Name = TypeVar("_Name", bound=str, default=Any)
-    _Unit = TypeVar("_Unit", bound=str, default=Any)
-
-    class _TableOf(Generic[_Name, _Unit]):
-        """Base class for type checkers, generic in the names of the columns and in the units."""
-
-else:
-    _Name = _Unit = str
-
-    class _TableOf:
-        """Base at run time."""
-
-        def __class_getitem__(cls, arguments: object) -> type:
-            """Return the class itself."""
-            return cls
-
-
-class Table(_TableOf[_Name, _Unit]):
+class Table(TableOf[ColumnName, PositionUnit]):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
@@ -193,23 +145,8 @@ class Table(_TableOf[_Name, _Unit]):
         """Arrays by name of the report. Each is True for the valid frames with that report."""
         reports: dict[str, Any] = {}
         for cause in self._report_causes:
-            reports[cause.report] = self._find_active(cause) & self.ok
+            reports[cause.report] = find_active(self, cause) & self.ok
         return reports
-
-    def _find_active(self, cause: ReportCause) -> Any:
-        """Return an array that is True for the frames in which the cause of a report is active, valid or not.
-
-        The cause is columns with certain values, or an active flag, or unused bits that differ from the manual.
-        """
-        if cause.when:
-            return all_match(self, cause.when)
-        if cause.flag:
-            return self._find_column(cause.flag)
-        unused: Any = self._find_column("unused")
-        # NumPy requires that the mask fits the type of the column, which has all unused bits.
-        column_bits = 8 * unused.itemsize
-        mask_in_column = cause.mask & ((1 << column_bits) - 1)
-        return (unused & mask_in_column) != 0
 
     @property
     def others(self) -> Mapping[str, Any]:
@@ -244,13 +181,8 @@ class Table(_TableOf[_Name, _Unit]):
             TypeError: A column is a single value.
             ValueError: A column has a different length, or the name of a decoded column.
         """
-        for name, column in columns.items():
-            if not hasattr(column, "__len__"):
-                raise TypeError(f"'{name}' must have a value for every frame, got {shorten(column)}")
-            if name in self._names and name not in self._others:
-                raise ValueError(f"the frames already have a column '{name}'")
-            if len(column) != self.count:
-                raise ValueError(f"expected {self.count} values in '{name}', one per frame, got {len(column)}")
+        decoded_names = {*self._names} - {*self._others}
+        check_new_columns(columns, decoded_names, self.count)
         return self._replace_columns(self._columns, self._fault, self._verdict, {**self._others, **columns})
 
     def _replace_columns(
@@ -272,13 +204,13 @@ class Table(_TableOf[_Name, _Unit]):
         )
 
     @overload
-    def __getitem__(self, name: _Name) -> Any: ...
+    def __getitem__(self, name: ColumnName) -> Any: ...
 
     @overload
     def __getitem__(self, name: int) -> dict[str, Any]: ...
 
     @overload
-    def __getitem__(self, name: slice) -> Table[_Name, _Unit]: ...
+    def __getitem__(self, name: slice) -> Table[ColumnName, PositionUnit]: ...
 
     def __getitem__(self, name: Any) -> Any:
         """Return a column by its name, a frame by its index, or a table of several frames by a slice.
@@ -307,28 +239,9 @@ class Table(_TableOf[_Name, _Unit]):
         # Cells as objects take much memory, so only some rows are converted at once.
         for start in range(0, self.count, _ROWS_AT_ONCE):
             rows = slice(start, start + _ROWS_AT_ONCE)
-            columns = [self._read_cells(name, rows) for name in self.names]
+            columns = [read_cells(self._as_columns(), name, rows) for name in self.names]
             for row in zip(*columns, strict=True):
                 yield dict(zip(self.names, row, strict=True))
-
-    def _read_cells(self, name: str, rows: slice) -> list[Any]:
-        """Return the values of a column in some rows as Python objects.
-
-        Errors and verdicts become members of their enumerations, values without a meaning become None, and bytes become
-        text.
-        """
-        column = self._find_column(name)[rows]
-        cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
-        # A fault is the number of its ErrorKind. A verdict is its index in Verdict, whose values are texts.
-        if name == "fault":
-            return [ErrorKind(cell) for cell in cells]
-        if name == "verdict":
-            verdicts = [*Verdict]
-            return [verdicts[cell] for cell in cells]
-        hidden = self.hidden(name)
-        if hidden is not None:
-            cells = insert_none(hidden[rows].tolist(), cells)
-        return [cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells]
 
     def _find_column(self, name: str) -> Any:
         """Return a column by its name. Raises KeyError if there is no such column.
@@ -342,28 +255,14 @@ class Table(_TableOf[_Name, _Unit]):
         if name == "verdict" and self._verdict is not None:
             return self._verdict
         if name in self._scales and name not in self._columns:
-            self._columns[name] = self._convert_to_quantities(*self._scales[name])
+            number_name, scale = self._scales[name]
+            self._columns[name] = convert_to_quantities(self._find_column(number_name), scale)
         if name in self._parts and name not in self._columns:
-            # The part is computed once, and kept as a column.
             whole, low, width = self._parts[name]
             self._columns[name] = (self._columns[whole] >> low) & ((1 << width) - 1)
         if name not in self._columns:
-            raise KeyError(self._unknown_column_error(name))
+            raise KeyError(make_unknown_column_message(name, self.names))
         return self._columns[name]
-
-    def _unknown_column_error(self, name: str) -> str:
-        """Return the message for a column that the table does not have, with the most similar name."""
-        nearest = get_close_matches(name, self.names, n=1)
-        suggestion = f"; did you mean {nearest[0]!r}?" if nearest else ""
-        return f"no column {name[:40]!r}; the columns are {', '.join(self.names)}{suggestion}"
-
-    def _convert_to_quantities(self, name: str, scale: Scale) -> Any:
-        """Return the column ``name`` of numbers converted to quantities, such as degrees Celsius, as decimals."""
-        np: Any = load("numpy")
-        # Numbers such as temperatures repeat, so each different number is converted only once.
-        different_numbers, index_in_numbers = np.unique(self._find_column(name), return_inverse=True)
-        quantities = np.array([scale.decimal(number) for number in different_numbers.tolist()], object)
-        return quantities[index_in_numbers]
 
     def scale(self, name: str) -> Scale | None:
         """Return the scale of a column of quantities, or None for other columns."""
@@ -386,12 +285,8 @@ class Table(_TableOf[_Name, _Unit]):
 
     def faults(self) -> dict[ErrorKind, int]:
         """Return the number of valid frames and the number of frames with each error, without those that are 0."""
-        counts: dict[ErrorKind, int] = {}
-        for kind in ErrorKind:
-            count = int((self._fault == kind).sum())
-            if count:
-                counts[kind] = count
-        return counts
+        counts = {kind: int((self._fault == kind).sum()) for kind in ErrorKind}
+        return {kind: count for kind, count in counts.items() if count}
 
     def unwrapped(self, previous: int | None = None) -> Any:
         """Return the position of each frame as a count that continues when the position wraps around.
@@ -412,32 +307,11 @@ class Table(_TableOf[_Name, _Unit]):
             RangeError: A position is above the highest or below the lowest that this encoder sends.
             ValueError: The manual does not say where the position of this encoder wraps around.
         """
-        np: Any = load("numpy")
         encoder: Any = self.encoder
         position_range: PositionRange = encoder._range_in(self._frame)
-        usable_rows = np.flatnonzero(self.usable)
-        positions = self.position.astype(np.int64)
-        if not len(usable_rows):
-            return np.full(len(positions), previous or 0, np.int64)
-        usable_positions = positions[usable_rows]
-        for extreme in (int(usable_positions.max()), int(usable_positions.min())):
-            if not position_range.lowest <= extreme <= position_range.highest:
-                raise RangeError("position", extreme, f"{position_range.lowest} to {position_range.highest}")
-        first_position = int(usable_positions[0])
-        first_count = first_position if previous is None else position_range.unwrap(previous, first_position)
-        steps = np.diff(usable_positions)
-        modulus = position_range.modulus
-        if modulus is not None:
-            # The shorter way around: from minus half of the modulus to half of it.
-            steps = (steps + modulus // 2) % modulus - modulus // 2
-        # Index 0 is the count before the first usable position, and index n the count at the n-th usable position.
-        count_before = first_count if previous is None else previous
-        counts = np.concatenate([[count_before, first_count], first_count + np.cumsum(steps)])
-        # For each frame, the number of usable positions up to it.
-        usable_so_far = np.cumsum(self.usable)
-        return counts[usable_so_far].astype(np.int64)
+        return unwrap_positions(self.position, self.usable, position_range, previous)
 
-    def in_units(self, unit: _Unit, counts: Any = None) -> Any:
+    def in_units(self, unit: PositionUnit, counts: Any = None) -> Any:
         """Convert counts to a unit.
 
         Args:
@@ -453,7 +327,7 @@ class Table(_TableOf[_Name, _Unit]):
         """
         positions = self.position if counts is None else counts
         # The size of one count. For angles, the denominator is the number of counts per turn.
-        numerator, denominator = self._find_unit_size(unit)
+        numerator, denominator = find_unit_size(self.encoder, unit)
         if unit in ("degrees", "radians"):
             positions = positions % denominator
         values = positions * numerator / denominator
@@ -488,61 +362,16 @@ class Table(_TableOf[_Name, _Unit]):
         ``seconds`` is the time between two frames, an array of times, or None for the column ``time``. ``previous`` is
         the unwrapped position and the time of the last usable frame before the table, or None.
         """
-        np: Any = load("numpy")
-        times = self._check_times(seconds)
-        if unit not in (*_POSITION_UNITS, "rpm"):
-            raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_POSITION_UNITS, 'rpm'))}")
-        usable_rows = np.flatnonzero(self.usable)
-        usable_times = times[usable_rows]
-        if previous is None:
-            # The first usable row has no speed.
-            rows_with_speed = usable_rows[1:]
-            counts = self.unwrapped(None)[usable_rows]
-        else:
-            previous_count, previous_time = previous
-            rows_with_speed = usable_rows
-            counts = np.insert(self.unwrapped(previous_count)[usable_rows], 0, previous_count)
-            usable_times = np.insert(usable_times, 0, previous_time)
-        elapsed = np.diff(usable_times)
-        # If the clock stops or is set back, or if a time is infinite, there is no speed.
-        elapsed = np.where((elapsed > 0) & np.isfinite(elapsed), elapsed, np.nan)
-        numerator, denominator = self._find_unit_size("turns" if unit == "rpm" else unit)
-        seconds_per_unit_of_time = 60 if unit == "rpm" else 1
-        speeds = np.full(self.count, np.nan)
-        speeds[rows_with_speed] = np.diff(counts) * (seconds_per_unit_of_time * numerator) / denominator / elapsed
-        return speeds
-
-    def _check_times(self, seconds: Any) -> Any:
-        """Return the time of each frame.
-
-        ``seconds`` is the time between two frames, an array of times, or None for the column ``time``.
-
-        Raises:
-            ValueError: The column does not exist, the times are not numbers, their number differs from the number of
-                frames, or a single time is 0, negative or infinite.
-        """
-        np: Any = load("numpy")
         if seconds is None:
             if "time" not in self._others:
                 raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
             seconds = self._others["time"]
-        times: Any = np.asarray(seconds)
-        if times.dtype.kind not in "uifO":
-            raise ValueError(f"times must be numbers in seconds, got an array of {times.dtype}")
-        try:
-            # Differences of unsigned integers would wrap around.
-            times = times.astype(np.float64)
-        except (TypeError, ValueError, OverflowError):
-            raise ValueError(f"times must be numbers in seconds, got {shorten(seconds)}") from None
-        if times.ndim == 0:
-            if not 0 < times < np.inf:
-                raise ValueError(f"the time between two frames must be above 0 s, got {seconds}")
-            return np.arange(self.count) * times
-        if times.ndim > 1:
-            raise ValueError(f"expected one time per frame, got an array of the shape {times.shape}")
-        if len(times) != self.count:
-            raise ValueError(f"expected {self.count} times, one per frame, got {len(times)}")
-        return times
+        times = check_times(seconds, self.count)
+        if unit not in (*POSITION_UNITS, "rpm"):
+            raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*POSITION_UNITS, 'rpm'))}")
+        previous_count = None if previous is None else previous[0]
+        motion = find_motion(self.unwrapped(previous_count), times, self.usable, previous)
+        return compute_speeds(motion, unit, self.encoder, self.count)
 
     def in_si(self, previous: tuple[int, float] | None = None) -> Table:
         """Return a table that also has the position and the speed in SI units.
@@ -562,48 +391,16 @@ class Table(_TableOf[_Name, _Unit]):
             ValueError: There is no column ``time``, or the manual does not give the size of a count or say where the
                 position wraps around.
         """
+        # This table, for type checkers with any unit.
         table: Any = self
         family = getattr(self.encoder, "family", None)
         unit: Unit = "metres" if family is not None and family.movement is Movement.LINEAR else "radians"
         columns = {unit: table.in_units(unit), f"{unit}_per_second": self._compute_speed(None, unit, previous)}
         return self.with_columns(**columns)
 
-    def _find_unit_size(self, unit: str) -> tuple[float, int]:
-        """Return the size of one count in a unit, as numerator and denominator: ``(360, 65536)`` for degrees.
-
-        Raises:
-            UnitError: The unit is a length and the encoder measures angles, or the other way around.
-            ValueError: The unit is not a unit of positions.
-        """
-        if unit == "counts":
-            return 1, 1
-        encoder: Any = self.encoder
-        if unit in _UNITS_PER_TURN:
-            if not hasattr(encoder, "from_turns"):
-                raise UnitError(self._wrong_unit_error(unit, _UNITS_PER_TURN))
-            counts_per_turn: int = encoder.from_turns(1)
-            return _UNITS_PER_TURN[unit], counts_per_turn
-        if unit in _MICROMETERS_PER_UNIT:
-            if not hasattr(encoder, "micrometres"):
-                raise UnitError(self._wrong_unit_error(unit, _MICROMETERS_PER_UNIT))
-            micrometers_per_count = Fraction(encoder.micrometres(1))
-            micrometers_per_unit = _MICROMETERS_PER_UNIT[unit]
-            return micrometers_per_count.numerator, micrometers_per_count.denominator * micrometers_per_unit
-        explanation = "; it is a unit of speed" if unit == "rpm" else ""
-        raise ValueError(f"'{unit[:40]}' is not a unit of positions{explanation}: use {', '.join(_POSITION_UNITS)}")
-
-    def _wrong_unit_error(self, unit: str, units_of_same_kind: Mapping[str, float]) -> str:
-        """Return the message for a unit that the encoder does not measure in, with the units that it measures in.
-
-        ``units_of_same_kind`` contains either all units of angles or all units of lengths, including ``unit``.
-        """
-        if self.encoder is None:
-            return f"these frames belong to no encoder, so they have no {unit}: use counts"
-        is_length = units_of_same_kind is _MICROMETERS_PER_UNIT
-        measured = "angles, not lengths" if is_length else "lengths, not angles"
-        supported_units = _UNITS_PER_TURN if is_length else _MICROMETERS_PER_UNIT
-        units_text = ", ".join(("counts", *supported_units))
-        return f"{self.encoder.code} measures {measured}: use {units_text} instead of {unit}"
+    def _as_columns(self) -> Columns:
+        """Return this table as columns with names of any type, for functions that do not know the names."""
+        return cast(Columns, self)
 
     def hidden(self, name: str) -> Any:
         """Return a mask of the rows in which a column has no meaning, or None if it always has a meaning.
@@ -633,10 +430,7 @@ class Table(_TableOf[_Name, _Unit]):
         Returns:
             A ``pyarrow.Table``.
         """
-        from .conversion import arrow_columns
-
-        table: Any = self
-        return load("pyarrow").table(arrow_columns(table, self.names, raw))
+        return load("pyarrow").table(arrow_columns(self._as_columns(), self.names, raw))
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
         """Return the columns as an Arrow stream, for example for polars and DuckDB. Needs pyarrow."""
@@ -653,7 +447,4 @@ class Table(_TableOf[_Name, _Unit]):
         Returns:
             A ``pandas.DataFrame``.
         """
-        from .conversion import pandas_columns
-
-        table: Any = self
-        return load("pandas").DataFrame(pandas_columns(table, self.names, raw))
+        return load("pandas").DataFrame(pandas_columns(self._as_columns(), self.names, raw))

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from ..biss import (
+from ..biss.control import (
     ADDRESS_BITS,
     BYTE_BITS,
     CRC_BITS,
@@ -14,10 +14,10 @@ from ..biss import (
     ZEROS,
     ControlHead,
     Outcome,
-    Request,
     append_bit,
     decode_byte,
 )
+from ..biss.requests import Request
 from ..errors import CrcError
 from ..packages import load
 

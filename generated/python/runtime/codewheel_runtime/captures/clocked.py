@@ -11,73 +11,49 @@ over SSI the first change of the data line.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
-from types import MappingProxyType
-from typing import Any, Final, Literal, NamedTuple
+from collections.abc import Generator
+from typing import Any, Final, Literal
 
 from ..errors import InputError
 from ..packages import load
 from .accesses import ControlBits
 from .bit_timing import BitTiming, refine_timing
+from .captured_frames import CapturedFrames, Lost
+from .cycle_bits import (
+    CLOCK_GLITCH,
+    CUT_AT_END,
+    IDLE_PERIODS,
+    LONGEST_DELAY,
+    LOW_BEFORE_CYCLE,
+    NO_START_BIT,
+    STAYS_HIGH,
+    TOO_FEW_BITS,
+    CycleBits,
+    Cycles,
+    LineEdges,
+    find_biss_bits,
+    find_cycles,
+    find_rising_edges,
+    find_shortest_gaps,
+    find_ssi_bits,
+)
 from .signals import Edges, Signals
 
 np: Any = load("numpy")
 
-#: Number of periods without an edge after which the clock is idle. BiSS slaves end a cycle after 1.5 or more.
-_IDLE_PERIODS: Final = 1.4
 #: A pulse shorter than this fraction of a period is a glitch.
 _GLITCH_FRACTION: Final = 0.15
-#: Longest delay of a data line, in clock periods, for which the finder waits for the next stretch of the capture.
-_LONGEST_DELAY: Final = 256
 #: With fewer samples per clock period, the positions of edges are averaged, and so are the delays of all bits.
 _FEW_SAMPLES_PER_PERIOD: Final = 8
 #: Number of edges without a pause after which a signal is not considered a clock.
 _EDGES_WITHOUT_PAUSE: Final = 1 << 22
 #: Shortest pause, so that no period is 0.
 _SHORTEST_PAUSE: Final = 1e-12
-#: Shortest period, as a fraction of the pause.
-_SHORTEST_PERIOD: Final = 1e-6
 #: Number of clock edges needed to determine the clock period.
 _EDGES_FOR_PERIOD: Final = 64
 #: Indices of the two signals of a capture.
 _CLOCK_INDEX: Final = 0
 _DATA_INDEX: Final = 1
-
-
-class Lost(NamedTuple):
-    """Cycle or bytes in a capture that contain no frame.
-
-    Attributes:
-        time: Time of the beginning, in seconds or in samples.
-        reason: Description of what was found instead of a frame.
-    """
-
-    time: float
-    reason: str
-
-
-class CapturedFrames(NamedTuple):
-    """Frames in a stretch of a capture.
-
-    Attributes:
-        frames: The frames, in the form that ``decode_many`` expects. Over BiSS and SSI, frames of more than 64 bits
-            are rows of bytes.
-        times: Beginning of each frame: the first falling edge of the clock, or the start bit of the first byte. In
-            seconds, or in samples if the sample rate is unknown.
-        lost: Cycles without a frame.
-        done: Amount of the file that has been read.
-        control: Over BiSS, the bits of register accesses.
-        kind: Over RS-485, the kind of the frames. Empty if none is requested, and no valid frame was found.
-        others: Number of frames of other kinds, by name.
-    """
-
-    frames: Any
-    times: Any
-    lost: list[Lost]
-    done: int = 0
-    control: ControlBits | None = None
-    kind: str = ""
-    others: Mapping[str, int] = MappingProxyType({})
 
 
 def find_clocked_frames(
@@ -113,65 +89,6 @@ def find_clocked_frames(
     if not finder.is_clocked:
         raise InputError(name, "", "the clock never changes: choose another channel with --clock")
     yield finder.finish()
-
-
-class _Cycles(NamedTuple):
-    """Cycles of the clock: arrays with an element for each cycle.
-
-    Attributes:
-        first_falls: Index of the first falling edge.
-        ends: Index after the last edge.
-        rise_counts: Number of rising edges.
-        begin: Time of the first falling edge.
-        last: Time of the last edge.
-        after: Time of the first edge after the cycle. Infinity if there is none.
-        period: Period of the clock.
-    """
-
-    first_falls: Any
-    ends: Any
-    rise_counts: Any
-    begin: Any
-    last: Any
-    after: Any
-    period: Any
-
-
-class _StartBits(NamedTuple):
-    """Start bits of BiSS cycles: arrays with an element for each cycle.
-
-    Attributes:
-        first_level: Level of the data line before the cycle.
-        data_fall: Time at which the data line goes low, as an acknowledgement. Infinity if it stays high.
-        data_rise: Time at which the data line rises with the start bit. Infinity if it stays low.
-        rise_number: Number of the rising edge of the clock that shifts out the start bit, from 0. -1 if the data line
-            rises before the first one.
-        delay: Delay of the start bit after this edge.
-        late_periods: Whole periods by which the acknowledgement, and so the data line, is late.
-    """
-
-    first_level: Any
-    data_fall: Any
-    data_rise: Any
-    rise_number: Any
-    delay: Any
-    late_periods: Any
-
-
-class _Bits(NamedTuple):
-    """Bits of each cycle: arrays with an element for each cycle.
-
-    Attributes:
-        reasons: Reason why the cycle has no frame, such as ``_TOO_FEW_BITS``, or 0.
-        skipped: Number of rising edges before the first bit.
-        delay: Delay of the data line after the rising edge that shifts out a bit.
-        sent: Number of bits that were sent, for the message about a cycle that is too short.
-    """
-
-    reasons: Any
-    skipped: Any
-    delay: Any
-    sent: Any
 
 
 class _CycleFinder:
@@ -210,7 +127,7 @@ class _CycleFinder:
             self._set_pause()
         ends = self._find_cycle_ends()
         # The last cycle may continue, or its data may still arrive.
-        is_last_open = not len(ends) or self._end - self._clock[-1] < _LONGEST_DELAY * self._pause
+        is_last_open = not len(ends) or self._end - self._clock[-1] < LONGEST_DELAY * self._pause
         if is_last_open:
             ends = ends[:-1]
         if len(ends):
@@ -249,7 +166,7 @@ class _CycleFinder:
         # Within a cycle, two edges are one period, regardless of the duty cycle. Longer spans contain a pause.
         spans = self._clock[2:] - self._clock[:-2]
         spans_of_periods = spans[spans <= 2 * np.median(spans)]
-        usual_pause = _IDLE_PERIODS * float(spans_of_periods.mean())
+        usual_pause = IDLE_PERIODS * float(spans_of_periods.mean())
         pause = self._chosen_pause or usual_pause
         # Damaged files can have edges at the same time, which would make the pause 0.
         self._pause = max(pause, _SHORTEST_PAUSE)
@@ -298,25 +215,28 @@ class _CycleFinder:
         Each cycle has the clock edges from an index in ``starts`` up to, but not including, the one in ``ends``.
         ``is_last`` is True at the end of the capture, which may cut off the last cycle.
         """
-        cycles = self._find_cycles(starts, ends)
+        clock_level, data_level = self._levels
+        lines = LineEdges(self._clock, self._data, clock_level, data_level)
+        cycles = find_cycles(lines, starts, ends, self._pause)
         if not len(cycles.first_falls):
             return self._make_empty_result()
-        bits = self._find_biss_bits(cycles) if self._is_biss else self._find_ssi_bits(cycles)
+        find_bits = find_biss_bits if self._is_biss else find_ssi_bits
+        bits = find_bits(lines, cycles, self._bits)
         # A glitch on the clock takes precedence over other reasons.
-        has_glitch = self._find_shortest_gaps(cycles) < _GLITCH_FRACTION * cycles.period
-        bits.reasons[has_glitch] = _CLOCK_GLITCH
+        has_glitch = find_shortest_gaps(self._clock, cycles) < _GLITCH_FRACTION * cycles.periods
+        bits.reasons[has_glitch] = CLOCK_GLITCH
         complete = np.flatnonzero(bits.reasons == 0)
         # Over BiSS, the CDS bit comes before the frame.
         bits_before_frame = 1 if self._is_biss else 0
         levels = self._read_levels(cycles, bits, complete, bits_before_frame + self._bits)
         lost = self._list_lost_cycles(cycles, bits)
         is_last_cycle_lost = bool(bits.reasons[-1])
-        has_pause_at_end = self._end - cycles.last[-1] >= self._pause
+        has_pause_at_end = self._end - cycles.last_edge_times[-1] >= self._pause
         if is_last and is_last_cycle_lost and not has_pause_at_end:
-            lost[-1] = Lost(lost[-1].time, _MESSAGES[_CUT_AT_END])
+            lost[-1] = Lost(lost[-1].time, _MESSAGES[CUT_AT_END])
         return CapturedFrames(
             frames=_join_bits(levels[:, bits_before_frame:]),
-            times=cycles.begin[complete] * self._unit,
+            times=cycles.begin_times[complete] * self._unit,
             lost=lost,
             done=self._done,
             control=self._find_control_bits(cycles, complete, levels) if self._is_biss else None,
@@ -326,7 +246,7 @@ class _CycleFinder:
         """Return the result of a stretch without a cycle."""
         return CapturedFrames(_join_bits(np.zeros((0, self._bits), np.uint8)), np.zeros(0), [], self._done)
 
-    def _find_control_bits(self, cycles: _Cycles, complete: Any, levels: Any) -> ControlBits:
+    def _find_control_bits(self, cycles: Cycles, complete: Any, levels: Any) -> ControlBits:
         """Return the CDS and CDM bits of all cycles, which carry register accesses over BiSS.
 
         ``complete`` are the indices of the cycles with a frame, and ``levels`` the bits of these cycles, the CDS bit
@@ -337,166 +257,38 @@ class _CycleFinder:
         # CDM is the inverse of the clock's level during the timeout.
         clock_level, _ = self._levels
         timeout_level = clock_level ^ (cycles.ends & 1)
-        return ControlBits(times=cycles.begin * self._unit, cds=cds, cdm=timeout_level ^ 1)
+        return ControlBits(times=cycles.begin_times * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
-    def _find_cycles(self, starts: Any, ends: Any) -> _Cycles:
-        """Return the clock cycles. Cycles without a falling edge are left out.
-
-        Each cycle has the clock edges from an index in ``starts`` up to, but not including, the one in ``ends``.
-        """
-        clock = self._clock
-        # The level before edge n is the first level, inverted if n is odd. If it is low, the next edge rises, and the
-        # first falling edge is the one after it. True counts as 1.
-        clock_level, _ = self._levels
-        is_low_before = (starts & 1) == clock_level
-        first_falls = starts + is_low_before
-        # Time of the first edge after each cycle. After the last cycle there may be none.
-        next_edges = np.append(clock, np.inf)[ends]
-        # The end of a timeout is an edge without a cycle.
-        has_fall = first_falls < ends
-        ends, first_falls, next_edges = ends[has_fall], first_falls[has_fall], next_edges[has_fall]
-        begin = clock[first_falls]
-        last = clock[ends - 1]
-        rise_counts = (ends - first_falls) // 2
-        # The edges of a cycle are half a period apart on average. With fewer than two rising edges, the pause shows the
-        # period.
-        half_periods = np.maximum(ends - 1 - first_falls, 1)
-        period = np.where(rise_counts > 1, 2 * (last - begin) / half_periods, self._pause / _IDLE_PERIODS)
-        period = np.maximum(period, _SHORTEST_PERIOD * self._pause)
-        return _Cycles(
-            first_falls=first_falls,
-            ends=ends,
-            rise_counts=rise_counts,
-            begin=begin,
-            last=last,
-            after=next_edges,
-            period=period,
-        )
-
-    def _find_biss_bits(self, cycles: _Cycles) -> _Bits:
-        """Return the places of the bits in each cycle.
-
-        They follow the start bit, the first rise of the data line after its fall.
-
-        If several reasons for a lost cycle apply, the last one that is set below counts.
-        """
-        start_bits = self._find_start_bits(cycles)
-        data_rise = start_bits.data_rise
-        # CDS and the frame need this many rising edges after the start bit.
-        rises_needed = self._bits + 1
-        # The start bit arrives ``late_periods`` clock periods after the slave has sent it, because of the cable.
-        rise_when_sent = start_bits.rise_number - start_bits.late_periods
-        rises_after_start = cycles.rise_counts - 1 - rise_when_sent
-        # After the last edge, the start bit can still be on the line for its delay.
-        latest_start = cycles.last + cycles.period * (start_bits.late_periods + 2)
-        latest_acknowledgement = np.minimum(cycles.after, cycles.last + _LONGEST_DELAY * cycles.period)
-        has_no_start = (data_rise > latest_start) | (data_rise >= cycles.after) | (start_bits.rise_number < 0)
-        reasons = np.zeros(len(cycles.first_falls), np.int64)
-        reasons[rises_after_start < rises_needed] = _TOO_FEW_BITS
-        reasons[has_no_start] = _NO_START_BIT
-        reasons[start_bits.data_fall > latest_acknowledgement] = _STAYS_HIGH
-        reasons[start_bits.first_level == 0] = _LOW_BEFORE_CYCLE
-        # The first rising edge after the start bit belongs to CDS, the others to bits of the frame.
-        frame_bits_sent = np.maximum(rises_after_start - 1, 0)
-        # Only a cycle with too few bits reports how many there were.
-        sent = np.where(reasons == _TOO_FEW_BITS, frame_bits_sent, cycles.rise_counts)
-        return _Bits(reasons=reasons, skipped=start_bits.rise_number + 1, delay=start_bits.delay, sent=sent)
-
-    def _find_start_bits(self, cycles: _Cycles) -> _StartBits:
-        """Return the start bits: the data line goes low as an acknowledgement, and rises with the start bit."""
-        clock, first_falls = self._clock, cycles.first_falls
-        # Index of the first edge of the data line in each cycle.
-        first_index = np.searchsorted(self._data, cycles.begin, "left")
-        _, data_level = self._levels
-        # After the last edge, the data line never changes again: its next edges are at infinity.
-        data_edges = np.append(self._data, [np.inf, np.inf])
-        data_fall = data_edges[first_index]
-        data_rise = data_edges[first_index + 1]
-        # Edges of the clock from the first falling one up to this rise. The second one is rising edge 0, and every
-        # second one after it rises too.
-        edges_up_to_data_rise = np.searchsorted(clock, data_rise, "right") - first_falls
-        rise_number = edges_up_to_data_rise // 2 - 1
-        start_edge = first_falls + 1 + 2 * np.maximum(rise_number, 0)
-        # The slave acknowledges at the second rising edge, three edges after the first falling one.
-        second_rise = clock[np.minimum(first_falls + 3, cycles.ends - 1)]
-        acknowledgement = np.where(np.isfinite(data_fall), data_fall, 0)
-        late_periods = np.maximum(np.floor((acknowledgement - second_rise) / cycles.period), 0)
-        return _StartBits(
-            first_level=data_level ^ (first_index & 1),
-            data_fall=data_fall,
-            data_rise=data_rise,
-            rise_number=rise_number,
-            delay=data_rise - clock[np.minimum(start_edge, len(clock) - 1)],
-            late_periods=late_periods,
-        )
-
-    def _find_ssi_bits(self, cycles: _Cycles) -> _Bits:
-        """Return the places of the bits in each cycle: one for each rising edge of the clock.
-
-        The first change of the data line in a cycle shows its delay after the clock.
-        """
-        clock, first_falls = self._clock, cycles.first_falls
-        last_edge = cycles.ends - 1
-        first_rise = clock[np.minimum(first_falls + 1, last_edge)]
-        # After its last edge, the data line never changes again: its next change is at infinity.
-        data_edges = np.append(self._data, np.inf)
-        first_change = data_edges[np.searchsorted(self._data, first_rise, "left")]
-        # The last rising edge before this change. The first one follows the first falling edge, and every second edge
-        # rises.
-        rises_before_change = (np.searchsorted(clock, first_change, "right") - first_falls) // 2
-        last_rise_before_change = first_falls + 1 + 2 * np.maximum(rises_before_change - 1, 0)
-        measured_delay = first_change - clock[np.minimum(last_rise_before_change, last_edge)]
-        is_change_in_cycle = first_change < cycles.last + cycles.period
-        is_known = is_change_in_cycle & (measured_delay < cycles.period)
-        reasons = np.zeros(len(first_falls), np.int64)
-        reasons[cycles.rise_counts < self._bits] = _TOO_FEW_BITS
-        return _Bits(
-            reasons=reasons,
-            skipped=np.zeros(len(first_falls), np.int64),
-            delay=np.where(is_known, measured_delay, 0.0),
-            sent=cycles.rise_counts,
-        )
-
-    def _find_shortest_gaps(self, cycles: _Cycles) -> Any:
-        """Return the shortest time between two successive edges of each cycle, from its first falling edge on.
-
-        If the next cycle begins with a rising edge, the time from this edge to its first falling one counts too.
-        """
-        gaps = np.append(np.diff(self._clock), np.inf)
-        # A gap after the last edge of a cycle is a pause.
-        gaps[cycles.ends - 1] = np.inf
-        return np.minimum.reduceat(gaps, cycles.first_falls)
-
-    def _list_lost_cycles(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
+    def _list_lost_cycles(self, cycles: Cycles, bits: CycleBits) -> list[Lost]:
         """Return the cycles without a frame, with their reasons."""
         lost: list[Lost] = []
         # If no pause precedes the first cycle, the capture may have begun within it.
-        may_first_be_cut = cycles.begin[0] - self._begin < self._pause
+        may_first_be_cut = cycles.begin_times[0] - self._begin < self._pause
         for index in np.flatnonzero(bits.reasons):
             may_be_cut = bool(index == 0 and may_first_be_cut)
-            reason = self._explain_loss(int(bits.reasons[index]), int(bits.sent[index]), may_be_cut)
-            lost.append(Lost(float(cycles.begin[index]) * self._unit, reason))
+            reason = self._explain_loss(int(bits.reasons[index]), int(bits.sent_counts[index]), may_be_cut)
+            begin_time = float(cycles.begin_times[index]) * self._unit
+            lost.append(Lost(begin_time, reason))
         return lost
 
-    def _read_levels(self, cycles: _Cycles, bits: _Bits, complete: Any, count: int) -> Any:
+    def _read_levels(self, cycles: Cycles, bits: CycleBits, complete: Any, count: int) -> Any:
         """Return the level of the data line in the middle of each bit, with a row for each complete cycle.
 
         ``complete`` are the indices of the cycles with a frame, and ``count`` is the number of bits to read.
         """
-        first_falls, rise_counts = cycles.first_falls[complete], cycles.rise_counts[complete]
-        period = cycles.period[complete]
-        # Number of the rising edge of each bit. If there are fewer edges, the period of the clock continues after the
-        # last one.
-        rise_numbers = bits.skipped[complete][:, None] + np.arange(count)[None, :]
-        last_rise = (rise_counts - 1)[:, None]
-        missing_rises = np.maximum(rise_numbers - last_rise, 0)
-        # The first rising edge follows the first falling one, and every second edge rises.
-        edge_indices = first_falls[:, None] + 1 + 2 * np.minimum(rise_numbers, last_rise)
-        edges = self._clock[edge_indices] + missing_rises * period[:, None]
+        # Arrays with a row for each cycle get a column for each bit, so they are indexed with an empty second axis.
+        complete_cycles = Cycles(*(column[complete][:, None] for column in cycles))
+        rise_numbers = bits.first_rises[complete][:, None] + np.arange(count)[None, :]
+        # If there are fewer rising edges than bits, the period of the clock continues after the last one.
+        last_rises = complete_cycles.rise_counts - 1
+        missing_rises = np.maximum(rise_numbers - last_rises, 0)
+        edge_indices = find_rising_edges(complete_cycles, np.minimum(rise_numbers, last_rises))
+        edges = self._clock[edge_indices] + missing_rises * complete_cycles.periods
+        periods = cycles.periods[complete]
         # In sampled captures, a bit changes up to one sample before its edge is seen.
-        timing = BitTiming(edges, delay=bits.delay[complete], half_bit=period / 2 - self._early)
+        timing = BitTiming(edges, delay=bits.delays[complete], half_bit=periods / 2 - self._early)
         is_sampled = self._early > 0
-        if is_sampled and len(period) and period.min() < _FEW_SAMPLES_PER_PERIOD:
+        if is_sampled and len(periods) and periods.min() < _FEW_SAMPLES_PER_PERIOD:
             timing = refine_timing(timing, missing_rises == 0, self._data)
         middles = timing.find_middles()
         # An odd number of edges before a time inverts the first level.
@@ -505,26 +297,25 @@ class _CycleFinder:
         return (edge_counts & 1) ^ data_level
 
     def _explain_loss(self, reason: int, bits_sent: int, may_be_cut: bool) -> str:
-        """Return why a cycle has no frame, as text. ``reason`` is the number of the reason, such as ``_NO_START_BIT``.
+        """Return why a cycle has no frame, as text. ``reason`` is the number of the reason, such as ``NO_START_BIT``.
 
         ``may_be_cut`` is True if the capture may begin within the cycle. ``bits_sent`` is the number of bits before the
         clock stopped.
         """
-        if may_be_cut and reason in (_TOO_FEW_BITS, _NO_START_BIT, _LOW_BEFORE_CYCLE):
+        if may_be_cut and reason in (TOO_FEW_BITS, NO_START_BIT, LOW_BEFORE_CYCLE):
             return "the capture begins within this cycle"
-        if reason == _TOO_FEW_BITS:
+        if reason == TOO_FEW_BITS:
             return f"the clock stops after {bits_sent} of {self._bits} bits"
         return _MESSAGES[reason]
 
 
-#: Numbers of the reasons why a cycle has no frame. 0 stands for a cycle with a frame.
-_TOO_FEW_BITS, _NO_START_BIT, _STAYS_HIGH, _LOW_BEFORE_CYCLE, _CLOCK_GLITCH, _CUT_AT_END = range(1, 7)
+#: Descriptions of the reasons why a cycle has no frame. The one of ``TOO_FEW_BITS`` depends on the number of bits.
 _MESSAGES: Final = {
-    _NO_START_BIT: "no start bit: the data line stays low after the acknowledgement",
-    _STAYS_HIGH: "no acknowledgement: the data line stays high",
-    _LOW_BEFORE_CYCLE: "the data line is low before the cycle begins",
-    _CLOCK_GLITCH: "a very short pulse on the clock",
-    _CUT_AT_END: "the capture ends within this cycle",
+    NO_START_BIT: "no start bit: the data line stays low after the acknowledgement",
+    STAYS_HIGH: "no acknowledgement: the data line stays high",
+    LOW_BEFORE_CYCLE: "the data line is low before the cycle begins",
+    CLOCK_GLITCH: "a very short pulse on the clock",
+    CUT_AT_END: "the capture ends within this cycle",
 }
 
 

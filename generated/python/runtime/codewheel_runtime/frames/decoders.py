@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NoReturn, TypeVar
 
-from ..encoder import Encoder, ErrorHandler
+from ..encoder import Encoder
+from ..error_handlers import ErrorHandler
 
 _Decode = TypeVar("_Decode", bound=Callable[..., Any])
 

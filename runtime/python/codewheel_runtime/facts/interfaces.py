@@ -1,47 +1,17 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Classes for the tables from the manuals, except for frames and registers.
-
-``source`` is the section and page of the manual. An empty text, an empty tuple or None means that the manual does not
-say.
-"""
+"""Records about the interfaces of an encoder: SSI, BiSS, SPI and RS-485, with their clocks and times."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
 from enum import Enum
-from math import gcd
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from .reports import Interface, ReadOnly
+from .fields import NO_NAMES, NamedValue
 
 if TYPE_CHECKING:
-    from decimal import Decimal
-    from fractions import Fraction
-
-_NO_NAMES: ReadOnly[str] = ReadOnly({})
-
-
-class Access(Enum):
-    """Access of a master to a register."""
-
-    READ_ONLY = "read_only"
-    READ_WRITE = "read_write"
-    WRITE_ONLY = "write_only"
-
-
-class ByteOrder(Enum):
-    """Byte order of a number, named after the byte at the lowest address."""
-
-    LOW_BYTE_FIRST = "low_byte_first"
-    HIGH_BYTE_FIRST = "high_byte_first"
-
-
-class AboveMax(Enum):
-    """Reaction of an encoder to a value above the maximum: it uses the default, or rejects the value."""
-
-    DEFAULT = "default"
-    REFUSED = "refused"
+    pass
 
 
 class Alignment(Enum):
@@ -65,208 +35,6 @@ class Purpose(Enum):
     WRITE = "write"
     READ = "read"
     RESET = "reset"
-
-
-class ConnectorKind(Enum):
-    """Kind of connection: a connector with pins, or a cable with colored wires."""
-
-    CONNECTOR = "connector"
-    CABLE = "cable"
-
-
-class Status(Enum):
-    """Status of an erratum: resolved by evidence in the manual itself, or open until tested on hardware."""
-
-    SETTLED = "settled"
-    OPEN = "open"
-
-
-class Severity(Enum):
-    """What happens if a program follows the printed text of an erratum literally."""
-
-    WRONG_DATA = "wrong_data"
-    WRONG_LIMIT = "wrong_limit"
-    OMISSION = "omission"
-    WORDING = "wording"
-
-
-class Edition(NamedTuple):
-    """Edition of the manual in another language, which was also consulted."""
-
-    language: str
-    title: str
-    revision: str
-    date: str = ""
-
-
-class Revision(NamedTuple):
-    """Row of the manual's revision table."""
-
-    revision: str
-    changes: str
-    date: str = ""
-    hardware: str = ""
-    software: str = ""
-
-
-class Manual(NamedTuple):
-    """Manual that a module was generated from."""
-
-    title: str
-    revision: str
-    date: str
-    language: str
-    publisher: str = ""
-    editions: tuple[Edition, ...] = ()
-    history: tuple[Revision, ...] = ()
-
-
-class Document(NamedTuple):
-    """Public document that a source cites by ``key``."""
-
-    key: str
-    title: str
-    url: str = ""
-
-
-class Crc(NamedTuple):
-    """Standard parameters of a CRC. ``poly`` omits the top bit."""
-
-    name: str
-    width: int
-    poly: int
-    init: int
-    refin: bool
-    refout: bool
-    xorout: int
-    polynomial: str
-    note: str = ""
-    source: str = ""
-
-
-class Scale(NamedTuple):
-    """Quantity that a number represents: ``(number * numerator + offset) / denominator``, in ``unit``."""
-
-    numerator: int
-    denominator: int
-    offset: int
-    unit: str
-    source: str = ""
-
-    def quantity(self, number: int) -> Fraction:
-        """Return the exact quantity for a number."""
-        from fractions import Fraction
-
-        return Fraction(number * self.numerator + self.offset, self.denominator)
-
-    @property
-    def places(self) -> int:
-        """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
-        # Decimals are exact if the reduced denominator divides a power of ten. This power has at most as many zeros as
-        # the denominator has bits.
-        reduced = self.denominator // gcd(self.numerator, self.offset, self.denominator)
-        for places in range(reduced.bit_length()):
-            if 10**places % reduced == 0:
-                return places
-        # The last decimal must be at most a tenth of a count, which is numerator / denominator.
-        places = 0
-        while 10**places * self.numerator < 10 * self.denominator:
-            places += 1
-        return places
-
-    def decimal(self, number: int) -> Decimal:
-        """Return the quantity for a number with ``places`` decimals. It is rounded if the exact decimals never end."""
-        from decimal import Decimal
-
-        scaled_number = number * self.numerator + self.offset
-        # The size in units of the last decimal, rounded to the nearest integer.
-        units_numerator = abs(scaled_number) * 10**self.places
-        units = (2 * units_numerator + self.denominator) // (2 * self.denominator)
-        sign = "-" if scaled_number < 0 and units else ""
-        # A decimal from text is exact. Arithmetic with decimals would round to the precision of the context.
-        return Decimal(f"{sign}{units}E-{self.places}")
-
-
-class FieldFacts(NamedTuple):
-    """Facts about a field. For its position in the frame, see ``bit_fields`` of the class.
-
-    ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
-    unused bits in the manual. ``implemented`` is False for a field that does not exist in this encoder. ``reserved`` is
-    the only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
-    ``zero_means`` is the value that is sent as 0, if there is such a value. ``digit_code`` is the code of each digit,
-    such as ``bcd``, of a number that is not sent in binary. ``scale`` gives the quantity that a number stands for.
-    """
-
-    name: str
-    printed_name: str = ""
-    meaning: str = ""
-    unit: str = ""
-    scale: Scale | None = None
-    active: str = ""
-    when_active: str = ""
-    when_inactive: str = ""
-    default: int | None = None
-    constant: int | None = None
-    unused: int | None = None
-    signed: bool = False
-    zero_means: int = 0
-    power_of_two: bool = False
-    digit_code: str = ""
-    implemented: bool = True
-    reserved: str = ""
-    explained_by: tuple[str, ...] = ()
-    names: Mapping[str, str] = _NO_NAMES
-    note: str = ""
-    source: str = ""
-
-
-class RegisterMeaning(NamedTuple):
-    """One of several meanings of a register. It applies while the field ``when`` has the value ``value``.
-
-    ``min`` and ``max`` are its limits as given in the manual. The register's class contains them as numbers.
-    """
-
-    name: str
-    when: str
-    value: str
-    min: str = ""
-    max: str = ""
-    meaning: str = ""
-    source: str = ""
-
-
-class Register(NamedTuple):
-    """Register of ``length`` bytes, starting at ``address``.
-
-    If ``opened_by`` is given, that register must hold ``opened_by_value``, in its field ``opened_by_field`` if given,
-    before this register can be written. ``wait_ms`` is the minimum time to wait after a write. ``above_max`` is the
-    reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to zero. ``reserved`` is
-    the only party that may use the register.
-    """
-
-    name: str
-    printed_name: str
-    address: int
-    length: int
-    access: Access
-    byte_order: ByteOrder
-    default: bytes | None = None
-    opened_by: str = ""
-    opened_by_field: str = ""
-    opened_by_value: str = ""
-    clears_itself: bool = False
-    wait_ms: int = 0
-    volatile: bool = False
-    bank: int | None = None
-    above_max: AboveMax | None = None
-    write_clears: tuple[str, ...] = ()
-    meanings: tuple[RegisterMeaning, ...] = ()
-    reserved: str = ""
-    fields: tuple[FieldFacts, ...] = ()
-    names: Mapping[str, str] = _NO_NAMES
-    meaning: str = ""
-    note: str = ""
-    source: str = ""
 
 
 class Timing(NamedTuple):
@@ -338,7 +106,7 @@ class DataChannels(NamedTuple):
     """Data channels in one frame, and the fields in them whose highest bits must agree."""
 
     order: tuple[str, ...]
-    compared: Mapping[str, str] = _NO_NAMES
+    compared: Mapping[str, str] = NO_NAMES
     compared_bits: str = ""
     tolerance: int = 0
     source: str = ""
@@ -378,14 +146,6 @@ class Timeout(NamedTuple):
             ns_by_clock = {printed.clock_hz: printed.timeout_ns for printed in reversed(self.printed)}
             return ns_by_clock.get(clock_hz)
         return self.typical_ns if self.typical_ns is not None else self.at_most_ns
-
-
-class NamedValue(NamedTuple):
-    """Named value of a field."""
-
-    name: str
-    value: int
-    meaning: str = ""
 
 
 class ControlField(NamedTuple):
@@ -619,152 +379,3 @@ class Rs485Facts(NamedTuple):
             code: The order code, as in the attribute ``code`` of an encoder.
         """
         return self._replace(timings=_rows_for_code(self.timings, code))
-
-
-class Alarm(NamedTuple):
-    """Error or warning of the encoder.
-
-    ``field`` is its flag, in a frame or in ``register``. ``latch`` is True if it stays active until it is reset.
-    ``below_mv`` is the voltage in millivolts below which it is raised. ``cleared_by`` lists the procedures that clear
-    it, and ``by_hand`` lists the characteristics that describe manual steps. ``only`` describes the order codes that
-    have it, unless all have it.
-    """
-
-    name: str
-    meaning: str
-    printed_name: str = ""
-    register: str = ""
-    field: str = ""
-    detected: str = ""
-    below_mv: int | None = None
-    latch: bool | None = None
-    implemented: bool = True
-    remedy: str = ""
-    cleared_by: tuple[str, ...] = ()
-    names: Mapping[str, str] = _NO_NAMES
-    source: str = ""
-    only: str = ""
-    by_hand: tuple[str, ...] = ()
-
-
-class Contact(NamedTuple):
-    """Pin or wire. ``only`` lists the order codes that have it, or is empty if all have it."""
-
-    contact: str
-    signal: str
-    only: str = ""
-
-
-class Connector(NamedTuple):
-    """Connector or cable."""
-
-    name: str
-    kind: ConnectorKind
-    title: str
-    interfaces: tuple[Interface, ...]
-    contacts: tuple[Contact, ...]
-    mating: str = ""
-    note: str = ""
-    source: str = ""
-
-
-class LedState(NamedTuple):
-    """State of an LED and its meaning.
-
-    ``only`` describes the order codes that have it, unless all have it. ``by_hand`` lists the characteristics that
-    describe manual steps.
-    """
-
-    state: str
-    meaning: str
-    only: str = ""
-    by_hand: tuple[str, ...] = ()
-
-
-class Led(NamedTuple):
-    """LED and the meaning of its states."""
-
-    name: str
-    title: str
-    states: tuple[LedState, ...]
-    source: str = ""
-
-
-class Input(NamedTuple):
-    """Hardware input. ``inverts`` and ``needs`` are register bits, written as ``register.field``."""
-
-    name: str
-    meaning: str
-    printed_name: str = ""
-    low: str = ""
-    high: str = ""
-    pulse_at_least_us: int | None = None
-    inverts: str = ""
-    needs: str = ""
-    when_unused: str = ""
-    note: str = ""
-    names: Mapping[str, str] = _NO_NAMES
-    source: str = ""
-
-
-class Table(NamedTuple):
-    """Table of the manual."""
-
-    name: str
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    note: str = ""
-    source: str = ""
-    units: tuple[str, ...] = ()
-
-
-class LostFigure(NamedTuple):
-    """Content of a figure in the manual that is missing from its text."""
-
-    content: str
-    source: str = ""
-
-
-class Quantity(NamedTuple):
-    """Quantity such as ``torque``, with its bounds in ``unit``. ``where`` is the part that it applies to."""
-
-    quantity: str
-    unit: str
-    min: float | None = None
-    typical: float | None = None
-    max: float | None = None
-    where: str = ""
-
-
-class Characteristic(NamedTuple):
-    """Additional fact: its text, and its quantities with units in ``values``.
-
-    ``only`` describes the order codes that it applies to, if not all.
-    """
-
-    name: str
-    value: str
-    only: str = ""
-    source: str = ""
-    values: tuple[Quantity, ...] = ()
-
-
-class Erratum(NamedTuple):
-    """Error or ambiguity in the manual.
-
-    ``title`` says in one sentence what is wrong. ``printed`` is the text of the manual, to the letter only in double
-    quotation marks. ``used`` is the text that is used instead, and ``why`` the reason. ``only`` describes the order
-    codes that it applies to, if not all.
-    """
-
-    name: str
-    title: str
-    printed: str
-    used: str
-    why: str
-    status: Status
-    severity: Severity
-    affects: tuple[str, ...] = ()
-    source: str = ""
-    only: str = ""

@@ -1,0 +1,61 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Arguments about the connection and the timing of a capture."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import NamedTuple
+
+from ..errors import UsageError
+from .signals import SignalNames
+
+
+class Probes(NamedTuple):
+    """Connection and timing of a capture.
+
+    Attributes:
+        clock: Channel of the clock (MA), by name or by number from 1. By default, a channel with a common name.
+        data: Channel of the data line (SLO), or of the serial line.
+        rate: Sample rate in Hz, needed if the file does not specify it.
+        rest: Shortest pause of the clock between two cycles, in seconds, or in samples if the sample rate is unknown.
+            The default is 1.4 periods. Use a longer one if the master pauses within a frame.
+        baud: Bits per second on a serial line, if they differ from the manual, or bits per sample if the sample rate is
+            unknown.
+        threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
+            range.
+    """
+
+    clock: str | int = ""
+    data: str | int = ""
+    rate: float | None = None
+    rest: float | None = None
+    baud: float | None = None
+    threshold: float | None = None
+
+    def check(self) -> None:
+        """Raise UsageError unless the rates and ``rest`` are above 0 and the threshold is finite.
+
+        None is always accepted.
+        """
+        for name in ("rate", "rest", "baud"):
+            number = getattr(self, name)
+            if number is not None and not (_is_finite(number) and number > 0):
+                raise UsageError(f"{name} must be a number above 0, got {number!r}")
+        if self.threshold is not None and not _is_finite(self.threshold):
+            raise UsageError(f"threshold must be a number, got {self.threshold!r}")
+
+    def names(self, is_serial: bool) -> SignalNames:
+        """Return the chosen channels of the clock and the data line, or of one serial line.
+
+        Raises UsageError if a channel is neither a name nor a number.
+        """
+        for channel in (self.clock, self.data):
+            if not isinstance(channel, (str, int)) or isinstance(channel, bool):
+                raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
+        clock = None if is_serial else str(self.clock)
+        return SignalNames(clock=clock, data=str(self.data))
+
+
+def _is_finite(number: object) -> bool:
+    """Return whether an argument is a finite number."""
+    return isinstance(number, (int, float)) and not isinstance(number, bool) and isfinite(number)

@@ -1,0 +1,169 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Decodes the frame in the arguments of the command line, and prints it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+from enum import EnumMeta
+from typing import TYPE_CHECKING, Any, cast, get_args, get_type_hints
+
+from ..encoder import Encoder
+from ..errors import FrameError, LengthError
+from ..frames.decoders import cached_decoder, raise_error
+from ..frames.descriptions import find_any_shape, find_kinds
+from ..reports import Interface, Verdict
+from .common import (
+    DONE,
+    FAILED,
+    NOT_USABLE,
+    USAGE,
+    CommandFailed,
+    find_answer,
+)
+
+if TYPE_CHECKING:
+    pass
+
+
+def parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
+    """Return the frame that the arguments contain, or None if they do not have the form of a frame.
+
+    Over RS-485, ``"1A 2B"`` is bytes. A frame of bits is a number in hexadecimal, such as ``1A2B`` or ``0x1A2B``, or
+    text of 0 and 1 such as ``0b0110``, which also shows its length. If the encoder only sends frames that are too long
+    for a number of 64 bits, whole bytes without ``0x`` are bytes.
+
+    Raises:
+        CommandFailed: Several digits are all 0 or 1 and have no prefix, so they can be bits or hexadecimal digits.
+    """
+    # Separators between bytes or digits are ignored.
+    digits = re.sub("[ _,:]", "", text)
+    if encoder.interface is Interface.RS485:
+        digits = digits.removeprefix("0x")
+        return bytes.fromhex(digits) if re.fullmatch("([0-9a-fA-F]{2})+", digits) else None
+    if re.fullmatch("0b[01]+", digits):
+        return digits
+    if re.fullmatch("[01]{2,}", digits):
+        raise CommandFailed(f"{text[:60]!r} could be bits or hexadecimal digits. Prefix it with 0b or 0x", USAGE)
+    # Frames of more than 64 bits are decoded from bytes, so their shapes have a length in bytes.
+    are_long_frames = all(find_any_shape(frame_class, encoder).length for frame_class in find_kinds(encoder))
+    if are_long_frames and re.fullmatch("([0-9a-fA-F]{2})+", digits):
+        return bytes.fromhex(digits)
+    return int(digits, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", digits) else None
+
+
+def _name_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
+    """Return a sentence that names the other kinds of frames that a frame can be, or an empty string.
+
+    ``result`` is the decoded frame, or its error.
+    """
+    # The return type of ``try_decode`` is a union of the classes of frames that it decodes, and of FrameError.
+    return_type = get_type_hints(type(encoder).try_decode)["return"]
+    result_classes = get_args(return_type) or (return_type,)
+    decoded_kinds = [frame_class for frame_class in result_classes if not issubclass(frame_class, FrameError)]
+    if len(decoded_kinds) != 1:
+        # An encoder with several classes identifies its frames by a field.
+        return ""
+    (decoded_kind,) = decoded_kinds
+    decoded_bits = find_any_shape(decoded_kind, encoder).bits
+    names: list[str] = []
+    for frame_class in find_kinds(encoder):
+        # A number in hexadecimal does not show its leading zeros, so a short frame would be valid as a long one.
+        has_same_length = find_any_shape(frame_class, encoder).bits == decoded_bits
+        may_fit = has_same_length or isinstance(result, LengthError)
+        if frame_class is not decoded_kind and may_fit and _is_valid_as(frame_class, encoder, frame):
+            names.append(frame_class.__name__)
+    if not names:
+        return ""
+    words = "This can be another frame" if isinstance(result, FrameError) else "This can also be another frame"
+    return f"{words}: {', '.join(names)} (decode it with the class in {type(encoder).__module__})"
+
+
+def _is_valid_as(frame_class: Any, encoder: Encoder, frame: int | bytes | str) -> bool:
+    """Return whether a frame is valid if it is decoded as a frame of the class ``frame_class``."""
+    try:
+        cached_decoder(frame_class._make_decoder, encoder, raise_error)(frame)
+    except (FrameError, TypeError):
+        return False
+    return True
+
+
+def print_frame(encoder: Encoder, frame: int | bytes | str, options: argparse.Namespace) -> int:
+    """Decode one frame and print it. Return the exit code. This needs no other packages.
+
+    Raises:
+        CommandFailed: The frame has an error, unless the output is JSON, which contains the error.
+    """
+    result = _decode_with_answers(encoder, frame, dict(options.choose))
+    values: dict[str, Any] = result.to_dict()
+    other_frames = _name_other_frames(encoder, frame, result)
+    if options.json:
+        print(json.dumps(values, ensure_ascii=False))
+    elif isinstance(result, FrameError):
+        more = other_frames or result.hint
+        message: object = f"{result}. {more}" if more else result
+        raise CommandFailed(message)
+    else:
+        width = max(map(len, values))
+        for name, value in values.items():
+            print(f"{name:<{width}}  {_format_value(value)}")
+        for report in result.reports:
+            remedy_line = f"\n  {report.remedy}" if report.remedy else ""
+            print(f"\n{report.name}: {report.meaning}{remedy_line}")
+        if other_frames:
+            print(f"\n{other_frames}")
+    if isinstance(result, FrameError):
+        return FAILED
+    return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE
+
+
+def _format_value(value: Any) -> str:
+    """Return a value as text for the terminal.
+
+    None is ``-``, a list is its items or ``none``, and a bool is in lower case.
+    """
+    if value is None:
+        return "-"
+    if isinstance(value, list):
+        return " ".join(map(str, cast("list[object]", value))) or "none"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _decode_with_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
+    """Return the decoded frame or its error. ``answers`` are the user's answers to open questions, by name.
+
+    Raises:
+        CommandFailed: An answer does not apply or is missing.
+    """
+    open_answers: dict[str, Any] = {}
+    parameter_types = get_type_hints(encoder.try_decode)
+    for name, answer in answers.items():
+        # The parameter for an answer has the type ``Kind | None``, where ``Kind`` is the enumeration of the answers.
+        union_members = get_args(parameter_types.get(name))
+        answer_classes = [member for member in union_members if member is not type(None)]
+        if not answer_classes:
+            raise CommandFailed(f"--choose {name} does not apply to the frames of {encoder.code}", USAGE)
+        try:
+            open_answers[name] = find_answer(name, answer, answer_classes[0])
+        except ValueError as error:
+            raise CommandFailed(error, USAGE) from None
+    decode: Any = encoder.try_decode
+    try:
+        return decode(frame, **open_answers)
+    except (TypeError, NotImplementedError) as error:
+        raise CommandFailed(f"{error}{_suggest_answers(parameter_types, str(error))}", USAGE) from None
+
+
+def _suggest_answers(parameter_types: dict[str, Any], message: str) -> str:
+    """Return the options for the answers that an error message expects, or an empty string if it expects none.
+
+    An example is ``; add --choose zero_bit=as_printed or --choose zero_bit=left_out``. ``parameter_types`` are the
+    types of the parameters of ``try_decode``.
+    """
+    for name, hint in parameter_types.items():
+        for answer_class in get_args(hint):
+            if isinstance(answer_class, EnumMeta) and f"expected {answer_class.__name__}." in message:
+                answers = [answer.lower() for answer in answer_class.__members__]
+                return "; add " + " or ".join(f"--choose {name}={answer}" for answer in answers)
+    return ""
