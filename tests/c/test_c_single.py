@@ -14,13 +14,14 @@ import pytest
 from c_harness import SANITIZED
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
-from codewheel.model import Device, number_to_bytes
+from codewheel.model import Device, Flag, number_to_bytes
 from codewheel.model.channels import channel_frame
 from codewheel.order_codes.reduction import for_codes
 from codewheel.targets import Library
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.files import generate
 from rust_frames import numbers
+from test_c_codec import encoded_sample, samples, with_crc
 from working_tools import require
 
 STRICT = "-Wall -Wextra -Wpedantic -Wconversion -Werror".split()
@@ -185,8 +186,17 @@ def buffers(view: DeviceView, count: int) -> bytes:
     placed = [sent.place(view.device.variants[0].parameters) for sent in layouts]
     placed = [channel for channel in placed if channel.bits]
     cases: list[Any] = [SimpleNamespace(device=view.device, placed=channel) for channel in placed]
+    frames = list(zip(*(numbers(case, count, random_) for case in cases), strict=True))
+    # Frames with one wrong bit and a correct CRC, which only the checks of constants and parity bits can detect.
+    frames_without_reports = list(zip(*(frames_without_flags(case, random_) for case in cases), strict=True))
+    for index, channel in enumerate(placed):
+        for bit in range(channel.bits):
+            number = frames_without_reports[0][index]
+            changed_bits = with_crc(view.device, channel, number ^ 1 << bit) ^ number
+            for frame in frames_without_reports:
+                frames.append((*frame[:index], frame[index] ^ changed_bits, *frame[index + 1 :]))
     received = []
-    for frame in zip(*(numbers(case, count, random_) for case in cases), strict=True):
+    for frame in frames:
         if layout.in_bytes:
             received.append(number_to_bytes(layout, frame[0], placed[0].bits))
         else:
@@ -195,6 +205,15 @@ def buffers(view: DeviceView, count: int) -> bytes:
             bits += "0" * (-len(bits) % 8 + 16 * (interface != "spi"))
             received.append(int(bits, 2).to_bytes(len(bits) // 8, "big"))
     return b"".join(len(data).to_bytes(8, "little") + data for data in received)
+
+
+def frames_without_flags(case: Any, random_: random.Random) -> list[int]:
+    """Some valid frames in which no flag is active, so that no flag makes the position unusable."""
+    fields = [field for field in case.placed.fields if field.field.carries_data]
+    choices = {field.name: samples(field.field, field.width, case.placed.layout, random_) for field in fields}
+    kinds = {field.name: field.field.kind for field in fields}
+    inactive = {name: int(kind.active_low) for name, kind in kinds.items() if isinstance(kind, Flag)}
+    return [encoded_sample(case.device, case.placed, choices, inactive, random_) for _ in range(8)]
 
 
 @pytest.mark.slow
