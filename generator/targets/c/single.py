@@ -9,28 +9,25 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer, Spi
+from ...model import Device, Manufacturer, Number, Spi, Ssi
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
+from ...say.evidence import Topic, mentions
 from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
 from .context import timing_macros
 from .declarations import Declaration, declarations_in, declarations_needed_by, names_of, without_settings
 from .device import DeviceView, views_of
-from .names import StructPassing
+from .names import StructPassing, c_name
 from .runtime_texts import runtime_headers, runtime_version
 from .single_comments import (
-    SENTENCE_END,
-    as_comment,
-    comment_lines,
+    CommentAdapter,
     first_paragraph,
-    member_comment,
-    split_paragraphs,
     without_example,
     wrap_text,
 )
@@ -45,20 +42,13 @@ _MARKS = ("CW_CONSTEXPR", "CW_CONST")
 #: A part of the names of macros that only register access needs.
 _FOR_REGISTERS = "_CONTROL_"
 #: Suffixes of the functions of a frame that are needed to read its position.
-_READING_SUFFIXES = ("bits", "decode", "verdict", "position", "read")
+_READING_SUFFIXES = ("decode", "verdict")
+#: Suffixes of further functions of a frame. The macros need some of them, and without macros, a program needs all.
+_FURTHER_SUFFIXES = ("bits", "position", "read", "receive")
 #: Suffixes of the functions that collect the bytes of a reply over RS-485.
 _BYTE_BY_BYTE = ("ask", "take", "take_any", "resume", "late", "reason")
 #: The parts of the runtime that a program uses itself. Their comments stay, without examples.
 _USED_BY_PROGRAMS = frozenset(f"cw_rs485_{part}" for part in ("line", *_BYTE_BY_BYTE))
-#: Paragraphs that reading a position does not need, by what they begin with.
-_OTHER_PARAGRAPHS = (
-    *("Control data: ", "Description file: ", "For register access with ", "How it folds: ", "In the manual: "),
-    *("Network: ", "Profile: "),
-)
-#: Words in sentences about parts that the single header does not have, such as other headers and example programs.
-_ABOUT_ABSENT = re.compile(r"\b\w+\.h\b|examples/|_reports\(\)|order code is named once|[Cc]ode can be ")
-#: The beginnings of further sentences about such parts.
-_OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
 _C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 #: A condition on one line, after which the function only returns a result.
 _GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
@@ -93,10 +83,13 @@ class SingleCode:
         declarations = [*runtime_declarations, *declarations_in(header)]
         needed = declarations_needed_by(self._yield_roots(names_of(declarations)), declarations)
         self.declarations = [declaration for declaration in needed if not declaration.is_title]
+        self._insert_comment_on_interface(declarations)
         kept_names = names_of(self.declarations)
         self._runtime_names = names_of(runtime_declarations) & kept_names
         self._renamed = self._new_names(kept_names)
         self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED_HEADER]))
+        note_on_choice = f"{self.order_code} has 0. For 1, pass your own {self.stem} to {self.stem}_read."
+        self._comments = CommentAdapter(self.named, self._is_absent, note_on_choice)
 
     @property
     def shared(self) -> str:
@@ -170,6 +163,58 @@ class SingleCode:
         """Return a text with the names of this header in place of those in the normal header and the runtime."""
         return _C_IDENTIFIER.sub(lambda word: self._renamed.get(word[0], word[0]), text)
 
+    @property
+    def pause_macro(self) -> str:
+        """The macro for the shortest pause between two words over SSI, or an empty string if it is not known."""
+        macro = f"{self.view.PREFIX}_PAUSE_AT_LEAST_US"
+        return self.named(macro) if macro in self._renamed else ""
+
+    @property
+    def lacks_pause(self) -> bool:
+        """True if the spec says nothing about the pause between two words."""
+        return not mentions(self.view.device, self.view.context.interface, Topic.PAUSE)
+
+    @property
+    def ignored_numbers(self) -> tuple[str, ...]:
+        """Names of the numbers that affect neither the position nor the verdict, such as a life counter."""
+        frame = self.view.reading.frame
+        if frame is None:
+            return ()
+        position_name = self.view.device.position_name(self.view.context.interface.name)
+        layouts = frame.whole_frame.layouts if frame.whole_frame is not None else (frame.struct.layout,)
+        parts_of_position = {position_name}
+        for layout in layouts:
+            parts_of_position.update(*(join.fields for join in layout.joins if join.name == position_name))
+        fields = chain.from_iterable(layout.data_fields for layout in layouts)
+        numbers = (field for field in fields if isinstance(field.kind, Number) and field.equals is None)
+        return tuple(c_name(field.name) for field in numbers if field.name not in parts_of_position)
+
+    @property
+    def function_for_all_fields(self) -> str:
+        """The function that returns all fields of a frame: of a word, or of all data channels from the buffer."""
+        frame = self.view.reading.frame
+        assert frame is not None
+        if frame.whole_frame is not None and self.view.channels is not None:
+            return self.named(f"{self.view.channels.type}_receive")
+        return self.named(f"{frame.name}_decode")
+
+    def _insert_comment_on_interface(self, declarations: Sequence[Declaration]) -> None:
+        """Insert the comment on the interface, unless a macro has it that is kept.
+
+        The comment is below the title of the interface, alone or on a macro. It goes before the first kept declaration
+        that follows it.
+        """
+        title = f"/* -- {self.view.context.interface.title} "
+        after_title = [index + 1 for index, item in enumerate(declarations) if item.comment.startswith(title)]
+        if not after_title or after_title[0] == len(declarations):
+            return
+        commented = declarations[after_title[0]]
+        kept_names = names_of(self.declarations)
+        if (commented.has_macro or not commented.code) and kept_names.isdisjoint(commented.names):
+            following_names = names_of(declarations[after_title[0] :])
+            is_following = [not following_names.isdisjoint(item.names) for item in self.declarations]
+            self.declarations.insert(is_following.index(True), Declaration(commented.comment, code=""))
+
     def _is_helper(self, declaration: Declaration) -> bool:
         """Return True if a declaration comes from the runtime."""
         return not self._runtime_names.isdisjoint(declaration.names)
@@ -185,7 +230,8 @@ class SingleCode:
         view = self.view
         timings = view.context.interface.timings
         macros_of_times = chain.from_iterable(timing_macros(timing, view.PREFIX) for timing in timings)
-        time_names = {macro.name for macro in macros_of_times}
+        # The times of other interfaces are about registers and resets.
+        time_names = {macro.name for macro in macros_of_times} if not isinstance(view.context.interface, Ssi) else set()
         for macro in view.interface.macros:
             if _FOR_REGISTERS not in macro.name and macro.name not in time_names:
                 yield macro.name
@@ -195,9 +241,10 @@ class SingleCode:
         for codec in self._position_codecs():
             yield from (f"{codec.name}_{suffix}" for suffix in _READING_SUFFIXES)
             if view.reading.frame is None:
-                yield f"{codec.name}_receive"
+                yield from (f"{codec.name}_{suffix}" for suffix in _FURTHER_SUFFIXES)
         starts = (view.reading.macro, f"{view.row.macro}_")
-        yield from (name for name in known_names if name.startswith(starts))
+        other_channels = self._macros_of_other_channels()
+        yield from (name for name in known_names if name.startswith(starts) and name not in other_channels)
         yield from self._roots_of_requests()
 
     def _roots_of_requests(self) -> Iterator[str]:
@@ -213,6 +260,15 @@ class SingleCode:
             if self.view.interface.position_request:
                 yield "cw_spi_store"
                 yield "cw_spi_load"
+
+    def _macros_of_other_channels(self) -> set[str]:
+        """Return the lengths of the data channels that the macros do not name."""
+        frame = self.view.reading.frame
+        if frame is None or frame.whole_frame is None:
+            return set()
+        other_layouts = (layout for layout in frame.whole_frame.layouts if layout != frame.struct.layout)
+        stems = [f"{self.view.row.macro}_{layout.name.upper()}" for layout in other_layouts]
+        return {f"{stem}_{suffix}" for stem in stems for suffix in ("BITS", "RX_BYTES")}
 
     def _position_codecs(self) -> Iterator[StructCodec]:
         """Yield the frame that the macros read, or all frames with a position if there are no macros."""
@@ -267,14 +323,14 @@ class SingleCode:
         if declaration.has_macro:
             code = self._without_code_parameter(code)
         # The pattern is a comment on the lines above a member.
-        clear_code = re.sub(r"^ +/\*\*\n.*?\*/\n", self._member_comment, code, flags=re.MULTILINE | re.DOTALL)
+        clear_code = re.sub(r"^ +/\*\*\n.*?\*/\n", self._comments.adapt_member, code, flags=re.MULTILINE | re.DOTALL)
         new_code = "".join(map(self._rename_pasted, clear_code.splitlines(keepends=True)))
         # The marks for Doxygen come back with the marks of the whole header.
         unmarked_code = new_code.replace("/**< ", "/* ").replace("/**", "/*")
         named_code = self.named(unmarked_code)
         if declaration.has_macro:
             named_code = _refilled_macro(named_code)
-        new_comment = self._adapt_comment(comment, with_arguments=is_used_by_programs)
+        new_comment = self._comments.adapt(comment, with_arguments=is_used_by_programs)
         return new_comment + break_lines(_with_short_conditions(_with_signature_on_one_line(named_code)))
 
     def _without_code_parameter(self, c_code: str) -> str:
@@ -294,51 +350,6 @@ class SingleCode:
         # A prefix that is followed by letters and ##.
         pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
         return re.sub(pattern, f"{self.STEM}_", line)
-
-    def _adapt_comment(self, comment: str, *, with_arguments: bool) -> str:
-        """Return a comment with the names of this header, without sentences about parts that the header does not have.
-
-        Unless ``with_arguments`` is True, it ends before its first ``@param``.
-        """
-        lines: list[str] = []
-        for paragraph in split_paragraphs(comment_lines(comment)):
-            if paragraph[0].startswith("@") and not with_arguments:
-                break
-            lines += self._adapt_paragraph(paragraph)
-        return as_comment(lines)
-
-    def _member_comment(self, comment: re.Match[str]) -> str:
-        """Return the comment above a member, without sentences about parts that the header does not have."""
-        margin = " " * (len(comment[0]) - len(comment[0].lstrip()))
-        comment_text = " ".join(comment_lines(comment[0].strip())).strip()
-        sentences = SENTENCE_END.split(comment_text)
-        kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
-        return member_comment(self.named(" ".join(kept_sentences)), margin)
-
-    def _adapt_paragraph(self, lines: list[str]) -> list[str]:
-        """Return the lines of a paragraph without sentences about parts that the header does not have.
-
-        The result is empty if no sentence is left. In an indented line, such as one of a picture, only names change.
-        """
-        paragraph = " ".join(lines)
-        if lines[0].startswith((" ", "@")) or not paragraph:
-            return [self.named(line) for line in lines]
-        if paragraph.startswith(_OTHER_PARAGRAPHS):
-            return []
-        sentences = [sentence for sentence in SENTENCE_END.split(paragraph) if not self._is_about_absent(sentence)]
-        new_text = self.named(" ".join(sentences))
-        if new_text == paragraph:
-            return lines
-        return wrap_text(new_text)
-
-    def _is_about_absent(self, sentence: str) -> bool:
-        """Return True if a sentence is about a part that this header does not have.
-
-        Examples are other headers, the parameter ``code`` of a macro, and names that were left out.
-        """
-        if sentence.startswith(_OTHER_SENTENCES) or _ABOUT_ABSENT.search(sentence) is not None:
-            return True
-        return any(map(self._is_absent, _C_IDENTIFIER.findall(sentence)))
 
     def _is_absent(self, name: str) -> bool:
         """Return True if a name of the normal header or the runtime is not in this header."""

@@ -9,6 +9,7 @@ from itertools import chain
 
 from ...language.problems import join_words
 from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_or_raise
+from ...model.channels import channel_frame
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value
@@ -384,8 +385,15 @@ class LengthCode:
     def macros_of(self, frame: FrameSize) -> Iterator[CMacro]:
         """Yield the macros for the number of bits in a frame, and for the number of bytes in its buffer."""
         stem = f"{self._prefix}{self.code_of(frame)}"
-        yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in its frame")
-        yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), "number of bytes in its buffer")
+        whole_frame = channel_frame(self.interface)
+        if whole_frame is None:
+            yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in its frame")
+            yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), "number of bytes in its buffer")
+            return
+        bits_of_channels = whole_frame.bits.value(frame.variant.parameters)
+        yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in this data channel")
+        buffer_comment = f"number of bytes in a buffer for all {bits_of_channels} bits of the frame"
+        yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), buffer_comment)
 
 
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
