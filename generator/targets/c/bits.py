@@ -152,6 +152,8 @@ class BitReader:
         if bits.are_fixed:
             low = bits.low.constant
             width = bits.width.constant
+            if (low, width) == (0, 32):
+                return self.lower(32)
             mask = (1 << width) - 1
             return masked(shifted_right(self.lower(low + width), low), mask)
         if not bits.on_top:

@@ -10,27 +10,25 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from itertools import chain
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer, Number, Spi, Ssi
+from ...model import Biss, Device, Manufacturer, Ssi
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
-from ...say.evidence import Topic, mentions
+from ...plan.frames import FrameSize, received_sizes
 from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
 from .context import timing_macros
 from .declarations import Declaration, declarations_in, declarations_needed_by, names_of, without_settings
 from .device import DeviceView, views_of
-from .names import StructPassing, c_name
+from .names import StructPassing
 from .runtime_texts import runtime_headers, runtime_version
-from .single_comments import (
-    CommentAdapter,
-    first_paragraph,
-    without_example,
-    wrap_text,
-)
+from .single_comments import CommentAdapter, first_paragraph, first_sentence, without_example, wrap_text
+from .single_cuts import BYTES_LOADED_AT_ONCE, cut_biss_receiver, cut_ssi_receiver, loads_biss_at_once
+from .single_usage import SingleUsage
 
 TEMPLATE = "single.h.jinja"
 #: The headers of the runtime that receive frames, in the order in which they include each other.
@@ -41,6 +39,8 @@ _SHARED_HEADER = "result.h"
 _MARKS = ("CW_CONSTEXPR", "CW_CONST")
 #: A part of the names of macros that only register access needs.
 _FOR_REGISTERS = "_CONTROL_"
+#: Parts of an interface in a spec that reading a position does not need.
+_OTHER_PARTS = ("control_data", "description_file", "network", "profile")
 #: Suffixes of the functions of a frame that are needed to read its position.
 _READING_SUFFIXES = ("decode", "verdict")
 #: Suffixes of further functions of a frame. The macros need some of them, and without macros, a program needs all.
@@ -73,9 +73,10 @@ class SingleCode:
         self.path = single_path(view.maker, self.order_code)
         self.stem = self.path.removesuffix(".h")
         self.STEM = self.stem.upper()
+        self.usage = SingleUsage(view, self.named)
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
         # The mark of functions to be inlined needs more lines than it saves here.
-        headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING_HEADERS]
+        headers = [self._runtime_header(name).replace("\nCW_INLINE\n", "\n") for name in _RECEIVING_HEADERS]
         runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
         header = without_settings(header, settings)
         if not view.variants.parameters:
@@ -89,13 +90,15 @@ class SingleCode:
         self._renamed = self._new_names(kept_names)
         self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED_HEADER]))
         note_on_choice = f"{self.order_code} has 0. For 1, pass your own {self.stem} to {self.stem}_read."
-        self._comments = CommentAdapter(self.named, self._is_absent, note_on_choice)
+        self._comments = CommentAdapter(
+            self._named_in_comment, self._is_absent, note_on_choice, frozenset(self._titles_of_other_errata())
+        )
 
     @property
     def shared(self) -> str:
         """The declarations of the results and verdicts, which all single headers share."""
         declarations = declarations_in(runtime_headers()[_SHARED_HEADER])
-        return "\n".join(first_paragraph(declaration.comment) + declaration.code for declaration in declarations)
+        return "\n".join(first_sentence(declaration.comment) + declaration.code for declaration in declarations)
 
     @property
     def runtime_version(self) -> tuple[int, int]:
@@ -110,36 +113,6 @@ class SingleCode:
         lines = bits_header[start : bits_header.index("#endif\n", start)].splitlines(keepends=True)
         # The first line is the comment. The definitions follow it, up to the first #endif.
         return "".join(lines[1:]) + "#endif\n"
-
-    @property
-    def request(self) -> StructCodec | None:
-        """The frame that requests the position, or None if there is no such frame.
-
-        Over SPI, it is the frame that the macro of the request names.
-        """
-        usage = self.view.usage
-        if usage is not None and usage.request_for_reply is not None:
-            return usage.request_for_reply.codec
-        exchanged = self.view.interface.position_request.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
-        requests = (codec for codec in self.view.interface.codecs if codec.struct.layout.name == exchanged)
-        return next(requests, None)
-
-    @property
-    def reply_bytes(self) -> int:
-        """Number of bytes in the reply with the position, 0 without such a reply."""
-        usage = self.view.usage
-        if usage is None:
-            return 0
-        parameters = self.view.device.variants[0].parameters
-        bits = usage.frame.struct.layout.bits.value(parameters)
-        # Bits to bytes, rounded up.
-        return (bits + 7) // 8
-
-    @property
-    def replies_later(self) -> bool:
-        """True if a reply over SPI comes with the word after its request."""
-        interface = self.view.context.interface
-        return isinstance(interface, Spi) and interface.reply == "next_word"
 
     @property
     def body(self) -> str:
@@ -163,41 +136,6 @@ class SingleCode:
         """Return a text with the names of this header in place of those in the normal header and the runtime."""
         return _C_IDENTIFIER.sub(lambda word: self._renamed.get(word[0], word[0]), text)
 
-    @property
-    def pause_macro(self) -> str:
-        """The macro for the shortest pause between two words over SSI, or an empty string if it is not known."""
-        macro = f"{self.view.PREFIX}_PAUSE_AT_LEAST_US"
-        return self.named(macro) if macro in self._renamed else ""
-
-    @property
-    def lacks_pause(self) -> bool:
-        """True if the spec says nothing about the pause between two words."""
-        return not mentions(self.view.device, self.view.context.interface, Topic.PAUSE)
-
-    @property
-    def ignored_numbers(self) -> tuple[str, ...]:
-        """Names of the numbers that affect neither the position nor the verdict, such as a life counter."""
-        frame = self.view.reading.frame
-        if frame is None:
-            return ()
-        position_name = self.view.device.position_name(self.view.context.interface.name)
-        layouts = frame.whole_frame.layouts if frame.whole_frame is not None else (frame.struct.layout,)
-        parts_of_position = {position_name}
-        for layout in layouts:
-            parts_of_position.update(*(join.fields for join in layout.joins if join.name == position_name))
-        fields = chain.from_iterable(layout.data_fields for layout in layouts)
-        numbers = (field for field in fields if isinstance(field.kind, Number) and field.equals is None)
-        return tuple(c_name(field.name) for field in numbers if field.name not in parts_of_position)
-
-    @property
-    def function_for_all_fields(self) -> str:
-        """The function that returns all fields of a frame: of a word, or of all data channels from the buffer."""
-        frame = self.view.reading.frame
-        assert frame is not None
-        if frame.whole_frame is not None and self.view.channels is not None:
-            return self.named(f"{self.view.channels.type}_receive")
-        return self.named(f"{frame.name}_decode")
-
     def _insert_comment_on_interface(self, declarations: Sequence[Declaration]) -> None:
         """Insert the comment on the interface, unless a macro has it that is kept.
 
@@ -214,6 +152,45 @@ class SingleCode:
             following_names = names_of(declarations[after_title[0] :])
             is_following = [not following_names.isdisjoint(item.names) for item in self.declarations]
             self.declarations.insert(is_following.index(True), Declaration(commented.comment, code=""))
+
+    def _runtime_header(self, name: str) -> str:
+        """Return a header of the runtime, without code for words of other lengths if all frames have one length."""
+        text = runtime_headers()[name]
+        if name != "receive.h" or self._word_length is None:
+            return text
+        match self.view.context.interface:
+            case Biss():
+                return cut_biss_receiver(text, self._word_length.bits, self._word_length.bytes)
+            case Ssi():
+                return cut_ssi_receiver(text, self._word_length.bits)
+            case _:
+                return text
+
+    @cached_property
+    def _word_length(self) -> FrameSize | None:
+        """The length of the word that the macros receive, or None if it varies or if they receive no single word."""
+        frame, interface = self.view.reading.frame, self.view.context.interface
+        if frame is None or frame.plan.in_bytes or frame.whole_frame is not None:
+            return None
+        sizes = [size for size in received_sizes(self.view.device, interface) if size.layout == frame.struct.layout]
+        has_one_length = len(sizes) == 1 and not sizes[0].depends_on_registers
+        return sizes[0] if has_one_length else None
+
+    def _titles_of_other_errata(self) -> Iterator[str]:
+        """Yield the titles of the errata that are only about parts of the interface that this header does not have."""
+        other_parts = {f"interfaces.{self.view.context.interface.name}.{part}" for part in _OTHER_PARTS}
+        for erratum in self.view.device.errata:
+            if other_parts.issuperset(erratum.affects):
+                yield erratum.title
+
+    def _named_in_comment(self, text: str) -> str:
+        """Return a text of a comment with the names of this header, and with the smallest size of its buffers."""
+        size, is_biss = self._word_length, isinstance(self.view.context.interface, Biss)
+        if size is not None and is_biss and loads_biss_at_once(size.bits, size.bytes):
+            smallest_size = f"of at least {BYTES_LOADED_AT_ONCE} bytes"
+            text = text.replace("Any other size works too", f"Any other size {smallest_size} works too")
+            text = text.replace("any number of bytes", f"{BYTES_LOADED_AT_ONCE} or more bytes")
+        return self.named(text)
 
     def _is_helper(self, declaration: Declaration) -> bool:
         """Return True if a declaration comes from the runtime."""
@@ -254,9 +231,9 @@ class SingleCode:
             yield usage.request
         if usage is not None and (usage.request or usage.request_for_reply is not None):
             yield from (f"cw_rs485_{action}" for action in _BYTE_BY_BYTE)
-        if self.request is not None:
-            yield f"{self.request.name}_encode"
-            yield f"{self.request.name}_bits"
+        if self.usage.request is not None:
+            yield f"{self.usage.request.name}_encode"
+            yield f"{self.usage.request.name}_bits"
             if self.view.interface.position_request:
                 yield "cw_spi_store"
                 yield "cw_spi_load"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 
 from .comments import COLUMNS
 
@@ -34,9 +34,17 @@ class CommentAdapter:
 
     ``rename`` replaces the names in a text by those of the single header, and ``is_absent`` is True for a name that the
     single header does not have. ``note_on_choice`` says how to set a quantity that follows from a choice of the user.
+    ``absent_errata`` are the titles of errata about parts that the single header does not have.
     """
 
-    def __init__(self, rename: Callable[[str], str], is_absent: Callable[[str], bool], note_on_choice: str) -> None:
+    def __init__(
+        self,
+        rename: Callable[[str], str],
+        is_absent: Callable[[str], bool],
+        note_on_choice: str,
+        absent_errata: Collection[str],
+    ) -> None:
+        self._absent_errata = tuple(f"Erratum: {title}" for title in absent_errata)
         self._rename = rename
         self._is_absent = is_absent
         self._note_on_choice = note_on_choice
@@ -71,7 +79,7 @@ class CommentAdapter:
         paragraph = " ".join(lines)
         if lines[0].startswith((" ", "@")) or not paragraph:
             return [self._rename(line) for line in lines]
-        if paragraph.startswith(_OTHER_PARAGRAPHS):
+        if paragraph.startswith((*_OTHER_PARAGRAPHS, *self._absent_errata)):
             return []
         sentences = SENTENCE_END.split(_NAME_OF_ERRATUM.sub("", paragraph))
         kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
@@ -100,8 +108,14 @@ def member_comment(text: str, margin: str) -> str:
     return "".join(f"{line}\n" for line in lines).replace(unbreakable_space, " ")
 
 
+def first_sentence(comment: str) -> str:
+    """Return the first sentence of a comment from the runtime."""
+    sentence, *_ = SENTENCE_END.split(" ".join(comment_lines(comment)).strip())
+    return as_comment(wrap_text(sentence))
+
+
 def first_paragraph(comment: str) -> str:
-    """Return the first sentence of a comment from the runtime, or if it has a picture, its text up to the picture.
+    """Return the first paragraph of a comment from the runtime, or if it has a picture, its text up to the picture.
 
     A picture follows ``:`` and a blank line. It is included unless it is an example that calls the runtime.
     """
@@ -116,8 +130,7 @@ def first_paragraph(comment: str) -> str:
     first_paragraph, _, _ = text_before_picture.partition("\n\n")
     # The parameters of a function can follow on the next line.
     description, _, _ = first_paragraph.partition("\n@")
-    first_sentence, *_ = SENTENCE_END.split(description.replace("\n", " "))
-    return as_comment(wrap_text(first_sentence))
+    return as_comment(wrap_text(description.replace("\n", " ")))
 
 
 def without_example(comment: str) -> str:
