@@ -123,7 +123,7 @@ HEADER_STYLE = InHeader(text=TITLE_STYLE.text, code=TITLE_STYLE.code, ref=TITLE_
 
 #: Places where a long line may be broken, the better ones first.
 _BREAKS_IN_CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
-_BREAKS_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
+_BREAKS_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \^) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
 _STRING_LITERAL = re.compile(r'"(?:\\.|[^"\\])*"')
 #: A comment that begins a line, except titles of sections, and one that follows a declaration or a macro.
 _COMMENT_OPENING = re.compile(r"\s*/\*(?: (?!-- )|$)")
