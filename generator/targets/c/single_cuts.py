@@ -51,7 +51,23 @@ def cut_ssi_receiver(runtime: str, bits: int) -> str:
     runtime = _replace_block(runtime, "last == 3U", "")
     if last_byte < 3:
         return _replace_block(runtime, "last > 3U", "")
-    return _replace_block(runtime, "last > 3U", _body_of_block(runtime, "last > 3U"))
+    return _replace_initial_values(runtime, "last > 3U")
+
+
+def _replace_initial_values(runtime: str, condition: str) -> str:
+    """Return the code with the assignments of a block as the initial values of the variables.
+
+    ``int32_t x = 0;`` above ``if (condition) { x = 4; }`` becomes ``int32_t x = 4;`` in place of the block.
+    """
+    body = _body_of_block(runtime, condition)
+    start = _find_block(runtime, condition).start()
+    code_before, code_from_block = runtime[:start], runtime[start:]
+    for variable in re.findall(r"^    (\w+) = ", body, re.MULTILINE):
+        # The last declaration above the block is that of the same function.
+        declaration = list(re.finditer(rf"^    (\w+) {variable} = .*;\n", code_before, re.MULTILINE))[-1]
+        code_before = code_before[: declaration.start()] + code_before[declaration.end() :]
+        body = re.sub(rf"^    {variable} = ", f"    {declaration[1]} {variable} = ", body, flags=re.MULTILINE)
+    return code_before + _replace_block(code_from_block, condition, body)
 
 
 def _find_block(c_code: str, condition: str) -> re.Match[str]:
