@@ -49,6 +49,12 @@ _FURTHER_SUFFIXES = ("bits", "position", "read", "receive")
 _BYTE_BY_BYTE = ("ask", "take", "take_any", "resume", "late", "reason")
 #: The parts of the runtime that a program uses itself. Their comments stay, without examples.
 _USED_BY_PROGRAMS = frozenset(f"cw_rs485_{part}" for part in ("line", *_BYTE_BY_BYTE))
+#: A comment on the lines above a member of a struct::
+#:
+#:     /**
+#:      * Number of revolutions.
+#:      */
+_COMMENT_ABOVE_MEMBER = re.compile(r"^ +/\*\*\n.*?\*/\n", re.MULTILINE | re.DOTALL)
 _C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 #: A condition on one line, after which the function only returns a result.
 _GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
@@ -74,24 +80,30 @@ class SingleCode:
         self.stem = self.path.removesuffix(".h")
         self.STEM = self.stem.upper()
         self.usage = SingleUsage(view, self.named)
-        settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
-        # The mark of functions to be inlined needs more lines than it saves here.
-        headers = [self._runtime_header(name).replace("\nCW_INLINE\n", "\n") for name in _RECEIVING_HEADERS]
-        runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
-        header = without_settings(header, settings)
+        crc_settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
+        header = without_settings(header, crc_settings)
         if not view.variants.parameters:
             header = _without_order_code(header, view)
-        declarations = [*runtime_declarations, *declarations_in(header)]
-        needed = declarations_needed_by(self._yield_roots(names_of(declarations)), declarations)
-        self.declarations = [declaration for declaration in needed if not declaration.is_title]
-        self._insert_comment_on_interface(declarations)
+        runtime_declarations: list[Declaration] = []
+        for name in _RECEIVING_HEADERS:
+            # The mark of functions to be inlined needs more lines than it saves here.
+            runtime_header = self._runtime_header(name).replace("\nCW_INLINE\n", "\n")
+            runtime_declarations += declarations_in(runtime_header)
+        all_declarations = [*runtime_declarations, *declarations_in(header)]
+        names_to_keep = self._yield_roots(names_of(all_declarations))
+        needed_declarations = declarations_needed_by(names_to_keep, all_declarations)
+        self.declarations = [declaration for declaration in needed_declarations if not declaration.is_title]
+        self._insert_comment_on_interface(all_declarations)
         kept_names = names_of(self.declarations)
         self._runtime_names = names_of(runtime_declarations) & kept_names
         self._renamed = self._new_names(kept_names)
         self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED_HEADER]))
         note_on_choice = f"{self.order_code} has 0. For 1, pass your own {self.stem} to {self.stem}_read."
         self._comments = CommentAdapter(
-            self._named_in_comment, self._is_absent, note_on_choice, frozenset(self._titles_of_other_errata())
+            rename=self._named_in_comment,
+            is_absent=self._is_absent,
+            note_on_choice=note_on_choice,
+            absent_errata=frozenset(self._titles_of_other_errata()),
         )
 
     @property
@@ -299,16 +311,18 @@ class SingleCode:
             comment = first_paragraph(comment)
         if declaration.has_macro:
             code = self._without_code_parameter(code)
-        # The pattern is a comment on the lines above a member.
-        clear_code = re.sub(r"^ +/\*\*\n.*?\*/\n", self._comments.adapt_member, code, flags=re.MULTILINE | re.DOTALL)
-        new_code = "".join(map(self._rename_pasted, clear_code.splitlines(keepends=True)))
+        code = _COMMENT_ABOVE_MEMBER.sub(self._comments.adapt_member, code)
+        code = "".join(map(self._rename_pasted, code.splitlines(keepends=True)))
         # The marks for Doxygen come back with the marks of the whole header.
-        unmarked_code = new_code.replace("/**< ", "/* ").replace("/**", "/*")
-        named_code = self.named(unmarked_code)
+        code = code.replace("/**< ", "/* ").replace("/**", "/*")
+        code = self.named(code)
         if declaration.has_macro:
-            named_code = _refilled_macro(named_code)
+            code = _refilled_macro(code)
+        # The names are longer or shorter than in the normal header, so the lines are broken again.
+        code = _with_signature_on_one_line(code)
+        code = _with_short_conditions(code)
         new_comment = self._comments.adapt(comment, with_arguments=is_used_by_programs)
-        return new_comment + break_lines(_with_short_conditions(_with_signature_on_one_line(named_code)))
+        return new_comment + break_lines(code)
 
     def _without_code_parameter(self, c_code: str) -> str:
         """Return the code of a macro without its parameter ``code``, since the header is for one order code.
@@ -318,7 +332,8 @@ class SingleCode:
         if "(code, " not in c_code:
             return c_code
         order_code = self.view.row.macro.removeprefix(f"{self.view.PREFIX}_")
-        code_without_parameter = c_code.replace("(code, ", "(", 1).replace("##code", order_code)
+        code_without_parameter = c_code.replace("(code, ", "(", 1)
+        code_without_parameter = code_without_parameter.replace("##code", order_code)
         # In MACRO##_BITS nothing is left to paste. MACRO##_##name still pastes another parameter.
         return re.sub(rf"({self.view.row.macro})##(?=_\w)(?!_##)", r"\1", code_without_parameter)
 
@@ -340,14 +355,19 @@ def _without_order_code(header: str, view: DeviceView) -> str:
     ``x_bits(x variant)`` becomes ``x_bits(void)``, ``x_read(x variant, word)`` becomes ``x_read(word)``, the calls
     ``x_bits(variant)`` and ``x_read(X_##code, word)`` become ``x_bits()`` and ``x_read(word)``.
     """
+    # acme_x variant, or const acme_x *variant
     parameter = rf"(?:const )?{view.prefix} \*?variant"
+    # variant, or in a macro ACME_X_##code, each also by address
     arguments = ("variant", rf"&?{view.PREFIX}_##code")
     header = header.replace("    (void)variant;\n", "")
+    # x_bits(acme_x variant) becomes x_bits(void).
     header = re.sub(rf"\(\s*{parameter}\)", "(void)", header)
     for argument in arguments:
+        # x_bits(variant) becomes x_bits().
         header = re.sub(rf"\(\s*{argument}\)", "()", header)
     for first_argument in (parameter, *arguments):
-        # In a macro, the next argument can be on the next line, after a backslash.
+        # x_read(variant, word) becomes x_read(word). In a macro, the next argument can be on the next line, after a
+        # backslash.
         header = re.sub(rf"\((\s*){first_argument},\s+(?:\\\n\s+)?", r"(\1", header)
     return header
 

@@ -63,13 +63,16 @@ class CommentAdapter:
 
     def adapt_member(self, comment: re.Match[str]) -> str:
         """Return the comment above a member, without sentences about parts that the header does not have."""
-        margin = " " * (len(comment[0]) - len(comment[0].lstrip()))
-        comment_text = " ".join(comment_lines(comment[0].strip())).strip()
+        marked_comment = comment[0]
+        margin = " " * (len(marked_comment) - len(marked_comment.lstrip()))
+        lines = comment_lines(marked_comment.strip())
+        comment_text = " ".join(lines).strip()
         sentences = SENTENCE_END.split(_NAME_OF_ERRATUM.sub("", comment_text))
         kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
         if any(sentence.startswith(_CHOICE) for sentence in sentences):
             kept_sentences.append(self._note_on_choice)
-        return member_comment(self._rename(" ".join(kept_sentences)), margin)
+        new_text = self._rename(" ".join(kept_sentences))
+        return member_comment(new_text, margin)
 
     def _adapt_paragraph(self, lines: list[str]) -> list[str]:
         """Return the lines of a paragraph without sentences about parts that the header does not have.
@@ -135,11 +138,13 @@ def first_paragraph(comment: str) -> str:
 
 def without_example(comment: str) -> str:
     """Return a comment from the runtime without the example that follows its first sentence, if there is one."""
-    first_sentence, example_begins, example_and_rest = "\n".join(comment_lines(comment)).partition(":\n\n")
+    comment_text = "\n".join(comment_lines(comment))
+    text_before_example, example_begins, example_and_text = comment_text.partition(":\n\n")
     if not example_begins:
         return comment
-    _, _, rest = example_and_rest.partition("\n\n")
-    return as_comment([*wrap_text(first_sentence.replace("\n", " ") + "."), "", *rest.splitlines()])
+    _, _, text_after_example = example_and_text.partition("\n\n")
+    sentence = text_before_example.replace("\n", " ") + "."
+    return as_comment([*wrap_text(sentence), "", *text_after_example.splitlines()])
 
 
 def wrap_text(text: str, width: int = COMMENT_WIDTH, first_margin: str = "", margin: str = "") -> list[str]:

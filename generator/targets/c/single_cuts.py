@@ -63,10 +63,11 @@ def _replace_initial_values(runtime: str, condition: str) -> str:
     start = _find_block(runtime, condition).start()
     code_before, code_from_block = runtime[:start], runtime[start:]
     for variable in re.findall(r"^    (\w+) = ", body, re.MULTILINE):
-        # The last declaration above the block is that of the same function.
-        declaration = list(re.finditer(rf"^    (\w+) {variable} = .*;\n", code_before, re.MULTILINE))[-1]
+        # The last declaration above the block is that of the same function: ``    uint32_t byte = 0U;``.
+        pattern = rf"^    (?P<type>\w+) {variable} = .*;\n"
+        *_, declaration = re.finditer(pattern, code_before, re.MULTILINE)
         code_before = code_before[: declaration.start()] + code_before[declaration.end() :]
-        body = re.sub(rf"^    {variable} = ", f"    {declaration[1]} {variable} = ", body, flags=re.MULTILINE)
+        body = body.replace(f"    {variable} = ", f"    {declaration['type']} {variable} = ", 1)
     return code_before + _replace_block(code_from_block, condition, body)
 
 
