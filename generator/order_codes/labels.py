@@ -62,9 +62,8 @@ def nearest_codes_hint(codes: str) -> str:
 LONGEST, _SHOWN_CHARACTERS = 100, 20
 #: Lowest similarity, from 0 to 1, at which a code is suggested.
 NEAR = 0.5
-
 _PART_IN_BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
-#: Regular expression for text that may follow the code on a label.
+#: Regular expression for text that may follow the code on a label: ``-more text``, ``/S042``, or both.
 AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
 
@@ -147,13 +146,15 @@ def find_code(device: Device, text: str) -> LabelMatch:
             label.
     """
     if len(text) > LONGEST:
-        raise UnknownOrderCode(too_long(text[:_SHOWN_CHARACTERS], str(len(text)), str(LONGEST)), close=True)
+        message = too_long(start=text[:_SHOWN_CHARACTERS], length=str(len(text)), longest=str(LONGEST))
+        raise UnknownOrderCode(message, close=True)
     label = without_blanks(text).upper()
     if not label:
         raise UnknownOrderCode(EMPTY, close=True)
     # A part of the code itself may look like /Sxxx, which is a special model only after the code.
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
-        label_match = re.fullmatch(expression_of_code(device.order_code, spelling) + AFTER, label, re.IGNORECASE)
+        label_pattern = expression_of_code(device.order_code, spelling) + AFTER
+        label_match = re.fullmatch(label_pattern, label, re.IGNORECASE)
         if label_match is None:
             continue
         # A spelling may use its own texts for the values of a part. All other values have the texts that are listed.
@@ -239,7 +240,8 @@ def _variant_with_parts(
     listed_values = {part.name: _listed_value(part, value_by_part[part.name]) for part in device.order_code.parts}
     variant = _fitting_variant(device, listed_values)
     if variant is None:
-        raise UnknownOrderCode(_clash_message(device, label, value_by_part, listed_values), close=True)
+        message = _clash_message(device, label, value_by_part, listed_values)
+        raise UnknownOrderCode(message, close=True)
     unlisted_parts = tuple(name for name, value in listed_values.items() if value is None)
     if unlisted_parts:
         printed_values = {name: value or value_by_part[name] for name, value in listed_values.items()}
@@ -344,7 +346,7 @@ def _clash_message(
             value = listed_values[part.name] or value_by_part[part.name]
             clashing_parts.append(f"{part.name} '{value}'")
     parts_text = " and ".join(clashing_parts) or "its parts"
-    return cannot_be_combined(label, parts_text, _nearest_codes_text(device, label))
+    return cannot_be_combined(code=label, parts=parts_text, nearest=_nearest_codes_text(device, label))
 
 
 def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
@@ -373,12 +375,14 @@ def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
     nearest = _nearest_codes_text(device, label)
     candidates = list(_possible_wrong_parts(device, label))
     if not candidates:
-        return UnknownOrderCode(not_of_family(label, device.name.upper(), nearest), close=False)
+        message = not_of_family(code=label, family=device.name.upper(), nearest=nearest)
+        return UnknownOrderCode(message, close=False)
     likeliest = min(candidates)  # ``_WrongPart`` is ordered by its members.
     part = device.order_code.parts[likeliest.position]
     valid_values = ", ".join(value.text for value in part.values)
     problem = has_part(part.name, likeliest.text) if likeliest.is_present else has_no_part(part.name)
-    return UnknownOrderCode(wrong_part(label, problem, valid_values, nearest), close=True)
+    message = wrong_part(code=label, problem=problem, valid=valid_values, nearest=nearest)
+    return UnknownOrderCode(message, close=True)
 
 
 def _possible_wrong_parts(device: Device, label: str) -> Iterator[_WrongPart]:
@@ -387,16 +391,16 @@ def _possible_wrong_parts(device: Device, label: str) -> Iterator[_WrongPart]:
     The label must match the family if any text is accepted for this part.
     """
     for position, part in enumerate(device.order_code.parts):
-        pattern = expression_of_code(device.order_code, as_listed(device.order_code), anything=part.name) + AFTER
-        label_match = re.fullmatch(pattern, label, re.IGNORECASE)
+        code_pattern = expression_of_code(device.order_code, as_listed(device.order_code), anything=part.name)
+        label_match = re.fullmatch(code_pattern + AFTER, label, re.IGNORECASE)
         if label_match is None or not _has_text_besides(label_match, part, label):
             continue
-        unlisted_others = 0
-        for other_part in device.order_code.parts:
-            if other_part is not part and _listed_value(other_part, label_match[other_part.name]) is None:
-                unlisted_others += 1
-        text = label_match[part.name]
-        yield _WrongPart(unlisted_others=unlisted_others, is_present=text != "", position=position, text=text)
+        other_parts = [other_part for other_part in device.order_code.parts if other_part is not part]
+        listed_values = [_listed_value(other_part, label_match[other_part.name]) for other_part in other_parts]
+        part_text = label_match[part.name]
+        yield _WrongPart(
+            unlisted_others=listed_values.count(None), is_present=part_text != "", position=position, text=part_text
+        )
 
 
 def _has_text_besides(label_match: re.Match[str], part: CodePart, label: str) -> bool:
@@ -413,6 +417,7 @@ def _has_text_besides(label_match: re.Match[str], part: CodePart, label: str) ->
 
 
 def _nearest_codes_text(device: Device, label: str) -> str:
+    """Return the order codes of a family that are most similar to a label, as a list in words: ``X-24, X-25``."""
     return ", ".join(nearest_codes([device], label))
 
 

@@ -73,7 +73,8 @@ class ZerosAbove:
         """True if the bytes that the field occupies also contain bits above it, for at least one order code."""
         bits_of_occupied_bytes = self.field.container - 8 * len(self.beyond)
         # If the width depends on the order code, none of the bits belongs to the field for every order code.
-        bits_always_in_field = self.field.widest if self.bits.width.is_constant else 0
+        # A family reduced to one order code keeps ``widest``, so the constant width can be smaller.
+        bits_always_in_field = self.bits.width.constant if self.bits.width.is_constant else 0
         return bits_of_occupied_bytes > bits_always_in_field
 
 

@@ -225,7 +225,8 @@ def rules(device: Device, field: Field) -> Iterator[Statement]:
         yield statement(formula(scale), label=f"In {scale.unit}", source=scale.source)
     yield from _rules_of_kind(device, field)
     if field.container:
-        yield statement(f"Right-aligned in {field.container} bits, with leading zeros")
+        width_text = f"{field.width.constant} bits, right-aligned" if field.width.is_constant else "Right-aligned"
+        yield statement(f"{width_text} in {field.container} bits, with leading zeros")
     if not field.implemented and "not implemented" not in field.meaning.lower():
         yield statement("Not implemented in this encoder")
     if field.reserved:
@@ -247,7 +248,7 @@ def _rules_of_kind(device: Device, field: Field) -> Iterator[Statement]:
         case Number() as number:
             yield from _number_rules(number)
         case Flag() as flag:
-            yield from _flag_rules(flag, is_implemented=field.implemented)
+            yield from _flag_rules(device, flag, is_implemented=field.implemented)
         case Choice():
             pass  # Each value has its own statement.
         case Constant(value):
@@ -330,7 +331,7 @@ def _number_rules(kind: Number) -> Iterator[Statement]:
         yield statement(f"Sent in {code.name}, {code.bits} bits for each digit")
 
 
-def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
+def _flag_rules(device: Device, flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     """Yield the levels of a flag, the other flags that it combines, and its verdict on the position.
 
     If the manual explains the flag only for some order codes, a statement on the other order codes follows.
@@ -339,7 +340,7 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
     if flag.sums_up:
         yield statement("This flag combines ", *list_parts([CodeText(name) for name in flag.sums_up]))
     if is_implemented:
-        yield from _flag_verdict(flag)
+        yield from _flag_verdict(device, flag)
     if flag.only:
         remark = ". For other order codes, the manual does not explain the flag"
         verdict_for_other_codes = flag.unexplained.makes_position
@@ -348,13 +349,25 @@ def _flag_rules(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
         yield statement("This applies only to ", CodeText(flag.only), remark)
 
 
-def _flag_verdict(flag: Flag) -> Iterator[Statement]:
+def _combines_other_verdicts(device: Device, flag: Flag) -> bool:
+    """Return True if a flag that ``flag`` combines has a different verdict, so that it matters which one decides."""
+    for _, layout in device.layouts():
+        for field in layout.fields:
+            combined_flag = field.kind
+            if isinstance(combined_flag, Flag) and field.name in flag.sums_up:
+                verdicts = {combined_flag.makes_position, flag.makes_position, flag.verdict_if_set}
+                if len(verdicts - {None}) > 1:
+                    return True
+    return False
+
+
+def _flag_verdict(device: Device, flag: Flag) -> Iterator[Statement]:
     """Yield the verdict on the position while a flag is active, and the verdict if the user sets a parameter to 1."""
     if flag.makes_position is Verdict.USABLE:
         yield statement("It does not affect the position")
     elif flag.makes_position:
         verdict_text = f", {VERDICT_CLAUSES[flag.makes_position]}"
-        if flag.sums_up:
+        if _combines_other_verdicts(device, flag):
             verdict_text += ". If a flag that it combines is active in the same frame, that flag decides instead"
         yield statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
     if flag.verdict_if_set is not None:

@@ -14,14 +14,17 @@ import pytest
 from c_harness import SANITIZED
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
-from codewheel.model import Device, number_to_bytes
+from codewheel.model import Device, Flag, number_to_bytes
 from codewheel.model.channels import channel_frame
 from codewheel.order_codes.reduction import for_codes
 from codewheel.targets import Library
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.files import generate
+from codewheel.targets.c.runtime_texts import runtime_headers
+from codewheel.targets.c.single_cuts import cut_biss_receiver
 from exhaustive import mostly_exhaustive
 from rust_frames import numbers
+from test_c_codec import encoded_sample, samples, with_crc
 from working_tools import require
 
 STRICT = "-Wall -Wextra -Wpedantic -Wconversion -Werror".split()
@@ -118,7 +121,9 @@ def test_a_user_reads_a_position_with_one_header(tmp_path: Path, capsys: pytest.
 def test_it_is_short(packaged: tuple[Device, ...]) -> None:
     for device in packaged:
         for interface, code in codes_of(device):
-            assert single(device, code).count("\n") <= BOUNDS[interface], code
+            lines = single(device, code).splitlines()
+            assert len(lines) <= BOUNDS[interface], code
+            assert not [line for line in lines if len(line) > 100 and "https://" not in line], code
 
 
 @pytest.mark.slow
@@ -137,6 +142,76 @@ def test_it_has_nothing_of_other_order_codes_or_files(packaged: tuple[Device, ..
             paragraphs = " ".join(line.strip().removeprefix("*") for line in text.splitlines())
             errata = len(re.findall(r"\bErratum: ", paragraphs))
             assert errata == len(re.findall(r"\((?:open|resolved)\)\. +Used: ", paragraphs)), code
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("family", "code", "sentences"),
+    [
+        ("icmr", "iC-MR-24-L6T", ["READ ignores life and temperature. To use them, call", "Clock: not known [p.34]."]),
+        ("icmr", "iC-MR-24-L6T", ["number of bytes in a buffer for all 83 bits of the frame"]),
+        ("dl100", "DL100-GRY24E", ["the pause SICK_DL100_GRY24E_PAUSE_AT_LEAST_US", "Tp: at least 30 us"]),
+        (
+            "amt22",
+            "AMT22-14",
+            ["wait at least 3 us after the chip select", "Not covered: - A frame from real hardware."],
+        ),
+        ("as5145", "AS5045", ["The documents do not give the length of the pause."]),
+        ("as5047p", "AS5047P", ["which is FFh FFh, most significant byte first", 'Source: "Public drivers']),
+        (
+            "amm5",
+            "AMM5A21/65KSC1",
+            ['Manual: "AMM5A AMM5B"', "Use SPI mode 3, whose clock is high at rest and samples at"],
+        ),
+        (
+            "amm5",
+            "AMM5A21/65KSC1",
+            ["How it folds: the remainder of x^6 is x + 1.", "AMM5A21/65KSC1 has 0. For 1, pass your own"],
+        ),
+    ],
+)
+def test_it_states_what_a_reader_must_know(
+    family: str, code: str, sentences: list[str], packaged: tuple[Device, ...]
+) -> None:
+    device = next(device for device in packaged if device.name == family)
+    text = " ".join(re.sub(r"^ \* ", "", single(device, code), flags=re.MULTILINE).split())
+    for sentence in sentences:
+        assert sentence in re.sub(r" \* ", " ", text), sentence
+
+
+@pytest.mark.slow
+def test_it_does_not_mention_what_it_lacks(packaged: tuple[Device, ...]) -> None:
+    for device in packaged:
+        for _, code in codes_of(device):
+            text = " ".join(single(device, code).replace("\n     * ", " ").replace("\n * ", " ").split())
+            for absent in ("Steps:", "It is set by your choice", "(erratum ", "profile ID registers"):
+                assert absent not in text, (code, absent)
+
+
+@pytest.mark.slow
+def test_a_flag_decides_instead_only_if_its_verdict_differs(packaged: tuple[Device, ...]) -> None:
+    by_name = {device.name: device for device in packaged}
+    sentence = "that flag decides instead"
+    # In the AMM5, a depleted battery is only a warning. In the SMA21, all flags have the verdict of the one above them.
+    assert sentence in single(by_name["amm5"], "AMM5A21/65KJP1").replace("\n     * ", " ")
+    assert sentence not in single(by_name["sma21"], "SMA21-JP1-0050").replace("\n     * ", " ")
+
+
+@pytest.mark.slow
+def test_it_receives_in_only_one_way(packaged: tuple[Device, ...]) -> None:
+    """The length of the word is known, so the ways for other lengths are left out."""
+    by_name = {device.name: device for device in packaged}
+    biss = single(by_name["amm5"], "AMM5A21/65KSC1")
+    assert "_received_halves(" in biss
+    assert "_received_bits(" not in biss
+    assert "(received < 57U) ||" not in biss
+    long_word = cut_biss_receiver(runtime_headers()["receive.h"], bits=62, buffer_bytes=16)
+    assert "(received < 57U)" not in long_word
+    receiver = long_word.partition("cw_biss_receive_bits(\n")[2].partition("\n}\n")[0]
+    assert "cw_received_bits(rx, first, bits)" in receiver
+    assert "cw_received_halves" not in receiver
+    ssi = single(by_name["mt6701"], "MT6701")
+    assert "while (index < last)" not in ssi
 
 
 @pytest.mark.slow
@@ -186,16 +261,36 @@ def buffers(view: DeviceView, count: int) -> bytes:
     placed = [sent.place(view.device.variants[0].parameters) for sent in layouts]
     placed = [channel for channel in placed if channel.bits]
     cases: list[Any] = [SimpleNamespace(device=view.device, placed=channel) for channel in placed]
+    frames = list(zip(*(numbers(case, count, random_) for case in cases), strict=True))
+    # Frames with one wrong bit and a correct CRC, which only the checks of constants and parity bits can detect.
+    frames_without_reports = list(zip(*(frames_without_flags(case, random_) for case in cases), strict=True))
+    for index, channel in enumerate(placed):
+        for bit in range(channel.bits):
+            number = frames_without_reports[0][index]
+            changed_bits = with_crc(view.device, channel, number ^ 1 << bit) ^ number
+            for frame in frames_without_reports:
+                frames.append((*frame[:index], frame[index] ^ changed_bits, *frame[index + 1 :]))
     received = []
-    for frame in zip(*(numbers(case, count, random_) for case in cases), strict=True):
+    for frame in frames:
         if layout.in_bytes:
             received.append(number_to_bytes(layout, frame[0], placed[0].bits))
         else:
             bits = "".join(f"{number:0{channel.bits}b}" for number, channel in zip(frame, placed, strict=True))
             bits = BITS_BEFORE[interface] + bits
             bits += "0" * (-len(bits) % 8 + 16 * (interface != "spi"))
+            # The header of a short BiSS word needs a buffer of at least 8 bytes.
+            bits = bits.ljust(64, "0") if interface == "biss" else bits
             received.append(int(bits, 2).to_bytes(len(bits) // 8, "big"))
     return b"".join(len(data).to_bytes(8, "little") + data for data in received)
+
+
+def frames_without_flags(case: Any, random_: random.Random) -> list[int]:
+    """Some valid frames in which no flag is active, so that no flag makes the position unusable."""
+    fields = [field for field in case.placed.fields if field.field.carries_data]
+    choices = {field.name: samples(field.field, field.width, case.placed.layout, random_) for field in fields}
+    kinds = {field.name: field.field.kind for field in fields}
+    inactive = {name: int(kind.active_low) for name, kind in kinds.items() if isinstance(kind, Flag)}
+    return [encoded_sample(case.device, case.placed, choices, inactive, random_) for _ in range(8)]
 
 
 @pytest.mark.slow

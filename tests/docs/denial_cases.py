@@ -71,6 +71,7 @@ from codewheel.say import register as measurement
 from codewheel.say import report as alarm
 from codewheel.say.text import PLAIN_STYLE, Statement
 from codewheel.targets import Library
+from codewheel.targets.c.files import generate as generate_c
 from codewheel.targets.docs import (
     bytes_to_send,
     cross_family_pages,
@@ -807,6 +808,16 @@ for name, target, like, true, false in (
     ("steps_only_with", "docs", "ssi", (BY_HAND_ONLY,), (BY_HAND,)),
 ):
     case(name, output(target, like, *true), output(target, like, *false), is_slow=True)
+
+
+def single_headers(*changes: tuple[str, str]) -> str:
+    """Return the single header of the first order code over SSI."""
+    device = template("ssi", *changes)
+    options = {"only": device.variants[0].code, "form": "single"}
+    return "\n".join(generate_c(Library((device,)), options).values())
+
+
+case("pause_single", partial(single_headers, *NO_TIMES), single_headers, is_slow=True)
 
 
 def without_ids() -> Device:

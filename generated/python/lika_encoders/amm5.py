@@ -729,12 +729,13 @@ class WarningCause(Enum):
     chooses another answer.
 
     Errata, with their full text in ERRATA:
-        The manual only partly says which errors affect the position (open): The position is not usable if any of these
-            is active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In multiturn
-            models, the MT error or the warning bit also makes the position unusable. With the battery alarm, it is
-            usable with a warning. The same applies to the warning bit if you choose to interpret it as a low battery.
-            EE_1, which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame
-            also carries these four flags (data ID 3), they determine the verdict instead.
+        The manual only partly says which errors affect the position (open): The position is not usable while the
+            encoder reports an error. This is the error bit over BiSS, or BUSY, PS error or ST error in a reply. Latched
+            errors stay active until they are reset. In multiturn models, the MT error or the warning bit also makes the
+            position unusable. With the battery alarm, it is usable with a warning. The same applies to the warning bit
+            if you choose to interpret it as a low battery. EE_1, which combines BUSY, PS error, battery alarm and MT
+            error, makes the position unusable. If the frame also carries these four flags (data ID 3), they determine
+            the verdict instead.
     """
 
     EITHER_CAUSE = (0,)  # low_battery_only
@@ -924,12 +925,13 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         The frame is one bit longer than printed (resolved): The length is position_bits + 8.
         The manual's error bits, LEDs and alarms do not match one to one (open): Each bit, LED and alarm is used as
             printed. None is derived from any other.
-        The manual only partly says which errors affect the position (open): The position is not usable if any of these
-            is active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In multiturn
-            models, the MT error or the warning bit also makes the position unusable. With the battery alarm, it is
-            usable with a warning. The same applies to the warning bit if you choose to interpret it as a low battery.
-            EE_1, which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame
-            also carries these four flags (data ID 3), they determine the verdict instead.
+        The manual only partly says which errors affect the position (open): The position is not usable while the
+            encoder reports an error. This is the error bit over BiSS, or BUSY, PS error or ST error in a reply. Latched
+            errors stay active until they are reset. In multiturn models, the MT error or the warning bit also makes the
+            position unusable. With the battery alarm, it is usable with a warning. The same applies to the warning bit
+            if you choose to interpret it as a low battery. EE_1, which combines BUSY, PS error, battery alarm and MT
+            error, makes the position unusable. If the frame also carries these four flags (data ID 3), they determine
+            the verdict instead.
         The manual lists battery alarms for models without a battery (open): In singleturn models (.../1...), the manual
             does not explain nW, BATT and MTERR. An active bit is reported, and the position is usable with a warning.
             Without ALMC (data IDs 0 and 1), EE_1 makes the position unusable, since it may mean BUSY. The step is
@@ -1453,8 +1455,8 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
         variant: Encoder to which the frame belongs.
         data_id: Data ID: Type of request, repeated in the reply.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. This flag combines ``st_error``. While
-            it is True, the position is not usable. If a flag that it combines is active in the same frame, that flag
-            decides instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+            it is True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data
+            ID 7 or C.
         status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
             are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
             data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. This flag combines ``busy``,
@@ -1611,8 +1613,8 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
     Attributes:
         variant: Encoder to which the frame belongs.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. This flag combines ``st_error``. While
-            it is True, the position is not usable. If a flag that it combines is active in the same frame, that flag
-            decides instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+            it is True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data
+            ID 7 or C.
         status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
             are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
             data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. This flag combines ``busy``,
@@ -1760,8 +1762,8 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
 
     Attributes:
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. This flag combines ``st_error``. While
-            it is True, the position is not usable. If a flag that it combines is active in the same frame, that flag
-            decides instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+            it is True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data
+            ID 7 or C.
         status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
             are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
             data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. This flag combines ``busy``,
@@ -1893,8 +1895,8 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     Attributes:
         variant: Encoder to which the frame belongs.
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. This flag combines ``st_error``. While
-            it is True, the position is not usable. If a flag that it combines is active in the same frame, that flag
-            decides instead. Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
+            it is True, the position is not usable. Remedy: Turn on the main power twice, or reset the error with data
+            ID 7 or C.
         status_other_error: EE_1: A single bit combines BUSY, which clears itself, with errors that remain until they
             are reset. True when 1: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position
             data are 0. False when 0: no BUSY flag, PS error, battery alarm or MT error. This flag combines ``busy``,

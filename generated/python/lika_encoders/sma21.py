@@ -1148,14 +1148,12 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
         status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. This flag combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is
-            True, the position is usable with a warning. If a flag that it combines is active in the same frame, that
-            flag decides instead.
+            True, the position is usable with a warning.
         status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
             of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
             This flag combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
-            usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
-            errors with data ID B.
+            usable. Remedy: Reset the errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
             Right-aligned in 24 bits, with leading zeros.
         overspeed: Overspeed. True when 1: the speed is too high. False when 0: no overspeed. While it is True, the
@@ -1178,16 +1176,16 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
 
     Its ``data_id`` is 4 (position), B (reset_errors) or F (reset_position).
 
-    position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The unused bits above the position are 0: bit 23, bits
-    23:22 or bits 23:20.
+    position = (DF2 << 16) + (DF1 << 8) + DF0, always binary. The unused bits above the position are 0.
 
     Errata, with their full text in ERRATA:
         The manual does not give the values sent for positions below zero (open): Over SSI and BiSS, the position wraps
             around after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of
             its field. The 48-bit position can be negative, and it never wraps around.
         The printed highest 24-bit position has one digit too many (resolved): The highest value is FFFFFFh.
-        The manual does not give the RS-485 position width of each model (open): The position has 20 bits at 50 µm, 22
-            at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
+        The manual does not give the RS-485 position width of each model (open): The position has the width that it has
+            over SSI and BiSS, but one bit fewer at the finest resolution. It has 20 bits at 50 µm, 22 at 10 µm, 23 at 5
+            µm, and 24 at 2 µm and 1 µm.
         Arrows in the manual show the position bytes in the wrong order (resolved): ABS0 is sent first.
 
     See also these errata in ERRATA: The manual prints the control field's parity bit as part of the ID; The manual does
@@ -1374,14 +1372,12 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
         status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. This flag combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is
-            True, the position is usable with a warning. If a flag that it combines is active in the same frame, that
-            flag decides instead.
+            True, the position is usable with a warning.
         status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
             of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
             This flag combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
-            usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
-            errors with data ID B.
+            usable. Remedy: Reset the errors with data ID B.
         position: ABS0 ... ABS5: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
             Signed, in two's complement.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
@@ -1537,14 +1533,12 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
         status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
             (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the position is correct. False when
             0: no encoder alarm. This flag combines ``temperature_alarm`` and ``signal_strength_alarm``. While it is
-            True, the position is usable with a warning. If a flag that it combines is active in the same frame, that
-            flag decides instead.
+            True, the position is usable with a warning.
         status_error: ea1: Stored in the encoder until the errors are reset. True when 1: encoder error, the logical OR
             of ALMC bits 5 to 0: encoder fault, wrong position, or the motor must stop. False when 0: no encoder error.
             This flag combines ``low_amplitude_error``, ``higher_track_error``, ``encoder_inharmonious_error``,
             ``hardware_error``, ``initialization_error`` and ``overspeed``. While it is True, the position is not
-            usable. If a flag that it combines is active in the same frame, that flag decides instead. Remedy: Reset the
-            errors with data ID B.
+            usable. Remedy: Reset the errors with data ID B.
         position: ABS0, ABS1, ABS2: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
             Right-aligned in 24 bits, with leading zeros.
         overspeed: Overspeed. True when 1: the speed is too high. False when 0: no overspeed. While it is True, the
@@ -1569,8 +1563,9 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
 
     Errata, with their full text in ERRATA:
         The printed highest 24-bit position has one digit too many (resolved): The highest value is FFFFFFh.
-        The manual does not give the RS-485 position width of each model (open): The position has 20 bits at 50 µm, 22
-            at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
+        The manual does not give the RS-485 position width of each model (open): The position has the width that it has
+            over SSI and BiSS, but one bit fewer at the finest resolution. It has 20 bits at 50 µm, 22 at 10 µm, 23 at 5
+            µm, and 24 at 2 µm and 1 µm.
         Arrows in the manual show the position bytes in the wrong order (resolved): ABS0 is sent first.
 
     See also these errata in ERRATA: The manual prints the control field's parity bit as part of the ID; The manual does

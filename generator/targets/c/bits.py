@@ -152,6 +152,8 @@ class BitReader:
         if bits.are_fixed:
             low = bits.low.constant
             width = bits.width.constant
+            if (low, width) == (0, 32):
+                return self.lower(32)
             mask = (1 << width) - 1
             return masked(shifted_right(self.lower(low + width), low), mask)
         if not bits.on_top:
@@ -222,7 +224,15 @@ class BitReader:
         return bits
 
     def parity_as_sent(self, fields: Sequence[Field], mask: int) -> CExpression:
-        """Return the parity of fields before any Gray code in the word is converted."""
+        """Return the parity of fields before any Gray code in the word is converted.
+
+        At fixed places, one mask selects all their bits: ``cw_parity((uint32_t)word & 0x1FFEU)``.
+        """
+        places = [self.plan.bits_of(field.name) for field in fields]
+        if not mask and all(bits.are_fixed for bits in places):
+            mask_in_word = sum(((1 << bits.width.constant) - 1) << bits.low.constant for bits in places)
+            sent_word = self.before_conversion.lower(mask_in_word.bit_length())
+            return self.parity([(masked(sent_word, mask_in_word), mask_in_word.bit_length())], 0)
         return self.parity([(self.bits_as_sent(field), field.widest) for field in fields], mask)
 
     def parity(self, numbers_and_widths: Sequence[tuple[CExpression, int]], mask: int) -> CExpression:

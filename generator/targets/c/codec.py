@@ -206,17 +206,20 @@ class StructCodec:
         """The function that computes the CRC of a whole word, or None if the layout has no such CRC."""
         crc = self.plan.only_crc
         bits = self.plan.layout.widest
-        # The shift register of the function has 32 bits.
-        if crc is None or not crc.divides or crc.crc.width > 32:
+        if crc is None or not crc.divides:
             return None
-        fold_steps = tuple(fold_operations(crc.steps, bits, "word")) if crc.steps else ()
+        is_wider_than_shift_register = crc.crc.width > 32
+        if is_wider_than_shift_register:
+            return None
+        fold_steps = tuple(fold_operations(crc.steps, bits, source="word")) if crc.steps else ()
+        about = about_word_crc(self.struct.device, crc.crc, is_folded=bool(fold_steps))
         return WordCrc(
             name=f"{self.name}_crc",
             function=self.struct.crc_function(crc),
             crc=crc.crc,
             bits=bits,
             folds=fold_steps,
-            about=tuple(about_word_crc(self.struct.device, crc.crc, is_folded=bool(fold_steps))),
+            about=tuple(about),
         )
 
     @property

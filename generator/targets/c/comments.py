@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 from ...say.plain_text import in_ascii, text_on_one_line
 from ...say.text import TITLE_STYLE, Statement, Style
@@ -123,7 +124,7 @@ HEADER_STYLE = InHeader(text=TITLE_STYLE.text, code=TITLE_STYLE.code, ref=TITLE_
 
 #: Places where a long line may be broken, the better ones first.
 _BREAKS_IN_CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
-_BREAKS_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
+_BREAKS_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \^) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
 _STRING_LITERAL = re.compile(r'"(?:\\.|[^"\\])*"')
 #: A comment that begins a line, except titles of sections, and one that follows a declaration or a macro.
 _COMMENT_OPENING = re.compile(r"\s*/\*(?: (?!-- )|$)")
@@ -264,26 +265,37 @@ def _broken_code(c_code: str, margin: str, further_margin: str) -> Sequence[str]
     # The second line begins here. The space before it is left out.
     second_start = len(left_side) + len(mark)
     two_lines = [margin + c_code[: second_start - 1], further_margin + c_code[second_start:]]
-    if mark and " | " not in without_strings and _all_fit(two_lines):
+    has_one_break = bool(mark) and " | " not in without_strings
+    if has_one_break and _all_fit(two_lines):
         return two_lines
-    lines = _break_at(_BREAKS_IN_CONDITIONS, c_code, without_strings, margin, further_margin)
-    return lines if _all_fit(lines) else _break_at(_BREAKS_ANYWHERE, c_code, without_strings, margin, further_margin)
+    code_to_break = _LongCode(c_code, without_strings, margin=margin, further_margin=further_margin)
+    lines = _break_at(_BREAKS_IN_CONDITIONS, code_to_break)
+    return lines if _all_fit(lines) else _break_at(_BREAKS_ANYWHERE, code_to_break)
 
 
 def _all_fit(lines: Sequence[str]) -> bool:
     return max(map(len, lines)) <= COLUMNS
 
 
-def _break_at(
-    breaks: re.Pattern[str], c_code: str, without_strings: str, margin: str, further_margin: str
-) -> list[str]:
-    """Return code as lines, each broken as late as possible at a space that ``breaks`` finds.
+class _LongCode(NamedTuple):
+    """A statement that is longer than a line.
 
-    The spaces are searched in ``without_strings``, the same code with other characters in its string literals.
+    ``without_strings`` is the same code with other characters in its string literals. ``margin`` is the space before
+    the first line, and ``further_margin`` the space before the others.
     """
-    break_indices = [space.start() for space in breaks.finditer(without_strings)]
+
+    c_code: str
+    without_strings: str
+    margin: str
+    further_margin: str
+
+
+def _break_at(breaks: re.Pattern[str], code: _LongCode) -> list[str]:
+    """Return code as lines, broken as late as possible at spaces outside strings that ``breaks`` finds."""
+    c_code, further_margin = code.c_code, code.further_margin
+    break_indices = [space.start() for space in breaks.finditer(code.without_strings)]
     lines: list[str] = []
-    current_line = margin
+    current_line = code.margin
     start = 0
     for end in (*break_indices, len(c_code)):
         segment = c_code[start:end]

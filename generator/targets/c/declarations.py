@@ -54,11 +54,7 @@ class Declaration:
         """
         code = self.plain_code
         if code.startswith("#if"):
-            # With the comments, which separate the declarations inside.
-            inner_lines = [
-                line for line in self.code.splitlines(keepends=True) if not _PREPROCESSOR_CONDITION.match(line)
-            ]
-            return tuple(sorted(names_of(_parse_declarations(inner_lines))))
+            return self._names_inside_condition
         # #define X_BITS 12
         macros = tuple(_DEFINED_MACRO.findall(code))
         if macros:
@@ -66,18 +62,25 @@ class Declaration:
         # typedef enum { X_READ = 1 } x_mode;
         if code.startswith("typedef"):
             last_line = code.rstrip().splitlines()[-1]
-            type_name = _C_IDENTIFIER.findall(last_line)[-1:]
             constants = _ENUMERATION_CONSTANT.findall(code) if code.startswith("typedef enum") else []
-            return (*type_name, *constants)
+            return (*_last_identifier(last_line), *constants)
+        code_before_body, _, _ = code.partition("{")
+        code_before_value, _, _ = code_before_body.partition("=")
         # static inline uint8_t x_crc(uint32_t bits) {
-        head = code.partition("{")[0].partition("=")[0]
-        function = _FUNCTION_NAME.search(head)
-        if function is not None and "static inline" in head:
+        function = _FUNCTION_NAME.search(code_before_value)
+        if function is not None and "static inline" in code_before_value:
             return (function[1],)
         # static const uint8_t x_table[2] = {0x00U, 0x13U};
-        words_before_length = _C_IDENTIFIER.findall(head.partition("[")[0])
-        constant_name = words_before_length[-1:]
-        return tuple(constant_name)
+        code_before_length, _, _ = code_before_value.partition("[")
+        return _last_identifier(code_before_length)
+
+    @property
+    def _names_inside_condition(self) -> tuple[str, ...]:
+        """The names declared inside a condition such as ``#ifdef``, in alphabetical order."""
+        # With the comments, which separate the declarations.
+        lines = self.code.splitlines(keepends=True)
+        inner_lines = [line for line in lines if not _PREPROCESSOR_CONDITION.match(line)]
+        return tuple(sorted(names_of(_parse_declarations(inner_lines))))
 
     @property
     def used_names(self) -> frozenset[str]:
@@ -93,6 +96,11 @@ class Declaration:
     def has_macro(self) -> bool:
         """True if it is one or more macros."""
         return self.code.startswith("#define")
+
+
+def _last_identifier(c_code: str) -> tuple[str, ...]:
+    """Return the last identifier in C code as a tuple, which is empty without one: ``x_table`` for ``int x_table``."""
+    return tuple(_C_IDENTIFIER.findall(c_code)[-1:])
 
 
 def declarations_in(header: str) -> list[Declaration]:

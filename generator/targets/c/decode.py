@@ -349,10 +349,12 @@ class CDecoder:
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
                 width = self.struct.scope.expression_of(part.field.width)
-                yield name, CCast(type_, CCall("cw_signed", (bits, width)))
+                signed_number = CCall("cw_signed", (bits, width))
+                yield name, CCast(type_, signed_number)
             case ZeroMeans(number_for_zero):
                 is_zero = COperation("==", (bits, CNumber(0)))
-                yield name, CCast(type_, Conditional(is_zero, CNumber(number_for_zero), bits))
+                number = Conditional(is_zero, CNumber(number_for_zero), bits)
+                yield name, CCast(type_, number)
             case ActiveFlag(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
                 is_active = self._is_active(part, bit, low_is_active=low)
@@ -362,10 +364,12 @@ class CDecoder:
                 for run in runs:
                     highest_of_run = run.modulus - 1
                     type_of_run = unsigned(highest_of_run.bit_length())
-                    yield c_name(run.name), CCast(type_of_run, digits(bits, part.field, run))
+                    digits_of_run = digits(bits, part.field, run)
+                    yield c_name(run.name), CCast(type_of_run, digits_of_run)
             case Latin1Text():
                 for index, byte in characters(part.field):
-                    yield f"{name}[{index}]", CCast(type_, CName(f"bytes[{byte}]"))
+                    received_byte = CName(f"bytes[{byte}]")
+                    yield f"{name}[{index}]", CCast(type_, received_byte)
             case never:
                 assert_never(never)
 

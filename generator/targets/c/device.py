@@ -7,7 +7,6 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property, partial
-from itertools import chain
 from typing import Protocol, TypeVar
 
 from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_or_raise
@@ -102,19 +101,19 @@ class DeviceView:
         self.positions = positions(context)
         self.registers = [self._build_register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
-        codes = {code.register.name: code for code in self.registers}
-        self.take_functions = [
-            VariantUpdater(context, group, codes[group.register.name].access) for group in held_parameters(device)
-        ]
+        register_code_by_name = {code.register.name: code for code in self.registers}
+        self.take_functions: list[VariantUpdater] = []
+        for group in held_parameters(device):
+            access_functions = register_code_by_name[group.register.name].access
+            self.take_functions.append(VariantUpdater(context, group, access_functions))
         usage = self.usage
+        frame_to_read = usage.frame if usage is not None else None
         reads_twice = usage is not None and usage.reads_twice
-        self.reading = ReadCode(
-            context, usage.frame if usage is not None else None, self.lengths, reads_twice=reads_twice
-        )
+        self.reading = ReadCode(context, frame_to_read, self.lengths, reads_twice=reads_twice)
         self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
-        self.identities = list(identity_codes(context, codes))
-        self.procedures = [self._build_procedure(procedure, codes) for procedure in device.procedures]
+        self.identities = list(identity_codes(context, register_code_by_name))
+        self.procedures = [self._build_procedure(procedure, register_code_by_name) for procedure in device.procedures]
         self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
         repeated_times = repeated_names(device.timings)
         #: The macros for times that are the same for all order codes.
@@ -164,20 +163,42 @@ class DeviceView:
         transport_header = "codewheel/transport.h"
         label_headers = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
         registers_header = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else first_header
-        parts = [self._build_part("labels", "find the order code that a label shows", encoder_header, first_header)]
-        if self.reports.all or self.alarms or self.timings:
-            about = "strings that describe reports, alarms and times"
-            parts.append(self._build_part("reports", about, encoder_header, first_header))
+        has_texts = bool(self.reports.all or self.alarms or self.timings)
+        parts = [
+            self._build_part(
+                "labels",
+                about="find the order code that a label shows",
+                includes=(encoder_header, first_header),
+            )
+        ]
+        if has_texts:
+            parts.append(
+                self._build_part(
+                    "reports",
+                    about="strings that describe reports, alarms and times",
+                    includes=(encoder_header, first_header),
+                )
+            )
         if self.registers:
-            about = "registers, and identification of encoders"
-            included_headers = (encoder_header, transport_header, first_header, *label_headers)
-            parts.append(self._build_part("registers", about, *included_headers))
+            parts.append(
+                self._build_part(
+                    "registers",
+                    about="registers, and identification of encoders",
+                    includes=(encoder_header, transport_header, first_header, *label_headers),
+                )
+            )
         if self.procedures:
-            parts.append(self._build_part("procedures", "procedures, step by step", transport_header, registers_header))
-        parts.append(self._build_part("simulate", "the encoder's side, for simulators and tests", first_header))
+            parts.append(
+                self._build_part(
+                    "procedures", about="procedures, step by step", includes=(transport_header, registers_header)
+                )
+            )
+        parts.append(
+            self._build_part("simulate", about="the encoder's side, for simulators and tests", includes=(first_header,))
+        )
         return parts
 
-    def _build_part(self, name: str, about: str, *includes: str) -> HeaderPart:
+    def _build_part(self, name: str, *, about: str, includes: tuple[str, ...]) -> HeaderPart:
         """Return a further header, such as ``x_biss_labels.h`` for the name ``labels``."""
         return HeaderPart(name=name, file=f"{self.stem}_{name}.h", about=about, includes=includes)
 
@@ -210,16 +231,13 @@ class DeviceView:
         yield f"{self.PREFIX}_VERSION", ()
         if self.read_state:
             yield self.read_state, ()
-        declaring_parts: Iterator[_Declaring] = chain(
-            [self.variants],
-            self.context.enumerations.all,
-            self.crcs,
-            [self.reports],
-            self.alternatives,
-            [self.interface, self.lengths, self.code_facts, self.reading],
-            *([optional_part] for optional_part in (self.channels, self.positions) if optional_part is not None),
-            *(self.registers, self.take_functions, self.identities, self.procedures, self.alarms),
-        )
+        declaring_parts: list[_Declaring] = [self.variants, *self.context.enumerations.all, *self.crcs, self.reports]
+        declaring_parts += [*self.alternatives, self.interface, self.lengths, self.code_facts, self.reading]
+        if self.channels is not None:
+            declaring_parts.append(self.channels)
+        if self.positions is not None:
+            declaring_parts.append(self.positions)
+        declaring_parts += [*self.registers, *self.take_functions, *self.identities, *self.procedures, *self.alarms]
         for declaring_part in declaring_parts:
             yield from declaring_part.declared()
         for macro in self.timings:

@@ -138,7 +138,7 @@ class Enumerations:
         constants: list[EnumConstant] = []
         for value in field.values:
             name = f"{type_}_{value.name}".upper()
-            constants.append(EnumConstant(name, value.value, _describe_constant(value)))
+            constants.append(EnumConstant(name=name, value=value.value, note=_describe_constant(value)))
         enumeration = CEnumeration(
             type=type_,
             about=about,

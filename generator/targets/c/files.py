@@ -229,9 +229,9 @@ def _shared_files(
     def render(template: str, template_values: Mapping[str, object]) -> str:
         return _render_template(library, template, template_values)
 
-    tests = [test for test in map(SelfTest, views) if test.checks]
-    files = selftest_files(views, tests, render)
-    test_paths = [*files, *(test.path for test in tests)]
+    self_tests = [self_test for self_test in map(SelfTest, views) if self_test.checks]
+    files = selftest_files(views, self_tests, render)
+    test_paths = [*files, *(self_test.path for self_test in self_tests)]
     files |= package_files(views, runtime, test_paths, render)
     makers = Library(tuple(devices)).by_manufacturer()
     files |= dict(assumptions_files(makers, render))
@@ -289,10 +289,12 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 def _yield_headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the include path of each header of an interface, and a function that returns its text."""
     values = _template_values(view)
-    yield view.header, partial(_render_template, library, "device.h.jinja", values | {"runtime": runtime_version()})
-    for part in view.parts:
-        text_function = partial(_render_template, library, "part.h.jinja", values | {"further": part})
-        yield f"{view.maker.name}/{part.file}", text_function
+    values_with_runtime = values | {"runtime": runtime_version()}
+    yield view.header, partial(_render_template, library, "device.h.jinja", values_with_runtime)
+    for header_part in view.parts:
+        values_with_part = values | {"further": header_part}
+        text_function = partial(_render_template, library, "part.h.jinja", values_with_part)
+        yield f"{view.maker.name}/{header_part.file}", text_function
 
 
 def _single_headers(

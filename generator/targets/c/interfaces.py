@@ -217,7 +217,7 @@ class InterfaceCode:
         # The functions of the only frame of an interface need no further name.
         is_only_frame = len(self.interface.layouts) == 1 and not self.frame_selectors
         name = context.prefix if is_only_frame else f"{context.prefix}_{layout.name}"
-        struct = LayoutStruct(context, layout, name, context.length_macro(layout))
+        struct = LayoutStruct(context, layout, name=name, length_macro=context.length_macro(layout))
         return StructCodec(struct, about_layout(self.device, self.interface, struct))
 
     def _yield_comment(self) -> Iterator[Paragraph]:

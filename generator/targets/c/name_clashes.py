@@ -65,10 +65,10 @@ class HeaderNames:
             if name not in self.paths:
                 self.paths[name] = path
             elif path:
-                self.clashes.append(NameClash(name, path, self.paths[name]))
+                self.clashes.append(NameClash(name=name, path=path, other=self.paths[name]))
             else:
                 # Every header declares this name, so the earlier part is the one to rename.
-                self.clashes.append(NameClash(name, self.paths[name], ()))
+                self.clashes.append(NameClash(name=name, path=self.paths[name], other=()))
 
 
 def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
@@ -83,8 +83,8 @@ def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
         paths_and_layouts.append((("interfaces", interface.name, "layouts", layout.name), layout))
     paths_and_layouts += [(("registers", register.name), register.layout) for register in device.registers]
     for path, layout in paths_and_layouts:
-        yield from ((c_name(field.name), path) for field in layout.fields)
         for field in layout.fields:
+            yield c_name(field.name), path
             yield from ((c_name(run.name), path) for run in field.runs)
         yield from ((c_name(join.name), path) for join in layout.joins)
     for register in device.registers:
@@ -102,14 +102,14 @@ def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Dev
     declared_paths: dict[str, Path] = {}
     for device, names in headers:
         if device.manufacturer.name in TAKEN:
-            yield device, NameClash(device.manufacturer.name, ("manufacturer",), ())
+            yield device, NameClash(name=device.manufacturer.name, path=("manufacturer",), other=())
         for clash in names.clashes:
             yield device, clash
         for name, path in names.paths.items():
             if name in declared_paths:
-                yield device, NameClash(name, path or ("device",), declared_paths[name])
+                yield device, NameClash(name=name, path=path or ("device",), other=declared_paths[name])
             # For the families that follow, a name belongs to the family rather than to a part of it.
             declared_paths[name] = ("device", device.name)
         for name, path in inner_names(device):
             if name in declared_paths:
-                yield device, NameClash(name, path, ())
+                yield device, NameClash(name=name, path=path, other=())

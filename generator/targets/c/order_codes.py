@@ -148,7 +148,8 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
         choices = {part.name: _choices_of_spelling(part, spelling) for part in order_code.parts}
         endings = written_out(spelling.then) if spelling.then else ("",)
         spellings += [_build_spelling(spelling.pattern + ending, choices, is_listed=False) for ending in endings]
-    if sum(spelling.number_of_combinations for spelling in spellings) > _MOST_COMBINATIONS:
+    number_of_combinations = sum(spelling.number_of_combinations for spelling in spellings)
+    if number_of_combinations > _MOST_COMBINATIONS:
         raise TargetError(
             f"open parts and other spellings combine to more than {_MOST_COMBINATIONS} patterns of labels, "
             "the maximum of the C target",
@@ -220,7 +221,7 @@ class _Codes:
         #: Indices of the order codes by the names of some parts and by their texts.
         self._indices: dict[tuple[str, ...], dict[tuple[str, ...], list[int]]] = {}
 
-    def first(self, chosen: Mapping[str, _Choice]) -> int | None:
+    def first_index(self, chosen: Mapping[str, _Choice]) -> int | None:
         """Return the index of the first order code that has the listed texts in ``chosen``, or None.
 
         ``chosen`` contains a text or a pattern for each part. An order code is skipped if its values do not allow an
@@ -253,23 +254,25 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
     In the spelling of the manual's list, order codes without open parts need no pattern. A combination that is not an
     order code needs a pattern that rejects it only if a pattern with open parts would match it.
     """
-    combinations = [dict(zip(codes.names, choices, strict=True)) for choices in itertools.product(*spelling.choices)]
-    choices_and_indices = [(chosen, codes.first(chosen)) for chosen in combinations]
+    choices_and_indices: list[tuple[Mapping[str, _Choice], int | None]] = []
+    for choices in itertools.product(*spelling.choices):
+        chosen = dict(zip(codes.names, choices, strict=True))
+        choices_and_indices.append((chosen, codes.first_index(chosen)))
     # The combinations with open parts that lead to an order code.
     allowed: set[tuple[_Choice, ...]] = set()
-    for chosen, index in choices_and_indices:
-        if index is not None and _open_parts(chosen):
-            allowed.add(tuple(chosen.values()))
+    for chosen_by_part, index in choices_and_indices:
+        if index is not None and _open_parts(chosen_by_part):
+            allowed.add(tuple(chosen_by_part.values()))
     open_choices = [_open_choices(choices) for choices in spelling.choices]
     open_codes_of_spelling = []
-    for chosen, index in choices_and_indices:
-        unlisted = _open_parts(chosen)
+    for chosen_by_part, index in choices_and_indices:
+        unlisted = _open_parts(chosen_by_part)
         if index is None:
-            is_needed = _is_matched_by_open_pattern(tuple(chosen.values()), open_choices, allowed)
+            is_needed = _is_matched_by_open_pattern(tuple(chosen_by_part.values()), open_choices, allowed)
         else:
             is_needed = bool(unlisted) or not spelling.is_listed
         if is_needed:
-            shown_texts = {name: choice.shown for name, choice in chosen.items()}
+            shown_texts = {name: choice.shown for name, choice in chosen_by_part.items()}
             label_pattern = fill_pattern(without_blanks(spelling.pattern), shown_texts)
             open_codes_of_spelling.append(OpenCode(pattern=label_pattern, code=index, unlisted=unlisted))
     return sorted(open_codes_of_spelling, key=lambda open_code: len(open_code.unlisted))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Annotated, TypedDict
+from typing import Annotated, NamedTuple, TypedDict
 
 from ...model import (
     Biss,
@@ -45,6 +45,14 @@ class FramesWithCrc:
     residual: UndetectedErrors
 
 
+class _KindOfFrames(NamedTuple):
+    """Frames in which the CRC misses the same errors: of one length, with CRCs of one width and one polynomial."""
+
+    crc_width: int
+    polynomial: int
+    bits: int
+
+
 class Assumptions(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     frames: Annotated[list[FramesWithCrc], "the frames with a CRC, by CRC and length"]
@@ -80,17 +88,17 @@ def _group_frames_by_crc(devices: tuple[Device, ...]) -> Iterator[FramesWithCrc]
 
     They are in order of the width of the CRC, of its polynomial and of the length.
     """
-    crcs_by_width_poly_and_bits: dict[tuple[int, int, int], dict[str, Crc]] = {}
+    crcs_by_kind: dict[_KindOfFrames, dict[str, Crc]] = {}
     for device in devices:
         for interface, layout in device.layouts():
             name = _frame_name(device, interface.title, layout)
             for crc, bits in _crcs_and_lengths(device, interface.name, layout):
-                crc_by_name = crcs_by_width_poly_and_bits.setdefault((crc.width, crc.poly, bits), {})
-                crc_by_name.setdefault(name, crc)
-    # The undetected errors depend only on width, polynomial and length, so any CRC with these represents all.
-    for (_, _, bits), crc_by_name in sorted(crcs_by_width_poly_and_bits.items()):
+                kind_of_frames = _KindOfFrames(crc.width, crc.poly, bits)
+                crcs_by_kind.setdefault(kind_of_frames, {}).setdefault(name, crc)
+    for kind_of_frames, crc_by_name in sorted(crcs_by_kind.items()):
         first_crc = next(iter(crc_by_name.values()))
-        yield FramesWithCrc(first_crc, tuple(crc_by_name), residual_of(first_crc, bits))
+        undetected_errors = residual_of(first_crc, kind_of_frames.bits)
+        yield FramesWithCrc(crc=first_crc, names=tuple(crc_by_name), residual=undetected_errors)
 
 
 def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:

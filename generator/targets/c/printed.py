@@ -39,11 +39,11 @@ def printed_members(part: FieldToDecode, variable: str) -> Iterator[PrintedMembe
     member = f"{variable}.{c_name(name)}"
     match part.meaning:
         case Latin1Text():
-            yield PrintedMember(name, "%.*s", f"(int)sizeof({member}), {member}")
+            yield PrintedMember(name, form="%.*s", arguments=f"(int)sizeof({member}), {member}")
         case ActiveFlag():
-            yield PrintedMember(name, "%s", f'{member} ? "yes" : "no"')
+            yield PrintedMember(name, form="%s", arguments=f'{member} ? "yes" : "no"')
         case TwosComplement():
-            yield PrintedMember(name, "%lld", f"(long long){member}")
+            yield PrintedMember(name, form="%lld", arguments=f"(long long){member}")
         case NamedChoice(values):
             yield replace(printed_number(name, variable), value_names=_value_meanings(values))
         case DecimalDigits(digit_runs):
@@ -56,7 +56,7 @@ def printed_members(part: FieldToDecode, variable: str) -> Iterator[PrintedMembe
 
 def printed_number(name: str, variable: str) -> PrintedMember:
     """Return an unsigned member of the struct ``variable``, as ``printf`` prints it."""
-    return PrintedMember(name, "%llu", f"(unsigned long long){variable}.{c_name(name)}")
+    return PrintedMember(name, form="%llu", arguments=f"(unsigned long long){variable}.{c_name(name)}")
 
 
 def _value_meanings(values: Iterable[Value]) -> str:

@@ -279,15 +279,11 @@ class ProcedureCode:
         _refuse_unsupported(step)
         for index, bit_slice in enumerate(step.bit_slices):
             value = self._byte_value(step, bit_slice)
-            yield self._build_row(first_index + index, step, note if index == 0 else "", bit_slice, value)
+            note_of_row = note if index == 0 else ""
+            yield self._build_row(step, bit_slice, value, index=first_index + index, note=note_of_row)
 
     def _build_row(
-        self,
-        index: int,
-        step: RegisterAccess,
-        note: str,
-        bit_slice: BitSlice,
-        value: CExpression,
+        self, step: RegisterAccess, bit_slice: BitSlice, value: CExpression, *, index: int, note: str
     ) -> StepRow:
         """Return the row for one byte of a register. ``value`` has the bits at their places in the byte."""
         return StepRow(
@@ -320,7 +316,8 @@ class ProcedureCode:
             written_byte = CName(f"{filled_register.bytes}[{bit_slice.byte}]")
             # A mask of 0 is a byte of reserved bits, which is read but not compared.
             expected = masked(written_byte, bit_slice.mask) if bit_slice.mask else ZERO
-            yield self._build_row(first_index + index, step, note if index == 0 else "", bit_slice, expected)
+            note_of_row = note if index == 0 else ""
+            yield self._build_row(step, bit_slice, expected, index=first_index + index, note=note_of_row)
 
     def _filled_by(self, step: RegisterAccess) -> FilledRegister | None:
         """Return the filled register that a step writes or reads back, or None if no argument fills its struct."""

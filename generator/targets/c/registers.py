@@ -208,7 +208,8 @@ class RegisterCode:
         self.layout = register.layout
         self.name = f"{context.prefix}_reg_{register.name}"
         self.stem = self.name.upper()
-        self.struct = LayoutStruct(context, self.layout, self.name, f"{self.stem}_LENGTH", register)
+        length_macro = f"{self.stem}_LENGTH"
+        self.struct = LayoutStruct(context, self.layout, name=self.name, length_macro=length_macro, register=register)
         self.enumerations = context.enumerations.of("registers", register.name)
         # None if no value is outside the limits, or if they do not apply to a single member.
         outside_limits = outside(self.struct.plan, limits_of(self.device, register))
@@ -301,7 +302,8 @@ class RegisterCode:
         """
         fields = self.layout.fields
         is_whole_register = len(fields) == 1 and not isinstance(meaning_of(fields[0]), NamedChoice)
-        if self.is_plain or self.register.length > 8 or is_whole_register:
+        is_longer_than_a_number = self.register.length > 8
+        if self.is_plain or is_longer_than_a_number or is_whole_register:
             return ()
         variable_fields = [field for field in fields if field.name not in self.struct.plan.constants]
         return tuple(field for field in variable_fields if not isinstance(meaning_of(field), Latin1Text))

@@ -194,9 +194,10 @@ class Reports:
         self.all = reports_of(device)
         self._choices = choices
         self.scope = scope
-        if len(self.all) > 64:
+        bits_in_mask = 64
+        if len(self.all) > bits_in_mask:
             problem = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
-            raise TargetError(f"{problem}; the C target supports at most 64", ("interfaces",))
+            raise TargetError(f"{problem}; the C target supports at most {bits_in_mask}", ("interfaces",))
         self.mask = unsigned(max(len(self.all), 32))
         self.text = f"{prefix}_report_text"
         self.texts = tuple(_text_members(device, report) for report in self.all)

@@ -261,15 +261,18 @@ class SelfTest:
         # A word can be given as its bytes, too.
         word = int(example.bits, 2) if example.bits else int.from_bytes(example.bytes, "big")
         fault = f"CW_FAULT_{example.refused.upper()}" if example.refused else ""
-        layout = codec.struct.layout
+        in_bytes = codec.plan.in_bytes
+        length = self._express_length(codec, example) if codec.word_has_length else ""
+        layout_name = codec.struct.layout.name
+        members = tuple(self._expected_members(codec, layout_name, example.values)) if not fault else ()
         return FrameCheck(
             codec=codec,
             variant=self._find_variant(example.order_code),
             answers=self._format_answers(codec.alternatives, example),
-            data=_format_bytes(example.bytes) if codec.plan.in_bytes else (),
-            word="" if codec.plan.in_bytes else _format_hex(word, 64),
-            length=self._express_length(codec, example) if codec.word_has_length else "",
-            expected=() if fault else tuple(self._expected_members(codec, layout.name, example.values)),
+            data=_format_bytes(example.bytes) if in_bytes else (),
+            word="" if in_bytes else _format_hex(word, 64),
+            length=length,
+            expected=members,
             fault=fault,
         )
 
@@ -337,14 +340,15 @@ class SelfTest:
         some decimal digits of a field.
         """
         member = c_name(name)
-        match part.meaning if part is not None else UnsignedNumber():
+        meaning = part.meaning if part is not None else UnsignedNumber()
+        match meaning:
             case Latin1Text():
                 return ExpectedMember(member, string(value), is_text=True)
             case NamedChoice(values) if isinstance(value, str):
-                named_value = member_named(values, value, f"value of '{name}'").value
-                choice = self.view.context.choices.get((owner, name))
-                constants = choice.names if choice else {}
-                return ExpectedMember(member, constants.get(named_value, c_number(named_value)))
+                number = member_named(values, value, f"value of '{name}'").value
+                enumeration = self.view.context.choices.get((owner, name))
+                constant_by_number = enumeration.names if enumeration else {}
+                return ExpectedMember(member, constant_by_number.get(number, c_number(number)))
             case ActiveFlag():
                 return ExpectedMember(member, "true" if value else "false")
             case TwosComplement() if int(value) < 0:

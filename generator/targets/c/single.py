@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from itertools import chain
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer, Spi
+from ...model import Biss, Device, Manufacturer, Ssi
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
+from ...plan.frames import FrameSize, received_sizes
 from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
@@ -24,16 +26,9 @@ from .declarations import Declaration, declarations_in, declarations_needed_by, 
 from .device import DeviceView, views_of
 from .names import StructPassing
 from .runtime_texts import runtime_headers, runtime_version
-from .single_comments import (
-    SENTENCE_END,
-    as_comment,
-    comment_lines,
-    first_paragraph,
-    member_comment,
-    split_paragraphs,
-    without_example,
-    wrap_text,
-)
+from .single_comments import CommentAdapter, first_paragraph, first_sentence, without_example, wrap_text
+from .single_cuts import BYTES_LOADED_AT_ONCE, cut_biss_receiver, cut_ssi_receiver, loads_biss_at_once
+from .single_usage import SingleUsage
 
 TEMPLATE = "single.h.jinja"
 #: The headers of the runtime that receive frames, in the order in which they include each other.
@@ -44,21 +39,22 @@ _SHARED_HEADER = "result.h"
 _MARKS = ("CW_CONSTEXPR", "CW_CONST")
 #: A part of the names of macros that only register access needs.
 _FOR_REGISTERS = "_CONTROL_"
+#: Parts of an interface in a spec that reading a position does not need.
+_OTHER_PARTS = ("control_data", "description_file", "network", "profile")
 #: Suffixes of the functions of a frame that are needed to read its position.
-_READING_SUFFIXES = ("bits", "decode", "verdict", "position", "read")
+_READING_SUFFIXES = ("decode", "verdict")
+#: Suffixes of further functions of a frame. The macros need some of them, and without macros, a program needs all.
+_FURTHER_SUFFIXES = ("bits", "position", "read", "receive")
 #: Suffixes of the functions that collect the bytes of a reply over RS-485.
 _BYTE_BY_BYTE = ("ask", "take", "take_any", "resume", "late", "reason")
 #: The parts of the runtime that a program uses itself. Their comments stay, without examples.
 _USED_BY_PROGRAMS = frozenset(f"cw_rs485_{part}" for part in ("line", *_BYTE_BY_BYTE))
-#: Paragraphs that reading a position does not need, by what they begin with.
-_OTHER_PARAGRAPHS = (
-    *("Control data: ", "Description file: ", "For register access with ", "How it folds: ", "In the manual: "),
-    *("Network: ", "Profile: "),
-)
-#: Words in sentences about parts that the single header does not have, such as other headers and example programs.
-_ABOUT_ABSENT = re.compile(r"\b\w+\.h\b|examples/|_reports\(\)|order code is named once|[Cc]ode can be ")
-#: The beginnings of further sentences about such parts.
-_OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
+#: A comment on the lines above a member of a struct::
+#:
+#:     /**
+#:      * Number of revolutions.
+#:      */
+_COMMENT_ABOVE_MEMBER = re.compile(r"^ +/\*\*\n.*?\*/\n", re.MULTILINE | re.DOTALL)
 _C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 #: A condition on one line, after which the function only returns a result.
 _GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
@@ -83,26 +79,38 @@ class SingleCode:
         self.path = single_path(view.maker, self.order_code)
         self.stem = self.path.removesuffix(".h")
         self.STEM = self.stem.upper()
-        settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
-        # The mark of functions to be inlined needs more lines than it saves here.
-        headers = [runtime_headers()[name].replace("\nCW_INLINE\n", "\n") for name in _RECEIVING_HEADERS]
-        runtime_declarations = list(chain.from_iterable(map(declarations_in, headers)))
-        header = without_settings(header, settings)
+        self.usage = SingleUsage(view, self.named)
+        crc_settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
+        header = without_settings(header, crc_settings)
         if not view.variants.parameters:
             header = _without_order_code(header, view)
-        declarations = [*runtime_declarations, *declarations_in(header)]
-        needed = declarations_needed_by(self._yield_roots(names_of(declarations)), declarations)
-        self.declarations = [declaration for declaration in needed if not declaration.is_title]
+        runtime_declarations: list[Declaration] = []
+        for name in _RECEIVING_HEADERS:
+            # The mark of functions to be inlined needs more lines than it saves here.
+            runtime_header = self._runtime_header(name).replace("\nCW_INLINE\n", "\n")
+            runtime_declarations += declarations_in(runtime_header)
+        all_declarations = [*runtime_declarations, *declarations_in(header)]
+        names_to_keep = self._yield_roots(names_of(all_declarations))
+        needed_declarations = declarations_needed_by(names_to_keep, all_declarations)
+        self.declarations = [declaration for declaration in needed_declarations if not declaration.is_title]
+        self._insert_comment_on_interface(all_declarations)
         kept_names = names_of(self.declarations)
         self._runtime_names = names_of(runtime_declarations) & kept_names
         self._renamed = self._new_names(kept_names)
         self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED_HEADER]))
+        note_on_choice = f"{self.order_code} has 0. For 1, pass your own {self.stem} to {self.stem}_read."
+        self._comments = CommentAdapter(
+            rename=self._named_in_comment,
+            is_absent=self._is_absent,
+            note_on_choice=note_on_choice,
+            absent_errata=frozenset(self._titles_of_other_errata()),
+        )
 
     @property
     def shared(self) -> str:
         """The declarations of the results and verdicts, which all single headers share."""
         declarations = declarations_in(runtime_headers()[_SHARED_HEADER])
-        return "\n".join(first_paragraph(declaration.comment) + declaration.code for declaration in declarations)
+        return "\n".join(first_sentence(declaration.comment) + declaration.code for declaration in declarations)
 
     @property
     def runtime_version(self) -> tuple[int, int]:
@@ -117,36 +125,6 @@ class SingleCode:
         lines = bits_header[start : bits_header.index("#endif\n", start)].splitlines(keepends=True)
         # The first line is the comment. The definitions follow it, up to the first #endif.
         return "".join(lines[1:]) + "#endif\n"
-
-    @property
-    def request(self) -> StructCodec | None:
-        """The frame that requests the position, or None if there is no such frame.
-
-        Over SPI, it is the frame that the macro of the request names.
-        """
-        usage = self.view.usage
-        if usage is not None and usage.request_for_reply is not None:
-            return usage.request_for_reply.codec
-        exchanged = self.view.interface.position_request.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
-        requests = (codec for codec in self.view.interface.codecs if codec.struct.layout.name == exchanged)
-        return next(requests, None)
-
-    @property
-    def reply_bytes(self) -> int:
-        """Number of bytes in the reply with the position, 0 without such a reply."""
-        usage = self.view.usage
-        if usage is None:
-            return 0
-        parameters = self.view.device.variants[0].parameters
-        bits = usage.frame.struct.layout.bits.value(parameters)
-        # Bits to bytes, rounded up.
-        return (bits + 7) // 8
-
-    @property
-    def replies_later(self) -> bool:
-        """True if a reply over SPI comes with the word after its request."""
-        interface = self.view.context.interface
-        return isinstance(interface, Spi) and interface.reply == "next_word"
 
     @property
     def body(self) -> str:
@@ -170,6 +148,62 @@ class SingleCode:
         """Return a text with the names of this header in place of those in the normal header and the runtime."""
         return _C_IDENTIFIER.sub(lambda word: self._renamed.get(word[0], word[0]), text)
 
+    def _insert_comment_on_interface(self, declarations: Sequence[Declaration]) -> None:
+        """Insert the comment on the interface, unless a macro has it that is kept.
+
+        The comment is below the title of the interface, alone or on a macro. It goes before the first kept declaration
+        that follows it.
+        """
+        title = f"/* -- {self.view.context.interface.title} "
+        after_title = [index + 1 for index, item in enumerate(declarations) if item.comment.startswith(title)]
+        if not after_title or after_title[0] == len(declarations):
+            return
+        commented = declarations[after_title[0]]
+        kept_names = names_of(self.declarations)
+        if (commented.has_macro or not commented.code) and kept_names.isdisjoint(commented.names):
+            following_names = names_of(declarations[after_title[0] :])
+            is_following = [not following_names.isdisjoint(item.names) for item in self.declarations]
+            self.declarations.insert(is_following.index(True), Declaration(commented.comment, code=""))
+
+    def _runtime_header(self, name: str) -> str:
+        """Return a header of the runtime, without code for words of other lengths if all frames have one length."""
+        text = runtime_headers()[name]
+        if name != "receive.h" or self._word_length is None:
+            return text
+        match self.view.context.interface:
+            case Biss():
+                return cut_biss_receiver(text, self._word_length.bits, self._word_length.bytes)
+            case Ssi():
+                return cut_ssi_receiver(text, self._word_length.bits)
+            case _:
+                return text
+
+    @cached_property
+    def _word_length(self) -> FrameSize | None:
+        """The length of the word that the macros receive, or None if it varies or if they receive no single word."""
+        frame, interface = self.view.reading.frame, self.view.context.interface
+        if frame is None or frame.plan.in_bytes or frame.whole_frame is not None:
+            return None
+        sizes = [size for size in received_sizes(self.view.device, interface) if size.layout == frame.struct.layout]
+        has_one_length = len(sizes) == 1 and not sizes[0].depends_on_registers
+        return sizes[0] if has_one_length else None
+
+    def _titles_of_other_errata(self) -> Iterator[str]:
+        """Yield the titles of the errata that are only about parts of the interface that this header does not have."""
+        other_parts = {f"interfaces.{self.view.context.interface.name}.{part}" for part in _OTHER_PARTS}
+        for erratum in self.view.device.errata:
+            if other_parts.issuperset(erratum.affects):
+                yield erratum.title
+
+    def _named_in_comment(self, text: str) -> str:
+        """Return a text of a comment with the names of this header, and with the smallest size of its buffers."""
+        size, is_biss = self._word_length, isinstance(self.view.context.interface, Biss)
+        if size is not None and is_biss and loads_biss_at_once(size.bits, size.bytes):
+            smallest_size = f"of at least {BYTES_LOADED_AT_ONCE} bytes"
+            text = text.replace("Any other size works too", f"Any other size {smallest_size} works too")
+            text = text.replace("any number of bytes", f"{BYTES_LOADED_AT_ONCE} or more bytes")
+        return self.named(text)
+
     def _is_helper(self, declaration: Declaration) -> bool:
         """Return True if a declaration comes from the runtime."""
         return not self._runtime_names.isdisjoint(declaration.names)
@@ -185,7 +219,8 @@ class SingleCode:
         view = self.view
         timings = view.context.interface.timings
         macros_of_times = chain.from_iterable(timing_macros(timing, view.PREFIX) for timing in timings)
-        time_names = {macro.name for macro in macros_of_times}
+        # The times of other interfaces are about registers and resets.
+        time_names = {macro.name for macro in macros_of_times} if not isinstance(view.context.interface, Ssi) else set()
         for macro in view.interface.macros:
             if _FOR_REGISTERS not in macro.name and macro.name not in time_names:
                 yield macro.name
@@ -195,9 +230,10 @@ class SingleCode:
         for codec in self._position_codecs():
             yield from (f"{codec.name}_{suffix}" for suffix in _READING_SUFFIXES)
             if view.reading.frame is None:
-                yield f"{codec.name}_receive"
+                yield from (f"{codec.name}_{suffix}" for suffix in _FURTHER_SUFFIXES)
         starts = (view.reading.macro, f"{view.row.macro}_")
-        yield from (name for name in known_names if name.startswith(starts))
+        other_channels = self._macros_of_other_channels()
+        yield from (name for name in known_names if name.startswith(starts) and name not in other_channels)
         yield from self._roots_of_requests()
 
     def _roots_of_requests(self) -> Iterator[str]:
@@ -207,12 +243,21 @@ class SingleCode:
             yield usage.request
         if usage is not None and (usage.request or usage.request_for_reply is not None):
             yield from (f"cw_rs485_{action}" for action in _BYTE_BY_BYTE)
-        if self.request is not None:
-            yield f"{self.request.name}_encode"
-            yield f"{self.request.name}_bits"
+        if self.usage.request is not None:
+            yield f"{self.usage.request.name}_encode"
+            yield f"{self.usage.request.name}_bits"
             if self.view.interface.position_request:
                 yield "cw_spi_store"
                 yield "cw_spi_load"
+
+    def _macros_of_other_channels(self) -> set[str]:
+        """Return the lengths of the data channels that the macros do not name."""
+        frame = self.view.reading.frame
+        if frame is None or frame.whole_frame is None:
+            return set()
+        other_layouts = (layout for layout in frame.whole_frame.layouts if layout != frame.struct.layout)
+        stems = [f"{self.view.row.macro}_{layout.name.upper()}" for layout in other_layouts]
+        return {f"{stem}_{suffix}" for stem in stems for suffix in ("BITS", "RX_BYTES")}
 
     def _position_codecs(self) -> Iterator[StructCodec]:
         """Yield the frame that the macros read, or all frames with a position if there are no macros."""
@@ -266,16 +311,18 @@ class SingleCode:
             comment = first_paragraph(comment)
         if declaration.has_macro:
             code = self._without_code_parameter(code)
-        # The pattern is a comment on the lines above a member.
-        clear_code = re.sub(r"^ +/\*\*\n.*?\*/\n", self._member_comment, code, flags=re.MULTILINE | re.DOTALL)
-        new_code = "".join(map(self._rename_pasted, clear_code.splitlines(keepends=True)))
+        code = _COMMENT_ABOVE_MEMBER.sub(self._comments.adapt_member, code)
+        code = "".join(map(self._rename_pasted, code.splitlines(keepends=True)))
         # The marks for Doxygen come back with the marks of the whole header.
-        unmarked_code = new_code.replace("/**< ", "/* ").replace("/**", "/*")
-        named_code = self.named(unmarked_code)
+        code = code.replace("/**< ", "/* ").replace("/**", "/*")
+        code = self.named(code)
         if declaration.has_macro:
-            named_code = _refilled_macro(named_code)
-        new_comment = self._adapt_comment(comment, with_arguments=is_used_by_programs)
-        return new_comment + break_lines(_with_short_conditions(_with_signature_on_one_line(named_code)))
+            code = _refilled_macro(code)
+        # The names are longer or shorter than in the normal header, so the lines are broken again.
+        code = _with_signature_on_one_line(code)
+        code = _with_short_conditions(code)
+        new_comment = self._comments.adapt(comment, with_arguments=is_used_by_programs)
+        return new_comment + break_lines(code)
 
     def _without_code_parameter(self, c_code: str) -> str:
         """Return the code of a macro without its parameter ``code``, since the header is for one order code.
@@ -285,7 +332,8 @@ class SingleCode:
         if "(code, " not in c_code:
             return c_code
         order_code = self.view.row.macro.removeprefix(f"{self.view.PREFIX}_")
-        code_without_parameter = c_code.replace("(code, ", "(", 1).replace("##code", order_code)
+        code_without_parameter = c_code.replace("(code, ", "(", 1)
+        code_without_parameter = code_without_parameter.replace("##code", order_code)
         # In MACRO##_BITS nothing is left to paste. MACRO##_##name still pastes another parameter.
         return re.sub(rf"({self.view.row.macro})##(?=_\w)(?!_##)", r"\1", code_without_parameter)
 
@@ -294,51 +342,6 @@ class SingleCode:
         # A prefix that is followed by letters and ##.
         pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
         return re.sub(pattern, f"{self.STEM}_", line)
-
-    def _adapt_comment(self, comment: str, *, with_arguments: bool) -> str:
-        """Return a comment with the names of this header, without sentences about parts that the header does not have.
-
-        Unless ``with_arguments`` is True, it ends before its first ``@param``.
-        """
-        lines: list[str] = []
-        for paragraph in split_paragraphs(comment_lines(comment)):
-            if paragraph[0].startswith("@") and not with_arguments:
-                break
-            lines += self._adapt_paragraph(paragraph)
-        return as_comment(lines)
-
-    def _member_comment(self, comment: re.Match[str]) -> str:
-        """Return the comment above a member, without sentences about parts that the header does not have."""
-        margin = " " * (len(comment[0]) - len(comment[0].lstrip()))
-        comment_text = " ".join(comment_lines(comment[0].strip())).strip()
-        sentences = SENTENCE_END.split(comment_text)
-        kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
-        return member_comment(self.named(" ".join(kept_sentences)), margin)
-
-    def _adapt_paragraph(self, lines: list[str]) -> list[str]:
-        """Return the lines of a paragraph without sentences about parts that the header does not have.
-
-        The result is empty if no sentence is left. In an indented line, such as one of a picture, only names change.
-        """
-        paragraph = " ".join(lines)
-        if lines[0].startswith((" ", "@")) or not paragraph:
-            return [self.named(line) for line in lines]
-        if paragraph.startswith(_OTHER_PARAGRAPHS):
-            return []
-        sentences = [sentence for sentence in SENTENCE_END.split(paragraph) if not self._is_about_absent(sentence)]
-        new_text = self.named(" ".join(sentences))
-        if new_text == paragraph:
-            return lines
-        return wrap_text(new_text)
-
-    def _is_about_absent(self, sentence: str) -> bool:
-        """Return True if a sentence is about a part that this header does not have.
-
-        Examples are other headers, the parameter ``code`` of a macro, and names that were left out.
-        """
-        if sentence.startswith(_OTHER_SENTENCES) or _ABOUT_ABSENT.search(sentence) is not None:
-            return True
-        return any(map(self._is_absent, _C_IDENTIFIER.findall(sentence)))
 
     def _is_absent(self, name: str) -> bool:
         """Return True if a name of the normal header or the runtime is not in this header."""
@@ -352,14 +355,19 @@ def _without_order_code(header: str, view: DeviceView) -> str:
     ``x_bits(x variant)`` becomes ``x_bits(void)``, ``x_read(x variant, word)`` becomes ``x_read(word)``, the calls
     ``x_bits(variant)`` and ``x_read(X_##code, word)`` become ``x_bits()`` and ``x_read(word)``.
     """
+    # acme_x variant, or const acme_x *variant
     parameter = rf"(?:const )?{view.prefix} \*?variant"
+    # variant, or in a macro ACME_X_##code, each also by address
     arguments = ("variant", rf"&?{view.PREFIX}_##code")
     header = header.replace("    (void)variant;\n", "")
+    # x_bits(acme_x variant) becomes x_bits(void).
     header = re.sub(rf"\(\s*{parameter}\)", "(void)", header)
     for argument in arguments:
+        # x_bits(variant) becomes x_bits().
         header = re.sub(rf"\(\s*{argument}\)", "()", header)
     for first_argument in (parameter, *arguments):
-        # In a macro, the next argument can be on the next line, after a backslash.
+        # x_read(variant, word) becomes x_read(word). In a macro, the next argument can be on the next line, after a
+        # backslash.
         header = re.sub(rf"\((\s*){first_argument},\s+(?:\\\n\s+)?", r"(\1", header)
     return header
 

@@ -4,13 +4,99 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 
 from .comments import COLUMNS
 
 #: Width of a line of a comment after its `` * ``.
 COMMENT_WIDTH = COLUMNS - 3
-SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
+#: The end of a sentence, or of words before a colon. ``Steps: Battery replacement.`` is one sentence.
+SENTENCE_END = re.compile(r"(?<=[.:])(?<!Steps:)\s(?=[A-Z])")
+
+#: Paragraphs that reading a position does not need, by what they begin with.
+_OTHER_PARAGRAPHS = (
+    *("Control data: ", "Description file: ", "For register access with ", "In the manual: "),
+    *("Network: ", "Profile: "),
+)
+#: Words in sentences about parts that the single header does not have, such as other headers and example programs.
+_ABOUT_ABSENT = re.compile(r"\b\w+\.h\b|examples/|_reports\(\)|order code is named once|[Cc]ode can be ")
+#: The beginning of the sentence on the choice that sets a quantity.
+_CHOICE = "It is set by your choice of "
+#: The beginnings of further sentences about such parts.
+_OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC", _CHOICE)
+#: The name of an erratum, which this header lists by its title: `` (erratum low_battery)``.
+_NAME_OF_ERRATUM = re.compile(r" \((?:see )?erratum \w+\)")
+_C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
+
+
+class CommentAdapter:
+    """Adapts comments of the normal header and the runtime to a single header.
+
+    ``rename`` replaces the names in a text by those of the single header, and ``is_absent`` is True for a name that the
+    single header does not have. ``note_on_choice`` says how to set a quantity that follows from a choice of the user.
+    ``absent_errata`` are the titles of errata about parts that the single header does not have.
+    """
+
+    def __init__(
+        self,
+        rename: Callable[[str], str],
+        is_absent: Callable[[str], bool],
+        note_on_choice: str,
+        absent_errata: Collection[str],
+    ) -> None:
+        self._absent_errata = tuple(f"Erratum: {title}" for title in absent_errata)
+        self._rename = rename
+        self._is_absent = is_absent
+        self._note_on_choice = note_on_choice
+
+    def adapt(self, comment: str, *, with_arguments: bool) -> str:
+        """Return a comment with the names of this header, without sentences about parts that the header does not have.
+
+        Unless ``with_arguments`` is True, it ends before its first ``@param``.
+        """
+        lines: list[str] = []
+        for paragraph in split_paragraphs(comment_lines(comment)):
+            if paragraph[0].startswith("@") and not with_arguments:
+                break
+            lines += self._adapt_paragraph(paragraph)
+        return as_comment(lines)
+
+    def adapt_member(self, comment: re.Match[str]) -> str:
+        """Return the comment above a member, without sentences about parts that the header does not have."""
+        marked_comment = comment[0]
+        margin = " " * (len(marked_comment) - len(marked_comment.lstrip()))
+        lines = comment_lines(marked_comment.strip())
+        comment_text = " ".join(lines).strip()
+        sentences = SENTENCE_END.split(_NAME_OF_ERRATUM.sub("", comment_text))
+        kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
+        if any(sentence.startswith(_CHOICE) for sentence in sentences):
+            kept_sentences.append(self._note_on_choice)
+        new_text = self._rename(" ".join(kept_sentences))
+        return member_comment(new_text, margin)
+
+    def _adapt_paragraph(self, lines: list[str]) -> list[str]:
+        """Return the lines of a paragraph without sentences about parts that the header does not have.
+
+        The result is empty if no sentence is left. In an indented line, such as one of a picture, only names change.
+        """
+        paragraph = " ".join(lines)
+        if lines[0].startswith((" ", "@")) or not paragraph:
+            return [self._rename(line) for line in lines]
+        if paragraph.startswith((*_OTHER_PARAGRAPHS, *self._absent_errata)):
+            return []
+        sentences = SENTENCE_END.split(_NAME_OF_ERRATUM.sub("", paragraph))
+        kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
+        new_text = self._rename(" ".join(kept_sentences))
+        return lines if new_text == paragraph else wrap_text(new_text)
+
+    def _is_about_absent(self, sentence: str) -> bool:
+        """Return True if a sentence is about a part that this header does not have.
+
+        Examples are other headers, the parameter ``code`` of a macro, and names that were left out.
+        """
+        if sentence.startswith(_OTHER_SENTENCES) or _ABOUT_ABSENT.search(sentence) is not None:
+            return True
+        return any(map(self._is_absent, _C_IDENTIFIER.findall(sentence)))
 
 
 def member_comment(text: str, margin: str) -> str:
@@ -25,8 +111,14 @@ def member_comment(text: str, margin: str) -> str:
     return "".join(f"{line}\n" for line in lines).replace(unbreakable_space, " ")
 
 
+def first_sentence(comment: str) -> str:
+    """Return the first sentence of a comment from the runtime."""
+    sentence, *_ = SENTENCE_END.split(" ".join(comment_lines(comment)).strip())
+    return as_comment(wrap_text(sentence))
+
+
 def first_paragraph(comment: str) -> str:
-    """Return the first sentence of a comment from the runtime, or if it has a picture, its text up to the picture.
+    """Return the first paragraph of a comment from the runtime, or if it has a picture, its text up to the picture.
 
     A picture follows ``:`` and a blank line. It is included unless it is an example that calls the runtime.
     """
@@ -41,17 +133,18 @@ def first_paragraph(comment: str) -> str:
     first_paragraph, _, _ = text_before_picture.partition("\n\n")
     # The parameters of a function can follow on the next line.
     description, _, _ = first_paragraph.partition("\n@")
-    first_sentence, *_ = SENTENCE_END.split(description.replace("\n", " "))
-    return as_comment(wrap_text(first_sentence))
+    return as_comment(wrap_text(description.replace("\n", " ")))
 
 
 def without_example(comment: str) -> str:
     """Return a comment from the runtime without the example that follows its first sentence, if there is one."""
-    first_sentence, example_begins, example_and_rest = "\n".join(comment_lines(comment)).partition(":\n\n")
+    comment_text = "\n".join(comment_lines(comment))
+    text_before_example, example_begins, example_and_text = comment_text.partition(":\n\n")
     if not example_begins:
         return comment
-    _, _, rest = example_and_rest.partition("\n\n")
-    return as_comment([*wrap_text(first_sentence.replace("\n", " ") + "."), "", *rest.splitlines()])
+    _, _, text_after_example = example_and_text.partition("\n\n")
+    sentence = text_before_example.replace("\n", " ") + "."
+    return as_comment([*wrap_text(sentence), "", *text_after_example.splitlines()])
 
 
 def wrap_text(text: str, width: int = COMMENT_WIDTH, first_margin: str = "", margin: str = "") -> list[str]:

@@ -6,9 +6,11 @@ import re
 from collections.abc import Iterator, Sequence, Set
 from copy import copy
 from itertools import chain
+from typing import NamedTuple
 
 from ...language.problems import join_words
 from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_or_raise
+from ...model.channels import channel_frame
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value
@@ -39,6 +41,14 @@ from .registers import RegisterFunctions
 _NAMES_OF_LOCALS = frozenset(("failure", "result", "taken", "transport", "variant"))
 
 
+class CLocal(NamedTuple):
+    """A local variable in C, such as ``const uint8_t turns = bytes[0];``."""
+
+    type: str
+    name: str
+    initial_value: CExpression
+
+
 class HeldValue:
     """A parameter that is read from a register, and the local variables that it is computed in.
 
@@ -57,10 +67,10 @@ class HeldValue:
         self.member = c_name(parameter.name)
         self.member_type = context.member_type(parameter)
         self.is_coded = bool(parameter.by_code)
-        #: Locals in the order of their declarations, the last one with the value: type, name and initial value.
+        #: Locals in the order of their declarations, the last one with the value or its code.
         self.locals = tuple(self._yield_locals())
-        #: Type of the value, and the local with its code.
-        self.type, self.code, _ = self.locals[-1]
+        self.type = self.locals[-1].type
+        self.code = self.locals[-1].name
 
     def for_code(self, code: int) -> str:
         """Return the value, as C, that a code in the register stands for."""
@@ -68,8 +78,8 @@ class HeldValue:
         assert value is not None
         return str(CNumber(value))
 
-    def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
-        """Yield the type, the name and the initial value of each local, such as ``("uint8_t", "turns", bytes[0])``.
+    def _yield_locals(self) -> Iterator[CLocal]:
+        """Yield each local, such as ``CLocal("uint8_t", "turns", bytes[0])``.
 
         If the bits 0 stand for a number, such as 256, a local with the bits as read comes first. A code has a local
         that ends in ``_code``.
@@ -78,13 +88,14 @@ class HeldValue:
         match self.held_parameter.meaning:
             case ZeroMeans(number):
                 raw_local = CName(f"{self.local}_raw")
-                yield type_, raw_local.text, bits
+                yield CLocal(type_, raw_local.text, bits)
                 is_zero = COperation("==", (raw_local, CNumber(0)))
+                value = Conditional(is_zero, CNumber(number), raw_local)
                 type_of_value = unsigned(widest_value(self.held_parameter.field))
-                yield type_of_value, self.local, CCast(type_of_value, Conditional(is_zero, CNumber(number), raw_local))
+                yield CLocal(type_of_value, self.local, CCast(type_of_value, value))
             case UnsignedNumber():
-                local = f"{self.local}_code" if self.is_coded else self.local
-                yield type_, local, bits
+                name = f"{self.local}_code" if self.is_coded else self.local
+                yield CLocal(type_, name, bits)
             case meaning:
                 assert_never(meaning)
 
@@ -93,10 +104,11 @@ class HeldValue:
         """Condition that the register contains a value outside the limits, or None if there are no limits."""
         lowest, highest = self.held_parameter.low, self.held_parameter.high
         comparisons: list[CExpression] = []
+        value = CName(self.local)
         if lowest is not None:
-            comparisons.append(COperation("<", (CName(self.local), CNumber(lowest))))
+            comparisons.append(COperation("<", (value, CNumber(lowest))))
         if highest is not None:
-            comparisons.append(COperation(">", (CName(self.local), CNumber(highest))))
+            comparisons.append(COperation(">", (value, CNumber(highest))))
         return join_operands("||", tuple(comparisons)) if comparisons else None
 
 
@@ -149,7 +161,7 @@ class VariantUpdater:
         self.about = f"Update {parameter_names} in a variant from the content of the {title_of(register)} register."
         self.values = tuple(HeldValue(context, parameter) for parameter in register_parameters.parameters)
         self.switches = tuple(_yield_switches(self.values))
-        #: Locals that the bits are read into: type, name and initial value.
+        #: Locals that the bits are read into.
         self.locals = tuple(self._yield_locals())
         self.bytes = c_name(register.name, _NAMES_OF_LOCALS)
         self.access = access
@@ -158,17 +170,18 @@ class VariantUpdater:
         """Yield the name of the function."""
         yield self.name, ()
 
-    def _yield_locals(self) -> Iterator[tuple[str, str, CExpression]]:
-        """Yield the local variables for all values: type, name and initial value.
+    def _yield_locals(self) -> Iterator[CLocal]:
+        """Yield the local variables for all values.
 
         If a code in the register stands for several values, they share the local with the code.
         """
         switch_locals = {switch.local for switch in self.switches}
         for value in self.values:
-            for type_, local, initial_value in value.locals:
-                is_further_code = value.is_coded and local == value.code and local not in switch_locals
+            for local in value.locals:
+                has_code = value.is_coded and local.name == value.code
+                is_further_code = has_code and local.name not in switch_locals
                 if not is_further_code:
-                    yield type_, local, initial_value
+                    yield local
 
 
 @dataclass(frozen=True, slots=True)
@@ -384,8 +397,15 @@ class LengthCode:
     def macros_of(self, frame: FrameSize) -> Iterator[CMacro]:
         """Yield the macros for the number of bits in a frame, and for the number of bytes in its buffer."""
         stem = f"{self._prefix}{self.code_of(frame)}"
-        yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in its frame")
-        yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), "number of bytes in its buffer")
+        whole_frame = channel_frame(self.interface)
+        if whole_frame is None:
+            yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in its frame")
+            yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), "number of bytes in its buffer")
+            return
+        bits_of_channels = whole_frame.bits.value(frame.variant.parameters)
+        yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in this data channel")
+        buffer_comment = f"number of bytes in a buffer for all {bits_of_channels} bits of the frame"
+        yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), buffer_comment)
 
 
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:

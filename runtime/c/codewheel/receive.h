@@ -553,7 +553,9 @@ static inline cw_result cw_ssi_receive(
 /**
  * Check that two positions agree. Decode them from words that you read in immediate succession.
  * This is the only check for a word without a CRC. It cannot detect an error that affects both
- * words. You can compare the first two BiSS frames in the same way.
+ * words.
+ *
+ * You can compare the first two BiSS frames in the same way.
  *
  * @param first  the first position
  * @param second  the second position

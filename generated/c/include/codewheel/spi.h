@@ -81,7 +81,7 @@ static inline cw_spi_asked cw_spi_exchange(
     return (line->reply_words != 0U) ? before : line->before;
 }
 
-/** Store a number as bytes, most significant first, such as those of a register to decode. */
+/** Store a number as bytes, most significant first. */
 static inline void cw_spi_bytes(uint64_t data, uint8_t *bytes, size_t length)
 {
     uint64_t shifted = data;
@@ -92,7 +92,7 @@ static inline void cw_spi_bytes(uint64_t data, uint8_t *bytes, size_t length)
     }
 }
 
-/** Return the number in bytes, most significant first, such as those of an encoded register. */
+/** Return the number in bytes, most significant first. */
 CW_CONSTEXPR
 static inline uint64_t cw_spi_data(const uint8_t *bytes, size_t length)
 {

@@ -2166,12 +2166,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "(warning only): the position is kept. The manual does not say how the other errors affect the position."
         ),
         used=(
-            "The position is not usable if any of these is active: error, BUSY, PS error or ST error. Latched errors "
-            "stay active until they are reset. In multiturn models, the MT error or the warning bit also makes the "
-            "position unusable. With the battery alarm, it is usable with a warning. The same applies to the warning "
-            "bit if you choose to interpret it as a low battery. EE_1, which combines BUSY, PS error, battery alarm "
-            "and MT error, makes the position unusable. If the frame also carries these four flags (data ID 3), they "
-            "determine the verdict instead."
+            "The position is not usable while the encoder reports an error. This is the error bit over BiSS, or BUSY, "
+            "PS error or ST error in a reply. Latched errors stay active until they are reset. In multiturn models, "
+            "the MT error or the warning bit also makes the position unusable. With the battery alarm, it is usable "
+            "with a warning. The same applies to the warning bit if you choose to interpret it as a low battery. "
+            "EE_1, which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the "
+            "frame also carries these four flags (data ID 3), they determine the verdict instead."
         ),
         why=(
             "PS error and ST error are faults of the counting itself. The position may have been counted wrongly "

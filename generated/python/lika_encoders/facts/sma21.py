@@ -2543,7 +2543,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "For SSI and BiSS, there is a table of position widths by model. For RS-485, there are examples of 23, 22 "
             "and 20 bits without a model, and at most 24 bits"
         ),
-        used="The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.",
+        used=(
+            "The position has the width that it has over SSI and BiSS, but one bit fewer at the finest resolution. It "
+            "has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm."
+        ),
         why=(
             "These are the widths for SSI and BiSS, limited to 24 bits at 1 µm, where section 4.10 halves the travel. "
             "The position probably has the same width as over the other interfaces, but the manual does not say so."
