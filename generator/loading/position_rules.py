@@ -210,7 +210,7 @@ def _width_problem(
     width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     fields = [case.layout.field(name) for name, _ in case.fields]
     # A number whose digits are sent separately is always a single field.
-    code = fields[0].number.code_of_digits
+    code = fields[0].code_of_digits
     highest_in_bits = (1 << case.width) - 1 if code is None else code.highest(case.width)
     if counts > highest_in_bits + 1:
         end = f" for numbers up to {highest_in_bits} in {code.name}" if code is not None else ""
