@@ -6,6 +6,7 @@ import re
 import sys
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -196,7 +197,7 @@ def errors_in(files: tuple[Path, ...]) -> ProblemReport:
             _build_configuration(file, document, report)
     if len(files) > 1 and not report:
         message = f"{PYPROJECT} next to it also has [tool.codewheel]; keep the settings in one of them"
-        report.add_at(str(files[1]), 1, 1, "duplicate-name", message)
+        report.add_at(str(files[1]), "duplicate-name", message)
     return report
 
 
@@ -234,7 +235,7 @@ def _read_yaml_settings(file: Path, report: ProblemReport) -> Document | None:
     report.files += yaml_report.files
     for problem in yaml_report.problems:
         message = _MESSAGES_OF_RULES.get(problem.rule, problem.message)
-        report.add_at(problem.file, problem.line, problem.column, problem.rule, message, text=problem.text)
+        report.add_problem(replace(problem, message=message, path="", cause=""))
     return document
 
 
@@ -247,14 +248,14 @@ def _read_pyproject_table(file: Path, report: ProblemReport, *, has_places: bool
     try:
         content = file.read_bytes()
     except OSError as error:
-        report.add_at(str(file), 1, 1, "unreadable", f"the file cannot be read: {error.strerror or error}")
+        report.add_at(str(file), "unreadable", f"the file cannot be read: {error.strerror or error}")
         return None
     try:
         toml_text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         message = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
-        report.add_at(str(file), line, 1, "not-text", message)
+        report.add_at(str(file), "not-text", message, line=line)
         return None
     toml_data = _parse_toml(file, toml_text, report)
     tool_table = toml_data.get("tool")
@@ -285,7 +286,8 @@ def _parse_toml(file: Path, toml_text: str, report: ProblemReport) -> dict[str, 
         line, column, message = _split_off_place(str(error), toml_text)
         lines = toml_text.splitlines()
         error_line = lines[line - 1] if line <= len(lines) else ""
-        report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
+        problem = f"not valid TOML: {message}"
+        report.add_at(str(file), "toml-syntax", problem, line=line, column=column, text=error_line)
         return {}
     return toml_data
 
