@@ -7,7 +7,7 @@ that are already there, and two changes to the same place.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path as File
@@ -15,7 +15,6 @@ from typing import Any
 
 from .document import (
     Document,
-    ErratumTargets,
     MissingPath,
     Path,
     as_affected,
@@ -30,6 +29,7 @@ from .document import (
     without_value,
 )
 from .problems import ProblemReport, quoted, suggest_word
+from .removed_places import names_of_characteristics, without_removed_paths, without_steps
 from .rules.values import check_source_format
 from .written_parts import WrittenSpec
 
@@ -87,6 +87,58 @@ class AppliedChange:
         return self.layer.changes[self.number]
 
 
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """A change of a layer, with its index there and its kind, one of ``CHANGE_KINDS``."""
+
+    layer: OverlayLayer
+    number: int
+    kind: str
+
+    @property
+    def data(self) -> Mapping[str, Any]:
+        """The change as it is in the file."""
+        return self.layer.changes[self.number]
+
+    @property
+    def path(self) -> Path:
+        """Path of the change in its file."""
+        return (*self.layer.path, self.number)
+
+    @property
+    def key_of_value(self) -> str:
+        """Key of the new value, or an empty string for a kind of change without a new value."""
+        return _VALUE_OF.get(self.kind, "")
+
+    @property
+    def new_value(self) -> Any:
+        """The value to set or to add. Only for changes with a ``key_of_value``."""
+        return self.data[self.key_of_value]
+
+
+@dataclass(frozen=True, slots=True)
+class _Target:
+    """A place of the spec that a change affects, as its text in the file, such as ``registers.status.default``.
+
+    ``index`` is the index of the text in the list of places, or None if the change has a single place.
+    """
+
+    change: _Change
+    place_text: str
+    index: int | None
+
+    @property
+    def path_of_text(self) -> Path:
+        """Path of the text in the file of the change."""
+        path: Path = (*self.change.path, self.change.kind)
+        return path if self.index is None else (*path, self.index)
+
+    @property
+    def short_place(self) -> str:
+        """The place in texts about the change."""
+        return self.place_text.removeprefix("registers.")
+
+
 class LayeredSpec:
     """A spec to which layers are applied one after the other."""
 
@@ -96,8 +148,8 @@ class LayeredSpec:
         self._data = base.data
         self._marks = base.marks
         self._other_files: dict[str, tuple[str, ...]] = dict(base.other_files)
-        #: For each place that a change affects, the layer and the index of the change.
-        self._reserved_places: dict[Path, tuple[OverlayLayer, int]] = {}
+        #: The change that affects each place.
+        self._reserved_places: dict[Path, _Change] = {}
         self.applied: list[AppliedChange] = []
 
     def document(self, family: str = "") -> Document:
@@ -107,10 +159,10 @@ class LayeredSpec:
         """
         data = self._data
         if self.applied:
-            data = _without_removed_paths(data, self._base.data)
-            removed_names = _names_of_characteristics(self._base.data) - _names_of_characteristics(data)
+            data = without_removed_paths(data, self._base.data)
+            removed_names = names_of_characteristics(self._base.data) - names_of_characteristics(data)
             if removed_names:
-                data = _without_steps(data, removed_names)
+                data = without_steps(data, removed_names)
         if family:
             data = {**data, "device": family}
         return replace(
@@ -132,35 +184,36 @@ class LayeredSpec:
             if layer.document.file != self._base.file:  # The layer of an edition is in the spec itself.
                 self._other_files[layer.document.file] = layer.document.lines
             self._add_documents(layer)
-            for number, change in enumerate(layer.changes):
-                kind = self._kind_of_change(layer, number, change)
-                if kind is not None and self._has_value(layer, number, kind):
-                    self._apply_change(layer, number, kind, change)
+            for number in range(len(layer.changes)):
+                kind = self._kind_of_change(layer, number)
+                if kind is None:
+                    continue
+                change = _Change(layer, number, kind)
+                if self._has_value(change):
+                    self._apply_change(change)
 
-    def _kind_of_change(self, layer: OverlayLayer, change_number: int, change: Mapping[str, Any]) -> str | None:
+    def _kind_of_change(self, layer: OverlayLayer, number: int) -> str | None:
         """Return the kind of a change. If it has no kind or several, report it and return None."""
-        kinds = [kind for kind in CHANGE_KINDS if kind in change]
+        kinds = [kind for kind in CHANGE_KINDS if kind in layer.changes[number]]
         if len(kinds) == 1:
             return kinds[0]
         problem = f"has {' and '.join(map(quoted, kinds))}" if kinds else "does nothing"
         message = f"this change {problem}; use exactly one of 'set', 'add', 'remove', 'unknown' and 'also'"
-        self._report_problem("overlay-change", layer, (change_number,), message)
+        self._report.add("overlay-change", layer.document, (*layer.path, number), message)
         return None
 
-    def _has_value(self, layer: OverlayLayer, change_number: int, change_kind: str) -> bool:
+    def _has_value(self, change: _Change) -> bool:
         """Return True if a change has the key for its new value, and no other key for one. Report it otherwise.
 
         ``set`` needs ``to``, and ``add`` needs ``value``. Other kinds of changes have no new value.
         """
-        change = layer.changes[change_number]
-        needed_key = _VALUE_OF.get(change_kind)
         for key in _VALUE_OF.values():
-            is_needed = key == needed_key
-            is_given = key in change
+            is_needed = key == change.key_of_value
+            is_given = key in change.data
             if is_given != is_needed:
                 verb = "needs" if is_needed else "cannot have"
-                message = f"a change with {quoted(change_kind)} {verb} {quoted(key)}"
-                self._report_problem("overlay-change", layer, (change_number,), message)
+                message = f"a change with {quoted(change.kind)} {verb} {quoted(key)}"
+                self._report.add("overlay-change", change.layer.document, change.path, message)
                 return False
         return True
 
@@ -188,146 +241,131 @@ class LayeredSpec:
         overlay_as_spec = WrittenSpec(overlay.data, with_invalid_parts=WrittenSpec(self._data))
         check_source_format(overlay_as_spec, self._report.for_document(overlay))
 
-    def _apply_change(
-        self, layer: OverlayLayer, change_number: int, change_kind: str, change: Mapping[str, Any]
-    ) -> None:
-        """Apply a change to each place of the spec that it lists. A change of the kind ``also`` only records a text.
-
-        For problems, ``change_path`` is the path, within the layer, of the text that names the place.
-        """
-        if change_kind == "also":
-            self._record_change(
-                layer, (change_number, change_kind), was=change[change_kind], now="", affects="", is_known=False
-            )
+    def _apply_change(self, change: _Change) -> None:
+        """Apply a change to each place of the spec that it lists. A change of the kind ``also`` only records a text."""
+        place_or_places = change.data[change.kind]
+        if change.kind == "also":
+            self._record_change(change, was=place_or_places, now="", affects="", is_known=False)
             return
-        place_or_places = change[change_kind]
         is_list = isinstance(place_or_places, list)
-        for index, path_text in enumerate(place_or_places if is_list else [place_or_places]):
-            change_path: Path = (change_number, change_kind)
-            if is_list:
-                change_path = (*change_path, index)
-            first_step, _, _ = path_text.partition(".")
+        for index, place_text in enumerate(place_or_places if is_list else [place_or_places]):
+            target = _Target(change, place_text, index if is_list else None)
+            first_step, _, _ = place_text.partition(".")
             if first_step in _UNCHANGEABLE_KEYS:
-                message = f"an overlay cannot change {quoted(path_text)}, only facts about the encoder"
-                self._report_problem("overlay-change", layer, change_path, message)
-            elif change_kind == "add":
-                self._add_value(layer, change_path, path_text, change)
+                message = f"an overlay cannot change {quoted(place_text)}, only facts about the encoder"
+                self._report_problem("overlay-change", target, message)
+            elif change.kind == "add":
+                self._add_value(target)
             else:
-                self._set_or_remove(layer, change_path, path_text, change_kind)
+                self._set_or_remove(target)
 
-    def _add_value(self, layer: OverlayLayer, change_path: Path, path_text: str, change: Mapping[str, Any]) -> None:
+    def _add_value(self, target: _Target) -> None:
         """Add the value of a change to the spec: under a new key, or at the end of a list without such an element."""
         try:
-            path = resolve(self._data, path_text)
+            path = resolve(self._data, target.place_text)
         except MissingPath as missing_path:
-            self._add_key(layer, change_path, path_text, missing_path)
+            self._add_key(target, missing_path)
             return
         current_value = value_at(self._data, path)
-        label = label_of(change["value"])
+        label = label_of(target.change.new_value)
+        place = quoted(target.place_text)
         if not isinstance(current_value, list):
-            self._report_problem(
-                "overlay-unused", layer, change_path, f"{quoted(path_text)} already exists; change it with 'set'"
-            )
+            self._report_problem("overlay-unused", target, f"{place} already exists; change it with 'set'")
         elif label is not None and label in map(label_of, current_value):
-            message = f"{quoted(path_text)} already has {quoted(label)}; change it with 'set'"
-            self._report_problem("overlay-unused", layer, change_path, message)
+            message = f"{place} already has {quoted(label)}; change it with 'set'"
+            self._report_problem("overlay-unused", target, message)
         else:
             path_of_new_item = (*path, len(current_value))
-            self._put_value(layer, change_path, path_of_new_item, f"{_shorten_path(path_text)} without this item")
+            self._put_value(target, path_of_new_item, was=f"{target.short_place} without this item")
 
-    def _add_key(self, layer: OverlayLayer, change_path: Path, path_text: str, missing_path: MissingPath) -> None:
+    def _add_key(self, target: _Target, missing_path: MissingPath) -> None:
         """Add the value of a change at a new key of an existing map. Only that key, the last step, may be missing."""
-        _, _, last_step = path_text.rpartition(".")
+        _, _, last_step = target.place_text.rpartition(".")
         parent = value_at(self._data, missing_path.existing_path)
         if missing_path.step != last_step or not isinstance(parent, dict):
-            self._report_missing_place(layer, change_path, path_text, missing_path)
+            self._report_missing_place(target, missing_path)
             return
         path = (*missing_path.existing_path, missing_path.step)
-        if self._reserve_place(layer, change_path, path):
-            self._put_value(layer, change_path, path, f"no {_shorten_path(path_text)}")
+        if self._reserve_place(target, path):
+            self._put_value(target, path, was=f"no {target.short_place}")
 
-    def _set_or_remove(self, layer: OverlayLayer, change_path: Path, path_text: str, change_kind: str) -> None:
+    def _set_or_remove(self, target: _Target) -> None:
         """Replace the value at an existing place with the value of a change, or remove it if the change says so."""
         try:
-            path = resolve(self._data, path_text)
+            path = resolve(self._data, target.place_text)
         except MissingPath as missing_path:
-            self._report_missing_place(layer, change_path, path_text, missing_path)
+            self._report_missing_place(target, missing_path)
             return
-        if not self._reserve_place(layer, change_path, path):
+        if not self._reserve_place(target, path):
             return
-        if change_kind == "set":
-            self._replace_value(layer, change_path, path_text, path)
+        if target.change.kind == "set":
+            self._replace_value(target, path)
         else:
-            self._remove_value(layer, change_path, path_text, path, is_known=change_kind != "unknown")
+            self._remove_value(target, path)
 
-    def _replace_value(self, layer: OverlayLayer, change_path: Path, path_text: str, path: Path) -> None:
+    def _replace_value(self, target: _Target, path: Path) -> None:
         """Replace the value at ``path`` with the value of a change. Report the change if both are the same."""
         current_value = value_at(self._data, path)
         current_text = _value_text(current_value, self._text_from(path))
-        if _is_equal(layer.changes[number_of_change(change_path)]["to"], current_value):
+        if _is_equal(target.change.new_value, current_value):
             message = f"the spec already has {current_text} here; leave the change out"
-            self._report_problem("overlay-unused", layer, change_path, message)
+            self._report_problem("overlay-unused", target, message)
         else:
-            self._put_value(layer, change_path, path, f"{_shorten_path(path_text)}: {current_text}")
+            self._put_value(target, path, was=f"{target.short_place}: {current_text}")
 
-    def _remove_value(
-        self, layer: OverlayLayer, change_path: Path, path_text: str, path: Path, *, is_known: bool
-    ) -> None:
+    def _remove_value(self, target: _Target, path: Path) -> None:
         """Remove the value at ``path`` from the spec, and record the change.
 
-        The recorded place is the value or, if nothing has its name afterwards, the part that contained it.
-        ``is_known`` is False if the value is unknown rather than absent.
+        The recorded place is the value or, if nothing has its name afterwards, the part that contained it. A change of
+        the kind ``unknown`` says that the value is unknown rather than absent.
         """
         affected = as_affected(self._data, path)
         affected_parent = as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
         affects = affected if leads_somewhere(self._data, affected) else affected_parent
-        self._record_change(
-            layer, change_path, was=_shorten_path(path_text), now="", affects=affects, is_known=is_known
-        )
+        is_known = target.change.kind != "unknown"
+        self._record_change(target.change, was=target.short_place, now="", affects=affects, is_known=is_known)
 
-    def _put_value(self, layer: OverlayLayer, change_path: Path, path: Path, was: str) -> None:
+    def _put_value(self, target: _Target, path: Path, *, was: str) -> None:
         """Put the value of a change at a path of the spec, and record the change.
 
         ``was`` is the text for the value before.
         """
-        number = number_of_change(change_path)
-        change_kind = str(change_path[1])
-        key = _VALUE_OF[change_kind]  # 'to' or 'value'
-        value = layer.changes[number][key]
-        mark = mark_at(layer.document.marks, (*layer.path, number, key))
-        overlay_file = "" if layer.document.file == self._base.file else layer.document.file
-        self._data, self._marks = with_value(self._data, self._marks, path, value, from_file(mark, overlay_file))
-        text_from_value = layer.document.line(mark.line)[mark.column - 1 :]
-        now = _value_text(value, text_from_value)
-        self._record_change(layer, change_path, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
+        change = target.change
+        overlay = change.layer.document
+        mark = mark_at(overlay.marks, (*change.path, change.key_of_value))
+        overlay_file = "" if overlay.file == self._base.file else overlay.file
+        mark_with_file = from_file(mark, overlay_file)
+        self._data, self._marks = with_value(self._data, self._marks, path, change.new_value, mark_with_file)
+        text_from_value = overlay.line(mark.line)[mark.column - 1 :]
+        now = _value_text(change.new_value, text_from_value)
+        self._record_change(change, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
-    def _record_change(
-        self, layer: OverlayLayer, change_path: Path, *, was: str, now: str, affects: str, is_known: bool
-    ) -> None:
+    def _record_change(self, change: _Change, *, was: str, now: str, affects: str, is_known: bool) -> None:
         """Record a change with its texts before and after, and the affected path as in an erratum, or an empty one."""
         paths = (affects,) if affects else ()
         self.applied.append(
-            AppliedChange(layer, number_of_change(change_path), was=was, now=now, affects=paths, is_known=is_known)
+            AppliedChange(change.layer, change.number, was=was, now=now, affects=paths, is_known=is_known)
         )
 
-    def _reserve_place(self, layer: OverlayLayer, change_path: Path, path: Path) -> bool:
+    def _reserve_place(self, target: _Target, path: Path) -> bool:
         """Reserve a place of the spec for a change, and return True.
 
         If another change has reserved the place, a part of it, or a part that contains it, report the conflict and
         return False.
         """
         path = named_path(self._data, path)  # Indices change when an element of a list is removed.
-        for reserved_path, (first_layer, number) in self._reserved_places.items():
+        for reserved_path, first_change in self._reserved_places.items():
             is_in_reserved_place = path[: len(reserved_path)] == reserved_path
             contains_reserved_place = reserved_path[: len(path)] == path
             if is_in_reserved_place or contains_reserved_place:
-                mark = mark_at(first_layer.document.marks, (*first_layer.path, number))
-                first_place = f"{File(first_layer.document.file).name}:{mark.line}"
+                first_overlay = first_change.layer.document
+                mark = mark_at(first_overlay.marks, first_change.path)
+                first_place = f"{File(first_overlay.file).name}:{mark.line}"
                 message = f"{first_place} changes the same location; keep one of the two"
-                self._report_problem("overlay-conflict", layer, change_path, message)
+                self._report_problem("overlay-conflict", target, message)
                 return False
-        self._reserved_places[path] = (layer, number_of_change(change_path))
+        self._reserved_places[path] = target.change
         return True
 
     def _text_from(self, path: Path) -> str:
@@ -336,32 +374,23 @@ class LayeredSpec:
         lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
-    def _report_missing_place(
-        self, layer: OverlayLayer, change_path: Path, path_text: str, missing_path: MissingPath
-    ) -> None:
+    def _report_missing_place(self, target: _Target, missing_path: MissingPath) -> None:
         """Report a change of a place that does not exist, with the steps that are possible where its path ends."""
         existing_name = self._base.name_path(missing_path.existing_path)
         parent = quoted(existing_name) if existing_name else "the spec"
         hint = suggest_word(missing_path.step, missing_path.known_steps, "known")
-        message = f"there is nothing at {quoted(path_text)}: {parent} has no {quoted(missing_path.step)}{hint}"
-        self._report_problem("overlay-unused", layer, change_path, message)
+        missing_step = f"{quoted(missing_path.step)}{hint}"
+        message = f"there is nothing at {quoted(target.place_text)}: {parent} has no {missing_step}"
+        self._report_problem("overlay-unused", target, message)
 
-    def _report_problem(self, rule: str, layer: OverlayLayer, change_path: Path, message: str) -> None:
-        self._report.add(rule, layer.document, (*layer.path, *change_path), message)
+    def _report_problem(self, rule: str, target: _Target, message: str) -> None:
+        """Report a problem with a change at the text that names the place."""
+        self._report.add(rule, target.change.layer.document, target.path_of_text, message)
 
 
 def _is_equal(new_value: Any, current_value: Any) -> bool:
     """Return True if two values are equal and have the same type."""
     return type(new_value) is type(current_value) and bool(new_value == current_value)
-
-
-def number_of_change(change_path: Path) -> int:
-    """Return the index of the change in its layer, which is the first step of a path in this layer."""
-    return int(change_path[0])
-
-
-def _shorten_path(path_text: str) -> str:
-    return path_text.removeprefix("registers.")
 
 
 def _value_text(changed_value: Any, text_from_value: str) -> str:
@@ -385,59 +414,3 @@ def _format_value(changed_value: Any) -> str:
     if isinstance(changed_value, list):
         return f"[{', '.join(map(_format_value, changed_value))}]"
     return str(changed_value).lower() if isinstance(changed_value, bool) else str(changed_value)
-
-
-def _names_of_characteristics(spec_data: Mapping[str, Any]) -> set[str]:
-    """Return the names of the characteristics in the data of a spec, which may be invalid."""
-    characteristics = spec_data.get("characteristics")
-    if not isinstance(characteristics, list):
-        return set()
-    names = [characteristic.get("name") for characteristic in characteristics if isinstance(characteristic, dict)]
-    return {name for name in names if isinstance(name, str)}
-
-
-def _without_steps(node: Any, removed_names: Collection[str]) -> Any:
-    """Return the data of a spec without the names of removed characteristics in ``by_hand``.
-
-    ``by_hand`` lists characteristics with steps for a person. The key is removed if no name remains.
-    """
-    if isinstance(node, list):
-        return [_without_steps(inner, removed_names) for inner in node]
-    if not isinstance(node, dict):
-        return node
-    cleaned = {}
-    for key, inner in node.items():
-        if key in ("join", "when"):  # Their keys are names of the spec, not keys of the language.
-            cleaned[key] = inner
-        elif key == "by_hand" and isinstance(inner, list):
-            remaining_steps = [name for name in inner if name not in removed_names]
-            if remaining_steps:
-                cleaned[key] = remaining_steps
-        else:
-            cleaned[key] = _without_steps(inner, removed_names)
-    return cleaned
-
-
-def _without_removed_paths(spec_data: dict[str, Any], original_data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a spec whose errata no longer affect places that a layer has removed.
-
-    A path that does not exist in the original data either stays, because a rule reports it.
-    """
-    errata = spec_data.get("errata")
-    if not isinstance(errata, list):
-        return spec_data
-    targets = ErratumTargets(spec_data)
-    original_targets = ErratumTargets(original_data)
-    remaining_errata = [_erratum_without_removed_paths(erratum, targets, original_targets) for erratum in errata]
-    return {**spec_data, "errata": remaining_errata}
-
-
-def _erratum_without_removed_paths(erratum: Any, targets: ErratumTargets, original_targets: ErratumTargets) -> Any:
-    """Return an erratum without the paths in ``affects`` that exist only in the original data."""
-    affects = erratum.get("affects") if isinstance(erratum, dict) else None
-    if not isinstance(affects, list):
-        return erratum
-    removed_paths = {path for path in affects if original_targets.at(path) and not targets.at(path)}
-    if not removed_paths:
-        return erratum
-    return {**erratum, "affects": [path for path in affects if path not in removed_paths]}

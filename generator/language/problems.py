@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import re
-import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby, takewhile
@@ -16,6 +15,7 @@ from typing import Any
 
 from .document import Document
 from .document import Path as Path
+from .excerpt import excerpt, visible
 
 #: Stands for prose that is missing, so that the rest of an item can be checked.
 MISSING_PROSE = "?"
@@ -115,22 +115,41 @@ class ProblemReport:
             self._faults.setdefault(document.key, set()).add(document.original(path))
         line, column = document.position(path, at_key)
         file = document.file_of(path)
-        text = document.line(line, file)
-        self.add_at(file or document.file, line, column, rule, message, document.name_path(path), text, cause)
+        self.add_at(
+            file or document.file,
+            rule,
+            message,
+            line=line,
+            column=column,
+            path=document.name_path(path),
+            text=document.line(line, file),
+            cause=cause,
+        )
 
     def add_at(
         self,
         file: str,
-        line: int,
-        column: int,
         rule: str,
         message: str,
+        *,
+        line: int = 1,
+        column: int = 1,
         path: str = "",
         text: str = "",
         cause: str = "",
     ) -> None:
-        """Add a problem at a place of a file, for errors before a document exists."""
-        self._problems.add(Problem(file, line, column, rule, path, message, text, cause))
+        """Add a problem at a place of a file, by default its start, for errors before a document exists.
+
+        ``text`` is the line with the problem.
+        """
+        problem = Problem(
+            file=file, line=line, column=column, rule=rule, path=path, message=message, text=text, cause=cause
+        )
+        self.add_problem(problem)
+
+    def add_problem(self, problem: Problem) -> None:
+        """Add a problem of another report. Its place is not marked as faulty."""
+        self._problems.add(problem)
 
     def include(self, other_report: ProblemReport) -> None:
         """Add the problems of another report, and the places that it marks as faulty."""
@@ -250,14 +269,6 @@ class DocumentReport:
         return len(self._report)
 
 
-def excerpt(line_text: str, column: int, width: int = 80) -> list[str]:
-    """Return two lines: the part of a line around a column, and a caret below the column. Empty for a blank line."""
-    if not line_text.strip():
-        return []
-    window, caret = _cut_window(line_text, column, max(width, 20) - 4)
-    return [f"    {window}", f"    {' ' * caret}^"]
-
-
 def quoted(value: Any) -> str:
     """Return a value as shown in messages: quoted text, shortened if long, a number, ``nothing`` or ``a list``."""
     if isinstance(value, str):
@@ -372,75 +383,6 @@ def _has_same_meaning(word: str, known_word: str) -> bool:
 def _is_abbreviation(word: str, known_word: str) -> bool:
     """Return True if a word of at least 4 letters is the beginning of a known word with the same digits and unit."""
     return len(word) >= 4 and known_word.startswith(word) and _has_same_meaning(word, known_word)
-
-
-def visible(text: str) -> str:
-    """Return a text in which every character that controls a terminal is replaced by an escape such as ``\\x1b``."""
-    return "".join(map(_visible_character, text))
-
-
-def _visible_character(character: str) -> str:
-    """Return a character, or an escape such as ``\\x1b`` if it controls the terminal."""
-    if unicodedata.category(character) not in ("Cc", "Cf", "Cs", "Zl", "Zp"):
-        return character
-    if character == "\t":
-        return "\\t"
-    code = ord(character)
-    if code < 0x100:
-        return f"\\x{code:02x}"
-    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
-
-
-def _measure_columns(text: str) -> int:
-    """Return the width of a text in a terminal: two columns for a wide character, none for a combining one."""
-    wide_count = sum(unicodedata.east_asian_width(character) in "WF" for character in text)
-    combining_count = sum(unicodedata.combining(character) != 0 for character in text)
-    return len(text) + wide_count - combining_count
-
-
-def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
-    """Return the part of a line to show, without its indentation, and the offset of the caret in it, in columns.
-
-    A line with more than ``width`` columns is cut so that the caret is visible, with more text before it than after.
-    """
-    indentation = len(line_text) - len(line_text.lstrip(" "))
-    stripped = line_text.strip(" ")
-    caret_index = max(0, min(column - 1 - indentation, len(stripped)))
-    # Each character takes at least one column, so nothing farther away can be shown. A line may have millions.
-    start = max(0, caret_index - width)
-    characters_before = [_visible_character(character) for character in stripped[start:caret_index]]
-    characters_after = [_visible_character(character) for character in stripped[caret_index : caret_index + width + 1]]
-    is_too_long = start > 0 or _measure_columns("".join(characters_before + characters_after)) > width
-    if is_too_long:
-        characters_before = _cut_at_start(characters_before, width * 2 // 3, is_cut_already=start > 0)
-        characters_after = _cut_at_end(characters_after, width - _measure_columns("".join(characters_before)))
-    text_before = "".join(characters_before)
-    return text_before + "".join(characters_after), _measure_columns(text_before)
-
-
-def _cut_at_start(characters: list[str], width: int, *, is_cut_already: bool) -> list[str]:
-    """Return the last characters that fit in ``width`` columns, after three dots if any were omitted, now or before."""
-    fitting_count = _count_fitting(characters[::-1], width)
-    if not is_cut_already and fitting_count == len(characters):
-        return characters
-    return ["...", *characters[len(characters) - fitting_count :]]
-
-
-def _cut_at_end(characters: list[str], width: int) -> list[str]:
-    """Return the characters if they fit in ``width`` columns, otherwise as many as fit before three dots."""
-    if _measure_columns("".join(characters)) <= width:
-        return characters
-    return [*characters[: _count_fitting(characters, width - 3)], "..."]
-
-
-def _count_fitting(characters: Sequence[str], width: int) -> int:
-    """Return the number of characters at the beginning that fit in ``width`` columns."""
-    used_columns = 0
-    for count, character in enumerate(characters):
-        used_columns += _measure_columns(character)
-        if used_columns > width:
-            return count
-    return len(characters)
 
 
 TEMPLATE_SUFFIX = ".jinja"

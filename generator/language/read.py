@@ -12,7 +12,7 @@ import pathlib
 import re
 import stat
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import yaml
@@ -20,9 +20,11 @@ import yaml
 from . import files
 from .document import Document, Path, SourceMark
 from .problems import ProblemReport, quoted
+from .scalars import INTEGER_TEXT, is_text, resolve_scalar
 from .schema_files import family_of, is_second, is_word_sheet
 from .yaml_mistakes import CorrectedEvents, explain
 
+#: Largest size of a file.
 MAX_BYTES = 4 * 2**20
 #: Largest number of values in a spec, including repetitions by aliases. The largest manuals need about 20,000.
 MAX_VALUES = 200_000
@@ -41,12 +43,6 @@ FORBIDDEN = re.compile(f"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe
 LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _YAML_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
-_NULL_WORDS = frozenset(("", "~", "null", "Null", "NULL"))
-_BOOLEAN_WORDS = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
-_INTEGER_TEXT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
-_FLOAT_TEXT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-_SPECIAL_FLOAT = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
-
 _CORE_TAG = "tag:yaml.org,2002:"
 _TAGGED_TYPES: dict[str, tuple[type, ...]] = {
     f"{_CORE_TAG}null": (type(None),),
@@ -59,10 +55,11 @@ _TAGGED_TYPES: dict[str, tuple[type, ...]] = {
 class Unreadable(Exception):
     """Something that cannot be read.
 
-    ``rule`` and ``message`` describe the problem. The path is given if the rest of the file can be read.
+    ``rule`` and ``message`` describe the problem, whose place is the start of the file by default. The path is given if
+    the rest of the file can be read.
     """
 
-    def __init__(self, line: int, column: int, rule: str, message: str, path: Path = ()) -> None:
+    def __init__(self, rule: str, message: str, *, line: int = 1, column: int = 1, path: Path = ()) -> None:
         super().__init__(message)
         self.line, self.column, self.rule, self.message, self.path = line, column, rule, message, path
 
@@ -94,9 +91,11 @@ def parse(
     try:
         return _Parser(yaml_text, report_error, report_stand_in).document()
     except yaml.MarkedYAMLError as error:
-        raise Unreadable(rule="yaml-syntax", **explain(error, yaml_text)._asdict()) from None
+        mistake = explain(error, yaml_text)
+        raise Unreadable("yaml-syntax", mistake.message, line=mistake.line, column=mistake.column) from None
     except yaml.YAMLError as error:
-        raise Unreadable(1, 1, "yaml-syntax", f"not valid YAML: {str(error).splitlines()[0]}") from None
+        first_line, *_ = str(error).splitlines()
+        raise Unreadable("yaml-syntax", f"not valid YAML: {first_line}") from None
 
 
 class _Parser:
@@ -106,7 +105,10 @@ class _Parser:
         self._report_error = report_error
         self._report_stand_in = report_stand_in
         parser_events = iter(yaml.parse(text, Loader=_YAML_LOADER))
-        self._events = iter(CorrectedEvents(parser_events, LINE_BREAK.split(text), _is_text, self._report))
+        corrected_events = CorrectedEvents(
+            parser_events, lines=LINE_BREAK.split(text), is_text=is_text, complain=self._report
+        )
+        self._events = iter(corrected_events)
         #: Values by anchor. None while the value is being read.
         self._anchors: dict[str, _Value | None] = {}
         self._count = 0
@@ -119,10 +121,10 @@ class _Parser:
         next(self._events)  # Discarded: the start of the stream.
         start = next(self._events)
         if isinstance(start, yaml.StreamEndEvent):
-            raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
+            raise Unreadable("empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if getattr(start, "version", None) not in (None, (1, 2)):
             raise _build_error(start, "yaml-syntax", "specs are read as YAML 1.2; remove the %YAML line")
-        value = self._read_value(next(self._events), (), 1)
+        value = self._read_value(next(self._events), path=(), depth=1)
         next(self._events)  # Discarded: the end of the document.
         next_event = next(self._events)
         if not isinstance(next_event, yaml.StreamEndEvent):
@@ -130,11 +132,11 @@ class _Parser:
                 next_event, "several-documents", "a second document begins here; a file contains only one"
             )
         if value.data is None:
-            raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
+            raise Unreadable("empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if not isinstance(value.data, dict):
             kind = "a list" if isinstance(value.data, list) else "one value"
             message = f"a spec is a map of keys and begins with 'codewheel: 1'; this is {kind}"
-            raise Unreadable(value.mark.line, value.mark.column, "not-a-map", message)
+            raise Unreadable("not-a-map", message, line=value.mark.line, column=value.mark.column)
         return value.data, value.mark
 
     def _read_value(self, event: Any, path: Path, depth: int) -> _Value:
@@ -151,8 +153,7 @@ class _Parser:
         anchor = event.anchor
         if anchor is not None:
             self._anchors[anchor] = None  # Open: an alias to it from inside would never end.
-        line, column = event.start_mark.line + 1, event.start_mark.column + 1
-        mark = SourceMark(line, column, line, column)
+        mark = _mark_at_start(event)
         if isinstance(event, yaml.ScalarEvent):
             value = _Value(self._read_scalar(event, path), mark, count=1, depth=0)
         else:
@@ -179,8 +180,8 @@ class _Parser:
             message = f"maps and lists are nested more than {MAX_DEPTH} levels deep through this alias"
             raise _build_error(event, "too-deep", message)
         # The values keep the positions where they are written. Only the item itself is located at the alias.
-        line, column = event.start_mark.line + 1, event.start_mark.column + 1
-        return _Value(value.data, SourceMark(line, column, line, column, value.mark.children), value.count, value.depth)
+        mark = replace(_mark_at_start(event), children=value.mark.children)
+        return replace(value, mark=mark)
 
     def _count_values(self, count: int, event: Any) -> None:
         """Count values, and raise Unreadable if the file has too many."""
@@ -199,9 +200,10 @@ class _Parser:
         while True:
             event = next(self._events)
             if isinstance(event, yaml.SequenceEndEvent):
-                return _Value(list_data, mark, count, depth_below + 1)
-            value = self._read_value(event, (*path, len(list_data)), depth + 1)
-            mark.children[len(list_data)] = value.mark
+                return _Value(list_data, mark, count=count, depth=depth_below + 1)
+            index = len(list_data)
+            value = self._read_value(event, path=(*path, index), depth=depth + 1)
+            mark.children[index] = value.mark
             list_data.append(value.data)
             count += value.count
             depth_below = max(depth_below, value.depth)
@@ -213,9 +215,10 @@ class _Parser:
         while True:
             key_event = next(self._events)
             if isinstance(key_event, yaml.MappingEndEvent):
-                return _Value(map_data, mark, count, depth_below + 1)
+                return _Value(map_data, mark, count=count, depth=depth_below + 1)
             key = self._read_key(key_event, path, depth)
-            value = self._read_value(next(self._events), (*path, "" if key is None else key), depth + 1)
+            key_in_path = "" if key is None else key
+            value = self._read_value(next(self._events), path=(*path, key_in_path), depth=depth + 1)
             count += value.count
             depth_below = max(depth_below, value.depth)
             if key is None:
@@ -233,13 +236,15 @@ class _Parser:
     def _read_key(self, event: Any, path: Path, depth: int) -> str | None:
         """Return a key of a map as text, so that ``01`` stays ``01``. Report an invalid key, and return None."""
         if not isinstance(event, yaml.ScalarEvent):
-            self._read_value(event, (), depth + 1)  # Discarded, but its events must be read.
+            self._read_value(event, path=(), depth=depth + 1)  # Discarded, but its events must be read.
             self._report(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
             return None
-        if event.value == "<<" and not event.style:
+        is_quoted = bool(event.style)
+        if event.value == "<<" and not is_quoted:
             self._report(event, "merge-key", "merge keys are not part of YAML 1.2; write out the entries", path)
             return None
-        if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE_TAG}str"):
+        has_tag_of_text = event.tag in (None, "!", f"{_CORE_TAG}str")
+        if event.value == "" or FORBIDDEN.search(event.value) or not has_tag_of_text:
             self._report(event, "bad-key", "a key is one word, without a tag and without control characters", path)
             return None
         return str(event.value)
@@ -251,21 +256,25 @@ class _Parser:
         # The text of the file was searched before. Only an escape in double quotes can still produce such a character.
         forbidden = FORBIDDEN.search(text) if event.style == '"' else None
         if forbidden is not None:
-            message = f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape"
+            code_point = f"U+{ord(forbidden[0]):04X}"
+            message = f"the character {code_point} is not allowed in text; remove its escape"
             return self._replace(event, path, "not-text", message)
-        if tag in ("!", f"{_CORE_TAG}str") or (tag is None and is_quoted):
+        is_untagged_text = tag is None and is_quoted
+        if is_untagged_text or tag in ("!", f"{_CORE_TAG}str"):
             return text
+        shown_tag = quoted(_short_tag(tag or ""))
         if tag is not None and tag not in _TAGGED_TYPES:
-            return self._replace(event, path, "tag", f"the tag {quoted(_short_tag(tag))} is not supported; remove it")
-        if len(text) > MAX_DIGITS and _INTEGER_TEXT.fullmatch(text):
+            return self._replace(event, path, "tag", f"the tag {shown_tag} is not supported; remove it")
+        if len(text) > MAX_DIGITS and INTEGER_TEXT.fullmatch(text):
             message = f"a number of {len(text)} digits is too long; put it in quotes if it is text"
             return self._replace(event, path, "number-too-long", message)
-        value = _resolve_scalar(text)
+        value = resolve_scalar(text)
         if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
             return self._replace(event, path, "tag", f"{quoted(text)} is not of type {_short_tag(tag)}")
         return value
 
     def _replace(self, event: Any, path: Path, rule: str, message: str) -> None:
+        """Report an invalid scalar. None, which this method returns, replaces its value."""
         self._report(event, rule, message)
         self._report_stand_in(path)
 
@@ -275,32 +284,19 @@ class _Parser:
             self._report(event, "tag", f"the tag {quoted(_short_tag(event.tag))} is not supported; remove it")
 
 
-def _resolve_scalar(scalar_text: str) -> str | int | float | bool | None:
-    """Return the value of an unquoted scalar: None, a boolean, a number or text, by the core schema of YAML 1.2."""
-    if scalar_text in _NULL_WORDS:
-        return None
-    if scalar_text in _BOOLEAN_WORDS:
-        return _BOOLEAN_WORDS[scalar_text]
-    if _INTEGER_TEXT.fullmatch(scalar_text):
-        base = {"0x": 16, "0o": 8}.get(scalar_text[:2], 10)
-        return int(scalar_text, base)
-    if _FLOAT_TEXT.fullmatch(scalar_text):
-        return float(scalar_text)
-    # Python writes infinities and NaN without the point.
-    return float(scalar_text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(scalar_text) else scalar_text
-
-
-def _is_text(scalar: str) -> bool:
-    """Return True if an unquoted scalar is text, not a number or the like."""
-    return isinstance(_resolve_scalar(scalar), str)
-
-
 def _short_tag(tag: str) -> str:
     return tag.replace(_CORE_TAG, "!!")
 
 
 def _build_error(event: Any, rule: str, message: str, path: Path = ()) -> Unreadable:
-    return Unreadable(event.start_mark.line + 1, event.start_mark.column + 1, rule, message, path)
+    mark = _mark_at_start(event)
+    return Unreadable(rule, message, line=mark.line, column=mark.column, path=path)
+
+
+def _mark_at_start(event: Any) -> SourceMark:
+    """Return the place where a value begins, which is also the place of its key until the key is known."""
+    line, column = event.start_mark.line + 1, event.start_mark.column + 1
+    return SourceMark(line=line, column=column, key_line=line, key_column=column)
 
 
 def read_document(path: pathlib.Path, report: ProblemReport, shown_as: str | None = None) -> Document | None:
@@ -315,24 +311,27 @@ def read_document(path: pathlib.Path, report: ProblemReport, shown_as: str | Non
         content = _read_content(path)
         text = _decode_text(content)
     except Unreadable as refusal:
-        report.add_at(file, refusal.line, refusal.column, refusal.rule, refusal.message)
+        report.add_at(file, refusal.rule, refusal.message, line=refusal.line, column=refusal.column)
         return None
     lines = tuple(LINE_BREAK.split(text))
     forbidden_character = FORBIDDEN.search(text)
     if forbidden_character is None:
         return _parsed_document(file, text, lines, report)
-    lines_before = LINE_BREAK.split(text[: forbidden_character.start()])
-    line, column = len(lines_before), len(lines_before[-1]) + 1
-    message = _not_text(content, f"the character U+{ord(forbidden_character[0]):04X} is not allowed in text; remove it")
+    lines_up_to_it = LINE_BREAK.split(text[: forbidden_character.start()])
+    line, column = len(lines_up_to_it), len(lines_up_to_it[-1]) + 1
+    code_point = f"U+{ord(forbidden_character[0]):04X}"
+    message = _not_text(content, f"the character {code_point} is not allowed in text; remove it")
     is_binary = "\0" in text
-    report.add_at(file, line, column, "not-text", message, text="" if is_binary else lines[line - 1])
+    line_text = "" if is_binary else lines[line - 1]
+    report.add_at(file, "not-text", message, line=line, column=column, text=line_text)
     return None
 
 
 def document_of_text(file: str, yaml_text: str, report: ProblemReport) -> Document | None:
     """Parse a text without forbidden characters as if a file with that name contained it, like ``read_document``."""
     report.files.append(file)
-    return _parsed_document(file, yaml_text, tuple(LINE_BREAK.split(yaml_text)), report)
+    lines = tuple(LINE_BREAK.split(yaml_text))
+    return _parsed_document(file, yaml_text, lines, report)
 
 
 def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: ProblemReport) -> Document | None:
@@ -346,12 +345,13 @@ def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: 
         errors.append(last_error)
     for error in errors:
         line_text = lines[error.line - 1] if error.line <= len(lines) else ""
-        report.add_at(file, error.line, error.column, error.rule, error.message, text=line_text)
+        report.add_at(file, error.rule, error.message, line=error.line, column=error.column, text=line_text)
     if data_and_marks is None:
         return None
     data, marks = data_and_marks
     doubtful_places = tuple(error.path for error in errors if error.path)
-    return Document(file, lines, data, marks, broken=tuple(broken_places), doubtful=doubtful_places)
+    broken = tuple(broken_places)
+    return Document(file=file, lines=lines, data=data, marks=marks, broken=broken, doubtful=doubtful_places)
 
 
 def read_specs(paths: Iterable[pathlib.Path], report: ProblemReport) -> list[Document]:
@@ -387,7 +387,7 @@ def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path
         kind, rule = "sheet of turning words", "word-sheet"
         if is_second(file):
             kind, rule = "second reading", "second-reading"
-        report.add_at(str(file), 1, 1, rule, f"this is a {kind}; give {spec.name}, the spec that it belongs to")
+        report.add_at(str(file), rule, f"this is a {kind}; give {spec.name}, the spec that it belongs to")
 
 
 def _specs_at(path: pathlib.Path, report: ProblemReport) -> Sequence[pathlib.Path]:
@@ -403,7 +403,7 @@ def _specs_at(path: pathlib.Path, report: ProblemReport) -> Sequence[pathlib.Pat
             message += "; 1 other YAML file was skipped"
         elif skipped_count > 1:
             message += f"; {skipped_count} other YAML files were skipped"
-        report.add_at(str(path), 1, 1, "no-specs", message)
+        report.add_at(str(path), "no-specs", message)
     return found_files.specs
 
 
@@ -417,17 +417,17 @@ def _read_content(path: pathlib.Path) -> bytes:
         mode = os.stat(path).st_mode
         if not stat.S_ISREG(mode):
             kind = "a folder" if stat.S_ISDIR(mode) else "not a regular file"
-            raise Unreadable(1, 1, "unreadable", f"this is {kind}; a spec is a .yaml file")
+            raise Unreadable("unreadable", f"this is {kind}; a spec is a .yaml file")
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
-        raise Unreadable(1, 1, "unreadable", "there is no such file") from None
+        raise Unreadable("unreadable", "there is no such file") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise Unreadable(1, 1, "unreadable", f"the file cannot be read: {reason}") from None
+        raise Unreadable("unreadable", f"the file cannot be read: {reason}") from None
     if len(content) > MAX_BYTES:
         message = f"the file is larger than {MAX_BYTES // 2**20} MB; one spec covers one manual"
-        raise Unreadable(1, 1, "too-large", message)
+        raise Unreadable("too-large", message)
     return content
 
 
@@ -442,7 +442,7 @@ def _decode_text(content: bytes) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         problem = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
-        raise Unreadable(line, 1, "not-text", _not_text(content, problem)) from None
+        raise Unreadable("not-text", _not_text(content, problem), line=line) from None
 
 
 def _not_text(content: bytes, problem: str) -> str:

@@ -6,6 +6,7 @@ import re
 import sys
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -196,7 +197,7 @@ def errors_in(files: tuple[Path, ...]) -> ProblemReport:
             _build_configuration(file, document, report)
     if len(files) > 1 and not report:
         message = f"{PYPROJECT} next to it also has [tool.codewheel]; keep the settings in one of them"
-        report.add_at(str(files[1]), 1, 1, "duplicate-name", message)
+        report.add_at(str(files[1]), "duplicate-name", message)
     return report
 
 
@@ -234,7 +235,7 @@ def _read_yaml_settings(file: Path, report: ProblemReport) -> Document | None:
     report.files += yaml_report.files
     for problem in yaml_report.problems:
         message = _MESSAGES_OF_RULES.get(problem.rule, problem.message)
-        report.add_at(problem.file, problem.line, problem.column, problem.rule, message, text=problem.text)
+        report.add_problem(replace(problem, message=message, path="", cause=""))
     return document
 
 
@@ -247,14 +248,14 @@ def _read_pyproject_table(file: Path, report: ProblemReport, *, has_places: bool
     try:
         content = file.read_bytes()
     except OSError as error:
-        report.add_at(str(file), 1, 1, "unreadable", f"the file cannot be read: {error.strerror or error}")
+        report.add_at(str(file), "unreadable", f"the file cannot be read: {error.strerror or error}")
         return None
     try:
         toml_text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         message = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
-        report.add_at(str(file), line, 1, "not-text", message)
+        report.add_at(str(file), "not-text", message, line=line)
         return None
     toml_data = _parse_toml(file, toml_text, report)
     tool_table = toml_data.get("tool")
@@ -264,12 +265,12 @@ def _read_pyproject_table(file: Path, report: ProblemReport, *, has_places: bool
     toml_lines = tuple(toml_text.split("\n"))
     start_of_file = SourceMark(line=1, column=1, key_line=1, key_column=1)
     if not isinstance(section, dict):
-        return Document(str(file), toml_lines, {"codewheel": section}, start_of_file)
+        return Document(file=str(file), lines=toml_lines, data={"codewheel": section}, marks=start_of_file)
     marks = places_in(toml_text) if has_places else start_of_file
     # The marks of the settings are below the marks of "tool" and "codewheel".
     for name in ("tool", "codewheel"):
         marks = marks.children.get(name, start_of_file)
-    return Document(str(file), toml_lines, section, marks)
+    return Document(file=str(file), lines=toml_lines, data=section, marks=marks)
 
 
 def _parse_toml(file: Path, toml_text: str, report: ProblemReport) -> dict[str, Any]:
@@ -285,7 +286,8 @@ def _parse_toml(file: Path, toml_text: str, report: ProblemReport) -> dict[str, 
         line, column, message = _split_off_place(str(error), toml_text)
         lines = toml_text.splitlines()
         error_line = lines[line - 1] if line <= len(lines) else ""
-        report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
+        problem = f"not valid TOML: {message}"
+        report.add_at(str(file), "toml-syntax", problem, line=line, column=column, text=error_line)
         return {}
     return toml_data
 
@@ -313,15 +315,17 @@ def _build_configuration(file: Path, document: Document, report: ProblemReport) 
 
     Paths are relative to the folder of the file. Specs that do not exist are reported, but remain in the settings.
     """
+    reader = _SettingsReader(document, report)
     settings = document.data
-    _report_unknown_keys(document, (), settings, _SETTING_KEYS, report)
-    output = _text_at(document, "output", report)
+    reader.report_unknown_keys(settings, known_keys=_SETTING_KEYS, place=())
+    output = reader.read_output()
+    spec_texts = reader.read_texts(settings, ("specs",))
     configuration = Configuration(
         file=file,
-        specs=tuple(file.parent / text for text in _texts_at(document, settings, ("specs",), report)),
+        specs=tuple(file.parent / text for text in spec_texts),
         output=file.parent / output if output else None,
-        targets=_texts_at(document, settings, ("targets",), report),
-        only=_family_filters(document, report),
+        targets=reader.read_texts(settings, ("targets",)),
+        only=reader.read_family_filters(),
     )
     for index, path in enumerate(configuration.specs):
         if not exists(path):
@@ -330,99 +334,102 @@ def _build_configuration(file: Path, document: Document, report: ProblemReport) 
     return configuration
 
 
-def _report_unknown_keys(
-    document: Document, place: Place, keys: Iterable[Any], known_keys: Iterable[str], report: ProblemReport
-) -> None:
-    """Report the keys that are not known. ``place`` is the path of the map with these keys."""
-    for key in keys:
-        if key not in known_keys:
-            message = f"unknown key '{key}'{suggest_word(str(key), known_keys, 'known keys')}"
-            report.add("unknown-key", document, (*place, key), message, at_key=True)
+class _SettingsReader:
+    """Reads the settings in a document, and reports values of a wrong type. Such values are left out."""
 
+    def __init__(self, document: Document, report: ProblemReport) -> None:
+        self._document = document
+        self._report = report
 
-def _text_at(document: Document, key: str, report: ProblemReport) -> str:
-    """Return a text from the settings, or "" if there is none. A value that is not a text is reported."""
-    value = document.data.get(key, "")
-    if key in document.data and not _is_text(value):
-        _report_wrong_type(document, (key,), "a text", _EXAMPLE_VALUES[key], report)
-    return value if _is_text(value) else ""
+    def read_output(self) -> str:
+        """Return the setting ``output``, or an empty string if there is none."""
+        settings = self._document.data
+        output = settings.get("output", "")
+        if _is_text(output):
+            return str(output)
+        if "output" in settings:
+            self._report_wrong_type(("output",), expected_type="a text", example=_EXAMPLE_VALUES["output"])
+        return ""
 
+    def read_texts(self, table: Mapping[Any, Any], place: Place) -> tuple[str, ...]:
+        """Return a list of texts as a tuple, or ``()`` if there is none.
 
-def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report: ProblemReport) -> tuple[str, ...]:
-    """Return a list of texts from the settings as a tuple, or ``()`` if there is none.
-
-    ``table`` is the map that contains the last key of ``place``. A value that is not a list of texts is reported.
-    """
-    key = str(place[-1])
-    if key not in table:
+        ``place`` is the path of the list in the document. Its last step is a key of ``table``.
+        """
+        key = str(place[-1])
+        if key not in table:
+            return ()
+        setting = table[key]
+        is_list_of_texts = isinstance(setting, list) and bool(setting) and all(map(_is_text, setting))
+        if is_list_of_texts:
+            return tuple(setting)
+        self._report_wrong_type(place, expected_type="a list of texts", example=_EXAMPLE_VALUES[key])
         return ()
-    setting = table[key]
-    if isinstance(setting, list) and setting and all(map(_is_text, setting)):
-        return tuple(setting)
-    _report_wrong_type(document, place, "a list of texts", _EXAMPLE_VALUES[key], report)
-    return ()
+
+    def read_family_filters(self) -> dict[str, FamilyFilter]:
+        """Return the setting ``only``: for some targets, a condition on the families that they generate.
+
+        The result is empty if there is no such setting, or if it is not a map of targets, which is reported.
+        """
+        if "only" not in self._document.data:
+            return {}
+        filters = self._document.data["only"]
+        if not isinstance(filters, dict) or not filters:
+            self._report_wrong_type(("only",), expected_type="a map of targets", example=_EXAMPLE_VALUES["only"])
+            return {}
+        return {str(target): self._read_family_filter(target, conditions) for target, conditions in filters.items()}
+
+    def _read_family_filter(self, target: str, conditions: Any) -> FamilyFilter:
+        """Return the condition of a target: the families and the grades of evidence for which it is generated.
+
+        ``conditions`` is the value in the file. Values with errors are reported and left out.
+        """
+        place = ("only", target)
+        if not isinstance(conditions, dict) or not conditions:
+            expected_type = "a map with 'families' or 'grades'"
+            self._report_wrong_type(place, expected_type=expected_type, example=_EXAMPLE_OF_A_FILTER)
+            return FamilyFilter()
+        self.report_unknown_keys(conditions, known_keys=_FILTER_KEYS, place=place)
+        families = self.read_texts(conditions, (*place, "families"))
+        grades = self.read_texts(conditions, (*place, "grades"))
+        self._report_unknown_grades(grades, (*place, "grades"))
+        return FamilyFilter(families=families, grades=grades)
+
+    def report_unknown_keys(self, keys: Iterable[Any], *, known_keys: Iterable[str], place: Place) -> None:
+        """Report the keys that are not known. ``place`` is the path of the map with these keys."""
+        for key in keys:
+            if key not in known_keys:
+                message = f"unknown key '{key}'{suggest_word(str(key), known_keys, 'known keys')}"
+                self._report.add("unknown-key", self._document, (*place, key), message, at_key=True)
+
+    def _report_unknown_grades(self, grades: Iterable[str], place: Place) -> None:
+        """Report each grade that does not exist, and suggest the grade that it misspells, or list all grades."""
+        from ..say.evidence import GRADES  # Settings without grades need no model.
+
+        for index, grade in enumerate(grades):
+            if grade not in GRADES:
+                nearest_grade = nearest_choice(grade, GRADES)
+                if nearest_grade:
+                    hint = f"did you mean '{nearest_grade}'?"
+                else:
+                    hint = f"it can be {join_words(map(quoted, GRADES), 'or')}"
+                message = f"a grade cannot be {quoted(grade)}; {hint}"
+                self._report.add("not-allowed", self._document, (*place, index), message)
+
+    def _report_wrong_type(self, place: Place, *, expected_type: str, example: str) -> None:
+        """Report a value of the wrong type, with an example in the language of the file.
+
+        ``expected_type`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``.
+        """
+        setting = f"{place[-1]} = {example}"
+        if Path(self._document.file).name != PYPROJECT:
+            # YAML has colons instead of equals signs, and needs no quotes: output: generated.
+            setting = setting.replace(" = ", ": ").replace('"', "")
+        name = ".".join(map(str, place))
+        message = f"'{name}' must be {expected_type}, such as {setting}"
+        self._report.add("wrong-type", self._document, place, message)
 
 
 def _is_text(setting: Any) -> bool:
     """Return whether a value is a text that is not empty."""
     return isinstance(setting, str) and bool(setting)
-
-
-def _family_filters(document: Document, report: ProblemReport) -> dict[str, FamilyFilter]:
-    """Return the setting ``only``: for some targets, a condition on the families that they generate.
-
-    The result is empty if there is no such setting, or if it is not a map of targets, which is reported.
-    """
-    if "only" not in document.data:
-        return {}
-    filters = document.data["only"]
-    if not isinstance(filters, dict) or not filters:
-        _report_wrong_type(document, ("only",), "a map of targets", _EXAMPLE_VALUES["only"], report)
-        return {}
-    return {str(target): _family_filter(document, target, conditions, report) for target, conditions in filters.items()}
-
-
-def _family_filter(document: Document, target: str, conditions: Any, report: ProblemReport) -> FamilyFilter:
-    """Return the condition of a target: the families and the grades of evidence for which it is generated.
-
-    ``conditions`` is the value in the file. Values with errors are reported and left out.
-    """
-    place = ("only", target)
-    if not isinstance(conditions, dict) or not conditions:
-        _report_wrong_type(document, place, "a map with 'families' or 'grades'", _EXAMPLE_OF_A_FILTER, report)
-        return FamilyFilter()
-    _report_unknown_keys(document, place, conditions, _FILTER_KEYS, report)
-    families = _texts_at(document, conditions, (*place, "families"), report)
-    grades = _texts_at(document, conditions, (*place, "grades"), report)
-    _report_unknown_grades(document, (*place, "grades"), grades, report)
-    return FamilyFilter(families, grades)
-
-
-def _report_unknown_grades(document: Document, place: Place, grades: Iterable[str], report: ProblemReport) -> None:
-    """Report each grade that does not exist. The message suggests the grade that it misspells, or lists all grades."""
-    from ..say.evidence import GRADES  # Settings without grades need no model.
-
-    for index, grade in enumerate(grades):
-        if grade not in GRADES:
-            nearest_grade = nearest_choice(grade, GRADES)
-            if nearest_grade:
-                hint = f"did you mean '{nearest_grade}'?"
-            else:
-                hint = f"it can be {join_words(map(quoted, GRADES), 'or')}"
-            message = f"a grade cannot be {quoted(grade)}; {hint}"
-            report.add("not-allowed", document, (*place, index), message)
-
-
-def _report_wrong_type(
-    document: Document, place: Place, expected_type: str, example: str, report: ProblemReport
-) -> None:
-    """Report a value of the wrong type, with an example in the language of the file.
-
-    ``expected_type`` is the correct type in words. ``example`` is a correct value in TOML, such as ``["specs"]``.
-    """
-    setting = f"{place[-1]} = {example}"
-    if Path(document.file).name != PYPROJECT:
-        # YAML has colons instead of equals signs, and needs no quotes.
-        setting = setting.replace(" = ", ": ").replace('"', "")
-    name = ".".join(map(str, place))
-    report.add("wrong-type", document, place, f"'{name}' must be {expected_type}, such as {setting}")

@@ -130,9 +130,7 @@ def _report_in_edition(inner_report: ProblemReport, revision: str, report: Probl
     reported = set(report.problems)
     for problem in inner_report.problems:
         if problem not in reported:
-            message = f"in edition {revision}: {problem.message}"
-            place = (problem.file, problem.line, problem.column)
-            report.add_at(*place, problem.rule, message, problem.path, problem.text, problem.cause)
+            report.add_problem(replace(problem, message=f"in edition {revision}: {problem.message}"))
 
 
 def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:

@@ -34,7 +34,7 @@ def read_counts(spec: Path, report: ProblemReport) -> TimesRead | None:
     except (OSError, ValueError, TypeError, RecursionError):  # A TypeError means that the content is not a map.
         pass
     message = "the file was edited; write it again: codewheel check --coverage --write"
-    report.add_at(str(file), 1, 1, RULE, message)
+    report.add_at(str(file), RULE, message)
     return None
 
 
@@ -93,7 +93,7 @@ def read_history(spec: Path, report: ProblemReport) -> tuple[Release, ...]:
     except (OSError, ValueError, TypeError, KeyError, RecursionError):
         pass
     message = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
-    report.add_at(str(file), 1, 1, CHANGES_RULE, message)
+    report.add_at(str(file), CHANGES_RULE, message)
     return ()
 
 

@@ -218,6 +218,8 @@ def _is_above(upper: Field, lower: Field, site: LayoutSite) -> bool:
 
 #: Width of the numbers in the generated C.
 LARGEST_NUMBER = 64
+#: Maximum number of bits of a digit that is sent separately, such as 4 in BCD.
+WIDEST_DIGIT = 8
 #: Width up to which frames of whole bytes are tested.
 LARGEST_BYTES = 128
 
@@ -284,15 +286,23 @@ def _remedy_for_long_frames(layout: Layout) -> str:
 
 
 def _check_field(layout: Layout, field: Field, site: LayoutSite) -> None:
-    """Check a field by its kind. Only texts and zeros that fill unused places can have more than 64 bits."""
+    """Check the width, the kind and the code of a field. Only texts and filling zeros can have more than 64 bits."""
     kind = field.kind
     bits = field.widest
     is_filling = field.padding_of or field.fills_gap or field.fills_byte
     if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_filling:
         site.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
+    _check_kind(layout, field, site)
+    if kind.digit_code:
+        _check_digits(layout, field, site)
+
+
+def _check_kind(layout: Layout, field: Field, site: LayoutSite) -> None:
+    """Check a field by its kind, regardless of its code and its maximum width."""
+    kind = field.kind
     match kind:
         case Number():
-            _check_number(layout, field, kind, site)
+            _check_number(field, kind, site)
         case Flag():
             _check_one_bit(field, "flag", site)
         case Parity():
@@ -311,17 +321,17 @@ def _check_field(layout: Layout, field: Field, site: LayoutSite) -> None:
             assert_never(kind)
 
 
-def _check_number(layout: Layout, field: Field, number: Number, site: LayoutSite) -> None:
-    """Check a number whose value is a power of two, or whose decimal digits are sent separately.
-
-    A power of two must have bits for every order code, because a number without bits is 0.
-    """
+def _check_number(field: Field, number: Number, site: LayoutSite) -> None:
+    """Check that a power of two has bits for every order code, because a number without bits is 0."""
     if number.power_of_two:
         _check_absent(field, "0 is not a power of two; remove 'power_of_two'", site)
-    if number.digit_code:
-        problem = _problem_of_digits(layout, field, site)
-        if problem:
-            site.report("digit-code", f"'{field.name}' {problem}", "digit_code")
+
+
+def _check_digits(layout: Layout, field: Field, site: LayoutSite) -> None:
+    """Check that a field whose digits are sent separately is in a frame that can have them."""
+    problem = _problem_of_digits(layout, field, site)
+    if problem:
+        site.report("digit-code", f"'{field.name}' {problem}", "digit_code")
 
 
 def _problem_of_digits(layout: Layout, field: Field, site: LayoutSite) -> str:
@@ -337,6 +347,14 @@ def _problem_of_digits(layout: Layout, field: Field, site: LayoutSite) -> str:
         return f"consists of digits, so 'bits' must be a number, not {field.width.render()}"
     if layout.widest > LARGEST_NUMBER:
         return f"is in a frame of {layout.widest} bits, and the maximum for digits is {LARGEST_NUMBER}; {fix}"
+    code = field.code_of_digits
+    assert code is not None
+    bits_of_codes = code.bits * len(code.codes)
+    # Generated C has all codes in one number, and NumPy code looks up one byte for each digit.
+    if code.bits > WIDEST_DIGIT or bits_of_codes > LARGEST_NUMBER:
+        return f"has {len(code.codes)} codes of {code.bits} bits, more than decoders have room for; {fix}"
+    if code.highest(field.widest) < 0:
+        return f"has {field.widest} bits, so its first digit has too few bits for {code.name}; change 'bits'"
     return ""
 
 

@@ -309,15 +309,7 @@ def _report_in_overlay(inner_report: ProblemReport, spec: Document, overlay: Doc
             location = f"{spec_name}:{problem.line}, {problem.path}" if problem.path else spec_name
             _report_problem(problem, overlay, f"with this overlay, {location}: {problem.message}", report)
         elif problem not in reported:
-            report.add_at(
-                problem.file,
-                problem.line,
-                problem.column,
-                problem.rule,
-                problem.message,
-                path=problem.path,
-                text=problem.text,
-            )
+            report.add_problem(replace(problem, cause=""))
 
 
 def _report_problem(problem: Problem, overlay: Document, message: str, report: ProblemReport) -> None:

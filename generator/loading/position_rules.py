@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
+from typing import NamedTuple
 
 from ..language.document import Path
 from ..language.problems import DocumentReport
-from ..model import Device, Field, Interface, Layout, Measurement, Number, Variant
+from ..model import Device, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression, is_power_of_two
 from ..model.key_types import LARGEST
 from ..model.record import dataclass
@@ -22,19 +23,53 @@ _NANOMETERS_PER_UNIT = {"nm": 1, "um": 1000, "µm": 1000, "μm": 1000, "mm": 1_0
 _REVOLUTION_UNITS = ("revolution", "revolutions", "turn", "turns")
 
 
+class _PositionField(NamedTuple):
+    """A field of the position, with its width for an order code."""
+
+    name: str
+    width: int
+    unit: str
+
+    @property
+    def counts_revolutions(self) -> bool:
+        """True if the unit of the field says that it counts revolutions."""
+        return self.unit in _REVOLUTION_UNITS
+
+
 @dataclass(frozen=True)
 class _Case:
-    """One order code with one layout of its interface, for which the numbers of a measurement are checked."""
+    """One order code with one layout of its interface, for which the numbers of a measurement are checked.
 
+    Attributes:
+        device: The device.
+        measurement: Description of the position in this layout.
+        variant: The order code.
+        layout: The layout.
+        fields: The fields of the position that this order code has, most significant first.
+        numbers: The numbers of the measurement for this order code, by key: counts per turn, turns and so on.
+    """
+
+    device: Device
+    measurement: Measurement
     variant: Variant
     layout: Layout
-    #: The fields of the position that this order code has, most significant first, each with its width.
-    fields: tuple[tuple[str, int], ...]
+    fields: tuple[_PositionField, ...]
+    numbers: Mapping[str, int]
 
     @property
     def width(self) -> int:
         """Number of bits in the position, or 0 if the layout does not contain it."""
-        return sum(width for _, width in self.fields)
+        return sum(field.width for field in self.fields)
+
+    @property
+    def counts_key(self) -> str:
+        """Key with the number of positions, within one turn or, for a length, in total."""
+        return "counts_per_turn" if self.measurement.counts_per_turn is not None else "modulus"
+
+    @property
+    def counts(self) -> int:
+        """Number at ``counts_key``."""
+        return self.numbers[self.counts_key]
 
 
 def check_measurements(device: Device, report: DocumentReport) -> None:
@@ -70,12 +105,11 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, K
     if interface.measurement is not None:
         measurement_path = ("interfaces", interface.name, "measurement")
     for case in _yield_cases(device, interface, measurement):
-        range_of_layout = case.layout.position_range
-        problem = _measurement_problem(device, measurement.within(range_of_layout), case)
+        problem = _measurement_problem(case)
         if problem is not None:
             range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
             # The layout can have its own range, which replaces numbers of the measurement.
-            range_has_key = getattr(range_of_layout, problem.key, None) is not None
+            range_has_key = getattr(case.layout.position_range, problem.key, None) is not None
             yield range_path if range_has_key else measurement_path, problem
 
 
@@ -102,47 +136,54 @@ def _yield_cases(device: Device, interface: Interface, measurement: Measurement)
     """Yield each layout that the encoder sends with each order code of the interface."""
     sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
     for layout in sent_layouts:
+        measurement_in_layout = measurement.within(layout.position_range)
+        expressions = _expressions_of(measurement_in_layout)
         names = layout.names_in(measurement.of)
         for variant in device.variants_over(interface.name):
-            placed = layout.place(variant.parameters)
-            widths = tuple((field.name, field.width) for field in placed.find_fields(names))
-            yield _Case(variant, layout, widths)
+            placed_fields = layout.place(variant.parameters).find_fields(names)
+            yield _Case(
+                device=device,
+                measurement=measurement_in_layout,
+                variant=variant,
+                layout=layout,
+                fields=tuple(_PositionField(placed.name, placed.width, placed.field.unit) for placed in placed_fields),
+                numbers={key: expression.value(variant.parameters) for key, expression in expressions.items()},
+            )
 
 
-def _measurement_problem(device: Device, measurement: Measurement, case: _Case) -> KeyProblem | None:
-    """Return the first contradiction between a measurement and a layout for one order code, or None.
-
-    The measurement describes the position: its counts per turn, turns and so on.
-    """
-    # The key that states the number of positions, within one turn or, for a length, in total.
-    key = "counts_per_turn" if measurement.counts_per_turn is not None else "modulus"
+def _expressions_of(measurement: Measurement) -> dict[str, Expression]:
+    """Return the expressions for the numbers of a measurement, by key, such as ``2^turn_bits`` for ``turns``."""
     expressions: dict[str, Expression] = {}
-    for name in ("counts_per_turn", "turns", *_KEYS_OF_STEP_LENGTHS, "modulus"):
-        expression = getattr(measurement, name)
+    for key in ("counts_per_turn", "turns", *_KEYS_OF_STEP_LENGTHS, "modulus"):
+        expression = getattr(measurement, key)
         if expression is not None:
-            expressions[name] = expression
-    values = {name: expression.value(case.variant.parameters) for name, expression in expressions.items()}
-    problem = _limit_problem(case, values) or _unit_problem(case, values)
+            expressions[key] = expression
+    return expressions
+
+
+def _measurement_problem(case: _Case) -> KeyProblem | None:
+    """Return the first contradiction between a measurement and a layout for one order code, or None."""
+    problem = _limit_problem(case) or _unit_problem(case)
     if problem is not None:
         return problem
     position_range = case.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
     has_position = case.width > 0
-    if key not in values or not has_position or never_wraps:
+    has_counts = case.counts_key in case.numbers
+    if not has_counts or not has_position or never_wraps:
         return None
-    fixed_values = {name: value for name, value in values.items() if not _at_run_time(device, expressions[name])}
     return (
-        _highest_count_problem(case, fixed_values)
-        or _width_problem(device, measurement, case, key, values)
-        or _range_problem(measurement, case, key)
-        or _order_problem(measurement, case, key, values)
-        or _revolution_problem(case, key, values)
+        _highest_count_problem(case)
+        or _width_problem(case)
+        or _range_problem(case)
+        or _order_problem(case)
+        or _revolution_problem(case)
     )
 
 
-def _limit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
+def _limit_problem(case: _Case) -> KeyProblem | None:
     """Return the problem if a number of a measurement is below 1, or a step is too large for C, or None."""
-    for name, value in values.items():
+    for name, value in case.numbers.items():
         if value < 1:
             return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1")
         if name in _KEYS_OF_STEP_LENGTHS and value > LARGEST:
@@ -158,116 +199,118 @@ def is_probably_highest(count: int) -> bool:
     return count >= _SMALLEST_HIGHEST_COUNT and is_power_of_two(count + 1)
 
 
-def _highest_count_problem(case: _Case, fixed_values: Mapping[str, int]) -> KeyProblem | None:
+def _highest_count_problem(case: _Case) -> KeyProblem | None:
     """Return the problem if a number of counts is probably the highest count, such as 4095, or None.
 
-    ``fixed_values`` are the numbers of the measurement that do not depend on a register.
+    Numbers that depend on a register are not checked.
     """
-    for name, value in fixed_values.items():
+    expressions = _expressions_of(case.measurement)
+    for name, value in case.numbers.items():
         is_number_of_counts = name not in _KEYS_OF_STEP_LENGTHS
-        if is_number_of_counts and is_probably_highest(value):
+        is_fixed = not _at_run_time(case.device, expressions[name])
+        if is_fixed and is_number_of_counts and is_probably_highest(value):
             message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
             return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
     return None
 
 
-def _unit_problem(case: _Case, values: Mapping[str, int]) -> KeyProblem | None:
+def _unit_problem(case: _Case) -> KeyProblem | None:
     """Return the problem if the unit of the position field contradicts the length of a count, or None.
 
     A position that consists of several fields is not checked.
     """
-    if "step_um" in values:
-        key, step_nm = "step_um", values["step_um"] * _NANOMETERS_PER_UNIT["um"]
-    elif "step_nm" in values:
-        key, step_nm = "step_nm", values["step_nm"]
+    if "step_um" in case.numbers:
+        key, step_nm = "step_um", case.numbers["step_um"] * _NANOMETERS_PER_UNIT["um"]
+    elif "step_nm" in case.numbers:
+        key, step_nm = "step_nm", case.numbers["step_nm"]
     else:
         return None
     if len(case.fields) != 1:
         return None
-    position_name, _ = case.fields[0]
-    unit = case.layout.field(position_name).unit
+    (field,) = case.fields
+    unit = field.unit
     if unit not in _NANOMETERS_PER_UNIT:
         return None
     # The step is the length of ``per_counts`` counts. The unit of the field is the length of one count.
-    length_by_unit_nm = _NANOMETERS_PER_UNIT[unit] * values.get("per_counts", 1)
+    length_by_unit_nm = _NANOMETERS_PER_UNIT[unit] * case.numbers.get("per_counts", 1)
     if step_nm == length_by_unit_nm:
         return None
-    message = f"'{key}' is {values[key]} for {case.variant.code}, but '{position_name}' has 'unit: {unit}'"
+    message = f"'{key}' is {case.numbers[key]} for {case.variant.code}, but '{field.name}' has 'unit: {unit}'"
     return KeyProblem(key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'")
 
 
-def _width_problem(
-    device: Device, measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
-) -> KeyProblem | None:
+def _width_problem(case: _Case) -> KeyProblem | None:
     """Return the problem if the position has too few bits for its counts, or bits that it never uses, or None.
 
     If the position consists of several fields, ``highest``, its highest value, must fit too.
     """
-    turns = values.get("turns", 1)
-    counts = values[counts_key] * turns
+    measurement = case.measurement
+    turns = case.numbers.get("turns", 1)
+    total_counts = case.counts * turns
     turns_text = f" × {turns} turns" if turns > 1 else ""
-    counts_text = f"{values[counts_key]} counts{turns_text}"
+    counts_text = f"{case.counts} counts{turns_text}"
     width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
-    fields = [case.layout.field(name) for name, _ in case.fields]
     # A number whose digits are sent separately is always a single field.
-    code = fields[0].number.code_of_digits
+    code = case.layout.field(case.fields[0].name).code_of_digits
     highest_in_bits = (1 << case.width) - 1 if code is None else code.highest(case.width)
-    if counts > highest_in_bits + 1:
+    if total_counts > highest_in_bits + 1:
         end = f" for numbers up to {highest_in_bits} in {code.name}" if code is not None else ""
-        return KeyProblem(counts_key, f"{counts_text} do not fit, because {width_text}{end}")
+        return KeyProblem(case.counts_key, f"{counts_text} do not fit, because {width_text}{end}")
     if code is not None:
         return None
-    if len(fields) > 1 and measurement.highest is not None:
+    if len(case.fields) > 1 and measurement.highest is not None:
         highest = measurement.highest.value(case.variant.parameters)
         if highest > highest_in_bits:
             return KeyProblem("highest", f"'highest' is {highest}, but {width_text} and ends at {highest_in_bits}")
-    one_bit_less_is_enough = 2 * counts <= highest_in_bits + 1
-    if one_bit_less_is_enough and _must_use_all_bits(device, measurement, fields, counts_key, counts):
-        message = f"{counts_text} need {(counts - 1).bit_length()} bits, but {width_text}"
-        return KeyProblem(counts_key, f"{message}; define zeros above a position as a separate field")
+    one_bit_less_is_enough = 2 * total_counts <= highest_in_bits + 1
+    if one_bit_less_is_enough and _must_use_all_bits(case, total_counts):
+        message = f"{counts_text} need {(total_counts - 1).bit_length()} bits, but {width_text}"
+        return KeyProblem(case.counts_key, f"{message}; define zeros above a position as a separate field")
     return None
 
 
-def _must_use_all_bits(
-    device: Device, measurement: Measurement, fields: Sequence[Field], counts_key: str, counts: int
-) -> bool:
-    """Return whether a position must use all bits of its fields.
+def _must_use_all_bits(case: _Case, total_counts: int) -> bool:
+    """Return whether a position with so many counts must use all bits of its fields.
 
     A position with a fixed width can begin with zeros, as manuals draw it. If the width depends on the parameters that
     determine the counts, all bits must be used. A length that wraps around at a power of two also uses all bits. Both
     rules have exceptions for positions with ``highest``, which gives the range of the position.
     """
-    is_signed = any(isinstance(field.kind, Number) and field.kind.signed for field in fields)
-    wraps_at_power_of_two = counts_key == "modulus" and is_power_of_two(counts)
+    measurement = case.measurement
+    fields = [case.layout.field(position_field.name) for position_field in case.fields]
+    is_signed = any(field.number.signed for field in fields)
+    wraps_at_power_of_two = case.counts_key == "modulus" and is_power_of_two(total_counts)
     if wraps_at_power_of_two and not is_signed and measurement.highest is None:
         return True
     if is_signed and measurement.highest:
         return False
-    width_parameters = _parameters_behind(device, *(field.width for field in fields))
+    width_parameters = _parameters_behind(case.device, *(field.width for field in fields))
     numbers_of_counts = (measurement.counts_per_turn, measurement.turns, measurement.modulus)
-    count_parameters = _parameters_behind(device, *filter(None, numbers_of_counts))
+    stated_numbers = [expression for expression in numbers_of_counts if expression is not None]
+    count_parameters = _parameters_behind(case.device, *stated_numbers)
     return bool(width_parameters) and count_parameters <= width_parameters
 
 
-def _range_problem(measurement: Measurement, case: _Case, counts_key: str) -> KeyProblem | None:
+def _range_problem(case: _Case) -> KeyProblem | None:
     """Return the problem if the range of a position does not fit into its field or cannot be inferred, or None.
 
     A position that consists of several fields is not checked.
     """
+    measurement = case.measurement
     if measurement.total is None or len(case.fields) != 1:
         return None
     total = measurement.total.value(case.variant.parameters)
-    name, width = case.fields[0]
-    field_text = f"'{name}' in '{case.layout.name}'"
-    is_signed = case.layout.field(name).number.signed
+    (field,) = case.fields
+    field_text = f"'{field.name}' in '{case.layout.name}'"
+    is_signed = case.layout.field(field.name).number.signed
     if measurement.highest is None:
         message = _message_of_signed_range(case, field_text, total) if is_signed else ""
-        return KeyProblem(counts_key, message) if message else None
+        return KeyProblem(case.counts_key, message) if message else None
     highest = measurement.highest.value(case.variant.parameters)
     lowest = highest - total + 1
     # In two's complement, half of the numbers are negative.
-    lowest_possible = -(1 << (width - 1)) if is_signed else 0
-    highest_possible = lowest_possible + (1 << width) - 1
+    lowest_possible = -(1 << (field.width - 1)) if is_signed else 0
+    highest_possible = lowest_possible + (1 << field.width) - 1
     if lowest_possible <= lowest and highest <= highest_possible:
         return None
     positions = f"positions of {case.variant.code} are {lowest} to {highest}"
@@ -291,52 +334,53 @@ def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
     return f"{message} for {case.variant.code}; give that layout {remedy}"
 
 
-def _order_problem(
-    measurement: Measurement, case: _Case, counts_key: str, values: Mapping[str, int]
-) -> KeyProblem | None:
+def _order_problem(case: _Case) -> KeyProblem | None:
     """Return the problem if the revolutions are in lower bits than the position within one revolution, or None.
 
     This can only happen in a frame of bytes, where the transmission order does not show which field is more
     significant.
     """
-    if counts_key != "counts_per_turn":
+    if case.counts_key != "counts_per_turn":
         return None
-    names = [name for name, _ in case.fields]
-    count_turns = [case.layout.field(name).unit in _REVOLUTION_UNITS for name in names]
-    if not any(count_turns) and len(names) == 2:
-        # Without units, the order is wrong if the counts of a turn fill the upper field, and the turns the lower one.
-        (_, upper_width), (_, lower_width) = case.fields
-        counts_fill_upper = values[counts_key] == 1 << upper_width
-        turns_fill_lower = values.get("turns") == 1 << lower_width
-        count_turns[1] = upper_width != lower_width and counts_fill_upper and turns_fill_lower
-    for (above_name, above_counts_turns), (name, counts_turns) in pairwise(zip(names, count_turns, strict=True)):
-        if counts_turns and not above_counts_turns:
-            message = f"'{measurement.of}' has '{name}', which counts revolutions, below '{above_name}'"
-            return KeyProblem(counts_key, f"{message}; list '{name}' first in its 'join'")
+    for above, below in pairwise(case.fields):
+        is_wrong_by_units = below.counts_revolutions and not above.counts_revolutions
+        if is_wrong_by_units or _is_wrong_by_widths(case):
+            message = f"'{case.measurement.of}' has '{below.name}', which counts revolutions, below '{above.name}'"
+            return KeyProblem(case.counts_key, f"{message}; list '{below.name}' first in its 'join'")
     return None
 
 
-def _revolution_problem(case: _Case, counts_key: str, values: Mapping[str, int]) -> KeyProblem | None:
+def _is_wrong_by_widths(case: _Case) -> bool:
+    """Return whether the counts of a turn fill the upper of two fields without units, and the turns the lower one."""
+    have_units = any(field.counts_revolutions for field in case.fields)
+    if have_units or len(case.fields) != 2:
+        return False
+    upper, lower = case.fields
+    counts_fill_upper = case.counts == 1 << upper.width
+    turns_fill_lower = case.numbers.get("turns") == 1 << lower.width
+    return upper.width != lower.width and counts_fill_upper and turns_fill_lower
+
+
+def _revolution_problem(case: _Case) -> KeyProblem | None:
     """Return the problem if the fields below the number of revolutions do not count exactly one revolution, or None."""
-    if counts_key != "counts_per_turn":
+    if case.counts_key != "counts_per_turn":
         return None
-    counts = values[counts_key]
-    for index, (name, width) in enumerate(case.fields[:-1]):
+    for index, field in enumerate(case.fields[:-1]):
         fields_below = case.fields[index + 1 :]
-        bits_below = sum(width_below for _, width_below in fields_below)
+        bits_below = sum(field_below.width for field_below in fields_below)
+        counts_in_bits_below = 1 << bits_below
         # Without a unit, the upper of two fields counts turns if they fit into it, and the counts fit into the other.
-        turns_fit = 1 < values.get("turns", 1) <= 1 << width
-        counts_fit_below = counts < 1 << bits_below
+        turns_fit = 1 < case.numbers.get("turns", 1) <= 1 << field.width
+        counts_fit_below = case.counts < counts_in_bits_below
         fits_turns = len(case.fields) == 2 and counts_fit_below and turns_fit
-        counts_turns = case.layout.field(name).unit in _REVOLUTION_UNITS or fits_turns
-        if counts_turns and counts != 1 << bits_below:
+        counts_turns = field.counts_revolutions or fits_turns
+        if counts_turns and case.counts != counts_in_bits_below:
             message = (
-                f"'{name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"
-                f" a turn must have {1 << bits_below} counts, not {counts}"
+                f"'{field.name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"
+                f" a turn must have {counts_in_bits_below} counts, not {case.counts}"
             )
-            name_below, _ = fields_below[0]
-            remedy = f"; measure '{name_below}' alone, with 'turns: 1'" if fits_turns else ""
-            return KeyProblem(counts_key, message + remedy)
+            remedy = f"; measure '{fields_below[0].name}' alone, with 'turns: 1'" if fits_turns else ""
+            return KeyProblem(case.counts_key, message + remedy)
     return None
 
 

@@ -40,7 +40,7 @@ def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
     field = next((candidate for candidate in layout.fields if candidate.name == position_name), None)
     if field is None:
         return None
-    is_binary = not field.number.signed and not field.number.digit_code
+    is_binary = not field.number.signed and not field.kind.digit_code
     is_plain = field.width.is_constant and not field.note and is_binary
     # The container is 0 for a field without 'padded_to'.
     is_unpadded = field.container in (0, field.width.constant)

@@ -18,8 +18,9 @@ from tempfile import TemporaryFile
 from threading import Event, Timer
 from typing import IO
 
+from ..language.excerpt import visible
 from ..language.files import SUFFIXES
-from ..language.problems import suggest_word, visible
+from ..language.problems import suggest_word
 from ..language.read import MAX_BYTES
 
 _MAX_FILES = 1000

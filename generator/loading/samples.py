@@ -112,7 +112,7 @@ def _made_up_value(field: Field, width: int, layout: Layout) -> int | str | bool
         return layout.selects[0]
     if not field.carries_data:
         raise EncodeError(f"'{field.name}' carries no data")
-    code = field.number.code_of_digits
+    code = field.code_of_digits
     if code is not None:
         return min(_made_up_number(width), code.highest(width))
     match field.kind:

@@ -277,8 +277,8 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     """
     layout = placed_layout.layout
     for placed_field in placed_layout.find_fields(layout.names_in(measurement.of)):
-        if placed_field.field.number.digit_code:
-            return placed_field.field.number.digit_code
+        if placed_field.field.kind.digit_code:
+            return placed_field.field.kind.digit_code
     # With ``gray_when``, only some order codes use Gray code.
     is_binary_order_code = bool(layout.gray_when) and not placed_layout.gray
     if not layout.gray_of or is_binary_order_code:

@@ -19,6 +19,7 @@ from .kinds import (
     Choice,
     Constant,
     Decimal,
+    DigitCode,
     Digits,
     Flag,
     Kind,
@@ -26,6 +27,7 @@ from .kinds import (
     Scale,
     Value,
     Verdict,
+    code_in_field,
 )
 from .lookup import first_or_raise, member_named
 from .part import (
@@ -216,6 +218,11 @@ class Field:
     def number(self) -> Number:
         """Kind of the field if it is a number. For other kinds, it is an unsigned number formed by the bits."""
         return self.kind if isinstance(self.kind, Number) else Number()
+
+    @property
+    def code_of_digits(self) -> DigitCode | None:
+        """Code in which its digits are sent, or None if the bits form one binary number."""
+        return code_in_field(self.kind.digit_code, self.widest)
 
     @property
     def values(self) -> tuple[Value, ...]:

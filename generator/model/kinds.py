@@ -7,13 +7,14 @@ Each kind also states the facts that modules of all layers need, so that these n
 - ``is_joinable`` is true if a joined number can contain the bits, because its value is the number formed by its bits.
 - ``value_at_rest`` is a valid value of a field that has no other source: the value of the bits 0 if possible.
 - ``makes_position`` is the verdict on the position while a bit differs from its normal value, or None.
+- ``digit_code`` is the code of its bits, a key of ``DIGIT_CODES``, or empty. Decoders reject bits outside the code.
 
 mypy reports a kind that lacks one of them where a module reads it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
 from itertools import count
 from math import gcd
@@ -80,7 +81,7 @@ class DigitCode(NamedTuple):
     Attributes:
         name: Name of the code.
         bits: Number of bits of a digit. The most significant digit can have fewer.
-        codes: Code of each digit, from 0 up. Their number is the base. All codes together have at most 64 bits.
+        codes: Code of each digit, from 0 up. Their number is the base.
     """
 
     name: str
@@ -88,16 +89,44 @@ class DigitCode(NamedTuple):
     codes: tuple[int, ...]
 
     def highest(self, width: int) -> int:
-        """Return the highest number that fits in ``width`` bits, such as 399 in 10 bits of BCD."""
+        """Return the highest number that fits in ``width`` bits, such as 399 in 10 bits of BCD.
+
+        The result is -1 if the first digit has too few bits for the code of 0, as in 5 bits of excess-3.
+        """
         base = len(self.codes)
         complete_digits, bits_of_top_digit = divmod(width, self.bits)
-        possible_top_digits = [digit for digit, code in enumerate(self.codes) if code < 1 << bits_of_top_digit]
-        highest_top_digit = max(possible_top_digits, default=0)
-        return (highest_top_digit + 1) * int(base**complete_digits) - 1
+        # Number of digits, from 0 up, whose code fits in the bits of the first digit.
+        top_digits = 1
+        if bits_of_top_digit:
+            too_wide_digits = (digit for digit, code in enumerate(self.codes) if code >> bits_of_top_digit)
+            top_digits = next(too_wide_digits, base)
+        return top_digits * int(base**complete_digits) - 1
+
+
+class WholeCode(NamedTuple):
+    """A code whose only digit fills the field, such as one-hot code: 0001, 0010, 0100 and 1000 in 4 bits.
+
+    Attributes:
+        name: Name of the code.
+        codes_of: Function that returns the codes of the numbers from 0 up for a field of so many bits.
+    """
+
+    name: str
+    codes_of: Callable[[int], Iterable[int]]
 
 
 #: Codes of digits, by their name in specs.
-DIGIT_CODES: Mapping[str, DigitCode] = MappingProxyType({"bcd": DigitCode("BCD", 4, tuple(range(10)))})
+DIGIT_CODES: Mapping[str, DigitCode | WholeCode] = MappingProxyType({"bcd": DigitCode("BCD", 4, tuple(range(10)))})
+
+
+def code_in_field(name: str, width: int) -> DigitCode | None:
+    """Return the code ``name`` of ``DIGIT_CODES`` for a field of ``width`` bits, or None without a name."""
+    if not name:
+        return None
+    code = DIGIT_CODES[name]
+    if isinstance(code, WholeCode):
+        return DigitCode(name=code.name, bits=width, codes=tuple(code.codes_of(width)))
+    return code
 
 
 @part("A group of decimal digits.", data="Decimal digits inside a number: number // divisor % modulus.")
@@ -132,11 +161,6 @@ class Number:
         return not self.signed and not self.zero_means and not self.digit_code
 
     @property
-    def code_of_digits(self) -> DigitCode | None:
-        """Code in which each digit is sent, or None for a number that is sent as a whole."""
-        return DIGIT_CODES[self.digit_code] if self.digit_code else None
-
-    @property
     def value_at_rest(self) -> int:
         """The number that the bits 0 represent, or 1 if only powers of two are valid, since 0 is not one of them."""
         return 1 if self.power_of_two else self.zero_means
@@ -154,6 +178,7 @@ class Flag:
     """
 
     word: ClassVar[str] = "flag"
+    digit_code: ClassVar[str] = ""
     role: ClassVar[Role] = "flag"
     value_at_rest: ClassVar[int] = 0
     active_low: bool = False
@@ -186,6 +211,7 @@ class Choice:
     """One of several named values."""
 
     word: ClassVar[str] = "named values"
+    digit_code: ClassVar[str] = ""
     role: ClassVar[Role] = "choice"
     is_joinable: ClassVar[bool] = True
     makes_position: ClassVar[Verdict | None] = None
@@ -207,6 +233,7 @@ class Constant:
     """
 
     word: ClassVar[str] = "fixed bits"
+    digit_code: ClassVar[str] = ""
     role: ClassVar[Role] = "fixed"
     is_joinable: ClassVar[bool] = False
     value_at_rest: ClassVar[int] = 0
@@ -225,6 +252,7 @@ class Unused:
     """
 
     word: ClassVar[str] = "unused bits"
+    digit_code: ClassVar[str] = ""
     role: ClassVar[Role] = "fixed"
     is_joinable: ClassVar[bool] = False
     value_at_rest: ClassVar[int] = 0
@@ -237,6 +265,7 @@ class CrcValue:
     """The bits of the named CRC. It covers the adjacent fields ``of`` or, without them, everything sent before it."""
 
     word: ClassVar[str] = "CRC"
+    digit_code: ClassVar[str] = ""
     role: ClassVar[Role] = "check"
     is_joinable: ClassVar[bool] = False
     value_at_rest: ClassVar[int] = 0
@@ -255,6 +284,7 @@ class Parity:
     """
 
     word: ClassVar[str] = "parity"
+    digit_code: ClassVar[str] = ""
     role: ClassVar[Role] = "check"
     is_joinable: ClassVar[bool] = False
     value_at_rest: ClassVar[int] = 0
@@ -291,6 +321,7 @@ class Decimal:
     """A number formed by runs of decimal digits, most significant run first."""
 
     word: ClassVar[str] = "decimal digits"
+    digit_code: ClassVar[str] = ""
     role: ClassVar[Role] = "data"
     is_joinable: ClassVar[bool] = True
     value_at_rest: ClassVar[int] = 0
@@ -313,6 +344,7 @@ class Text:
     """Characters, one per byte."""
 
     word: ClassVar[str] = "text"
+    digit_code: ClassVar[str] = ""
     role: ClassVar[Role] = "data"
     is_joinable: ClassVar[bool] = False
     value_at_rest: ClassVar[int] = 0

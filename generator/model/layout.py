@@ -205,7 +205,7 @@ class Layout:
     @property
     def is_converted(self) -> bool:
         """True if some bits are not binary numbers: those in Gray code, and digits that are sent separately."""
-        return bool(self.gray_of) or any(field.number.digit_code for field in self.fields)
+        return bool(self.gray_of) or any(field.kind.digit_code for field in self.fields)
 
     @property
     def has_parity(self) -> bool:

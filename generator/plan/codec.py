@@ -100,7 +100,7 @@ class LayoutPlan:
         for check in self.checks:
             if isinstance(check, ParityIs):
                 for covered_field in check.of:
-                    if covered_field.name in gray_names or covered_field.number.digit_code:
+                    if covered_field.name in gray_names or covered_field.kind.digit_code:
                         return True
         return False
 
@@ -271,7 +271,7 @@ def _find_gray(layout: Layout) -> Gray | None:
 def _yield_digit_codings(layout: Layout) -> Iterator[DigitCoding]:
     """Yield the position and the code of each number whose digits are sent separately, such as BCD."""
     for field in layout.fields:
-        code = field.number.code_of_digits
+        code = field.code_of_digits
         if code is not None:
             yield DigitCoding(field.low, field.width, code.bits, code.codes)
 

@@ -129,10 +129,10 @@ def _checks_of_numbers(device: Device, layout: Layout) -> Iterator[Check]:
         position_bits = bits_of(layout, position_range.field)
         if position_range.field.number.signed:
             yield IsBetween(position_range.field, position_bits, position_range.lowest, position_range.highest)
-        elif not position_range.field.number.digit_code:
+        elif not position_range.field.kind.digit_code:
             yield NotAbove(position_range.field, position_bits, position_range.highest)
     for field in layout.fields:
-        code = field.number.code_of_digits
+        code = field.code_of_digits
         if code is not None:
             highest = Expression(code.highest(field.widest))
             if position_range is not None and position_range.field is field:

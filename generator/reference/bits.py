@@ -147,7 +147,7 @@ def to_binary(placed: PlacedLayout, number: int) -> int:
         return gray_to_binary(gray) - placed.gray_excess
 
     for placed_field in placed.fields:
-        code = placed_field.field.number.code_of_digits
+        code = placed_field.field.code_of_digits
         if code is not None:
             sent_bits = (number >> placed_field.low) & placed_field.mask
             value = number_of_digits(code, sent_bits, placed_field.width)
@@ -172,14 +172,15 @@ def number_of_digits(code: DigitCode, bits: int, width: int) -> int | None:
     return number
 
 
-def digits_of_number(code: DigitCode, number: int) -> int:
-    """Return the bits with which the digits of a number are sent: for BCD, 0001 0010 for the number 12."""
+def digits_of_number(code: DigitCode, number: int, width: int) -> int:
+    """Return the bits with which the digits of a number are sent: for BCD, 0001 0010 for the number 12.
+
+    All digits that fit in ``width`` bits are sent, because in other codes the bits of a leading digit 0 are not 0.
+    """
     bits = 0
-    shift = 0
-    while number:
+    for shift in range(0, width, code.bits):
         number, digit = divmod(number, len(code.codes))
         bits |= code.codes[digit] << shift
-        shift += code.bits
     return bits
 
 
@@ -201,10 +202,10 @@ def from_binary(placed: PlacedLayout, number: int) -> int:
         return binary_to_gray((binary + placed.gray_excess) & mask)
 
     for placed_field in placed.fields:
-        code = placed_field.field.number.code_of_digits
+        code = placed_field.field.code_of_digits
         if code is not None:
             value = (number >> placed_field.low) & placed_field.mask
-            number = with_bits(number, placed_field, digits_of_number(code, value))
+            number = with_bits(number, placed_field, digits_of_number(code, value, placed_field.width))
     return _convert_gray_part(placed, number, number_to_gray)
 
 

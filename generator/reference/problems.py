@@ -48,7 +48,7 @@ def problems_of_position(device: Device, placed: PlacedLayout, binary_number: in
     as BCD, is not checked here.
     """
     position_range = device.range_in(placed.layout)
-    if position_range is None or position_range.field.number.digit_code:
+    if position_range is None or position_range.field.kind.digit_code:
         return
     position_field = placed.find_field(position_range.field.name)
     if position_field is None:
@@ -68,7 +68,7 @@ def problems_of_digits(device: Device, placed: PlacedLayout, frame: int, binary_
     position_range = device.range_in(placed.layout)
     for placed_field in placed.fields:
         name = placed_field.name
-        code = placed_field.field.number.code_of_digits
+        code = placed_field.field.code_of_digits
         if code is None:
             continue
         highest = code.highest(placed_field.width)

@@ -74,8 +74,21 @@ def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | b
     """Return the bits of a field for a value, as a number. Instead of a name or a text, the number itself is accepted.
 
     Raises:
-        EncodeError: The value is not a number although it should be, it does not fit, or it is an unknown name. A
-            number that replaces a name or a text is not checked.
+        EncodeError: The value is not a number although it should be, it does not fit in the bits or their digits, or it
+            is an unknown name. A number that replaces a name or a text is not checked.
+    """
+    number = _encode_by_kind(kind, placed_field, value)
+    code = placed_field.field.code_of_digits
+    if code is not None and number > code.highest(placed_field.width):
+        raise EncodeError(report.too_high(placed_field.name, f"{number}", f"{code.highest(placed_field.width)}"))
+    return number
+
+
+def _encode_by_kind(kind: DataKind, placed_field: PlacedField, value: int | str | bool) -> int:
+    """Return the bits of a field for a value, as a number. Digits are not yet converted to their code.
+
+    Raises:
+        EncodeError: The value is not a number although it should be, it does not fit, or it is an unknown name.
     """
     match kind:
         case Number():
@@ -99,15 +112,12 @@ def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int
     In some fields, the bits 0 represent the number ``zero_means`` instead of 0.
 
     Raises:
-        EncodeError: The number does not fit in the bits or their digits, or the field requires a power of two.
+        EncodeError: The number does not fit in the bits, or the field requires a power of two.
     """
     # A number that does not fit loses bits, and decoding returns a different number.
     raw = 0 if value == number.zero_means else value & placed_field.mask
     if signed_or_plain(number, raw, placed_field.width) != value:
         raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
-    code = number.code_of_digits
-    if code is not None and value > code.highest(placed_field.width):
-        raise EncodeError(report.too_high(placed_field.name, f"{value}", f"{code.highest(placed_field.width)}"))
     if number.power_of_two and value.bit_count() != 1:
         raise EncodeError(report.no_power_of_two(placed_field.name, f"{value}"))
     return raw

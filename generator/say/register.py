@@ -224,6 +224,7 @@ def rules(device: Device, field: Field) -> Iterator[Statement]:
     if scale is not None:
         yield statement(formula(scale), label=f"In {scale.unit}", source=scale.source)
     yield from _rules_of_kind(device, field)
+    yield from _code_rule(field)
     if field.container:
         width_text = f"{field.width.constant} bits, right-aligned" if field.width.is_constant else "Right-aligned"
         yield statement(f"{width_text} in {field.container} bits, with leading zeros")
@@ -319,16 +320,22 @@ def _is_in_frame_with_position(device: Device, field: Field) -> bool:
 
 
 def _number_rules(kind: Number) -> Iterator[Statement]:
-    """Yield the properties of a number: its sign, the meaning of 0, a limitation to powers of two, its digit code."""
+    """Yield the properties of a number: its sign, the meaning of 0, a limitation to powers of two."""
     if kind.signed:
         yield statement("Signed, in two's complement")
     if kind.zero_means:
         yield statement("A value of 0 means ", Expression(kind.zero_means))
     if kind.power_of_two:
         yield statement("Only powers of two are allowed")
-    code = kind.code_of_digits
-    if code is not None:
-        yield statement(f"Sent in {code.name}, {code.bits} bits for each digit")
+
+
+def _code_rule(field: Field) -> Iterator[Statement]:
+    """Yield the code in which the digits of a field are sent, such as BCD, unless it is a binary number."""
+    code = field.code_of_digits
+    if code is None:
+        return
+    is_one_digit = code.bits == field.widest
+    yield statement(f"Sent in {code.name}" if is_one_digit else f"Sent in {code.name}, {code.bits} bits for each digit")
 
 
 def _flag_rules(device: Device, flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:

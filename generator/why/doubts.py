@@ -46,7 +46,7 @@ def other_positions(
     placed_layout = decoded.layout
     if placed_layout is None or placed_layout.layout.in_bytes or placed_layout.layout.sender != "encoder":
         return []
-    has_digits = any(field.number.digit_code for field in placed_layout.layout.fields)
+    has_digits = any(field.kind.digit_code for field in placed_layout.layout.fields)
     if decoded.problems or decoded.crc is not None or has_digits:
         return []
     position_field = position_name(device, variant)

@@ -11,11 +11,13 @@ import yaml
 from codewheel.language.check import check_document
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
+from codewheel.language.schema_files import load_schema
 from codewheel.language.written_layouts import KIND_KEYS, WrittenField
 from codewheel.language.written_parts import WrittenExample, WrittenStep
 from codewheel.loading.fields import LayoutContext, kind_of
 from codewheel.model import Kind, Number
 from codewheel.model.expressions import Expression
+from codewheel.model.kinds import DIGIT_CODES
 
 BASE = Path(__file__).parent / "ok" / "minimal.yaml"
 NUMBER = "number"
@@ -256,3 +258,8 @@ def test_each_key_of_a_kind_makes_its_own_kind() -> None:
         kinds[key] = type(kind_of({"name": "level", **FIELDS[key]}, context, "rs485", Expression(8)))
     assert Number not in kinds.values()
     assert {Number, *kinds.values()} == set(get_args(Kind))
+
+
+def test_specs_can_name_each_code_of_digits() -> None:
+    codes_in_schema = load_schema("device")["$defs"]["field"]["properties"]["digit_code"]["enum"]
+    assert codes_in_schema == [*DIGIT_CODES]

@@ -65,7 +65,7 @@ def report_of(*counts: int, rule: str = "rule") -> ProblemReport:
     report = ProblemReport()
     for number, count in enumerate(counts):
         for line in range(1, count + 1):
-            report.add_at(f"{number}.yaml", line, 3, rule, f"wrong {line}", path="a.b", text="text")
+            report.add_at(f"{number}.yaml", rule, f"wrong {line}", line=line, column=3, path="a.b", text="text")
     return report
 
 
@@ -90,11 +90,11 @@ def test_a_long_list_of_problems_ends_with_their_number(count: int, message: str
 
 def test_problems_that_were_not_looked_for_are_not_counted() -> None:
     report = report_of(MAX_PROBLEMS + 5)
-    report.add_at("0.yaml", 1, 1, TOO_MANY, "there are more")
+    report.add_at("0.yaml", TOO_MANY, "there are more")
     assert len(report.shown) == MAX_PROBLEMS + 1
     assert report.shown[-1].message.startswith("there are at least 5 more problems from here on")
     report = report_of(MAX_PROBLEMS)
-    report.add_at("0.yaml", 1, 1, TOO_MANY, "there are more")
+    report.add_at("0.yaml", TOO_MANY, "there are more")
     assert report.shown == report.problems
 
 

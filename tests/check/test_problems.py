@@ -51,7 +51,7 @@ def test_report_sorts_and_drops_repetitions() -> None:
     report = ProblemReport()
     assert not report
     for line in (2, 1, 2):
-        report.add_at("a.yaml", line, 1, "rule", "wrong")
+        report.add_at("a.yaml", "rule", "wrong", line=line)
     assert [problem.line for problem in report.problems] == [1, 2]
     assert len(report) == 2
 

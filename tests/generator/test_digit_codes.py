@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,9 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device, kinds
-from codewheel.model.kinds import DigitCode
+from codewheel.model.kinds import DigitCode, WholeCode
 from codewheel.reference import codec
+from codewheel.reference.bits import digits_of_number, number_of_digits
 from codewheel.targets import Library
 from five_engines import (
     ENGINES,
@@ -121,13 +122,7 @@ def test_a_code_of_digits_is_only_a_row_of_the_table(
 ) -> None:
     """Every engine takes the codes of the digits from it, and refuses all others."""
     monkeypatch.setattr(kinds, "DIGIT_CODES", {"bcd": DigitCode("another code", digit_bits, codes)})
-    text = (SPECS / "digits.yaml").read_text(encoding="utf-8")
-    text = text[: text.index("examples:")].replace("temperature, bits: 8,", f"temperature, bits: {2 * digit_bits},")
-    text = text.replace("bits: 10,", f"bits: {2 * digit_bits},").replace("counts_per_turn: 360", "counts_per_turn: 16")
-    (tmp_path / "digits.yaml").write_text(text, encoding="utf-8")
-    devices, report = load_library([tmp_path / "digits.yaml", SPECS / "manufacturer.yaml"])
-    assert [problem.message for problem in report.problems] == []
-    made = MadeEncoder(devices[0], {"word": ("temperature", "position", "error")})
+    made = load_ssi(tmp_path, temperature_bits=2 * digit_bits, position_bits=2 * digit_bits, counts=16)
     numbers = {upper << digit_bits | lower: (upper, lower) for upper in codes for lower in codes}
     cases = []
     for sent in range(1 << 2 * digit_bits):
@@ -144,6 +139,89 @@ def test_a_code_of_digits_is_only_a_row_of_the_table(
     assert sum(not case.fault for case in cases) == 16
     results = list(ENGINES[engine](made, cases, import_generated, tmp_path))
     assert [pair for pair in zip(results, cases, strict=True) if pair[0] != pair[1]][:3] == []
+
+
+def one_hot(width: int) -> Iterator[int]:
+    return (1 << number for number in range(width))
+
+
+def johnson(width: int) -> Iterator[int]:
+    """Yield the states of a counter that shifts in the inverse of its last bit: 000, 001, 011, 111, 110, …"""
+    all_ones = (1 << width) - 1
+    for number in range(2 * width):
+        yield (1 << number) - 1 if number <= width else all_ones ^ (1 << number - width) - 1
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("codes_of", [one_hot, johnson])
+def test_a_code_of_whole_fields_is_only_a_row_of_the_table(
+    codes_of: Callable[[int], Iterator[int]],
+    engine: str,
+    import_generated: Import,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Fields of 3 and of 5 bits have different codes, of which every engine refuses all others."""
+    monkeypatch.setattr(kinds, "DIGIT_CODES", {"bcd": WholeCode("another code", codes_of)})
+    made = load_ssi(tmp_path, temperature_bits=3, position_bits=5, counts=4)
+    temperatures, positions = list(codes_of(3)), list(codes_of(5))
+    cases = []
+    for sent in range(1 << 8):
+        sent_temperature, sent_position = sent >> 5, sent & 0b11111
+        common = ("BCDS", "word", 10, sent << 2 | ones(sent) % 2)
+        if sent_temperature in temperatures and sent_position in positions[:4]:
+            temperature, position = temperatures.index(sent_temperature), positions.index(sent_position)
+            values = {"temperature": temperature, "position": position, "error": False}
+            cases.append(Case(*common, "", USABLE, frozenset(), values))
+        else:
+            cases.append(Case(*common, "range"))
+    assert sum(not case.fault for case in cases) == 4 * len(temperatures)
+    results = list(ENGINES[engine](made, cases, import_generated, tmp_path))
+    assert [pair for pair in zip(results, cases, strict=True) if pair[0] != pair[1]][:3] == []
+
+
+@pytest.mark.parametrize(
+    ("code", "bits", "problem"),
+    [
+        (DigitCode("excess-3", 4, EXCESS_3), 5, "has 5 bits, so its first digit has too few bits for excess-3"),
+        (WholeCode("Johnson code", johnson), 6, "has 12 codes of 6 bits, more than decoders have room for"),
+        (WholeCode("one of two", lambda _: (0, 1)), 9, "has 2 codes of 9 bits, more than decoders have room for"),
+    ],
+)
+def test_codes_without_room_are_refused(
+    code: DigitCode | WholeCode, bits: int, problem: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(kinds, "DIGIT_CODES", {"bcd": code})
+    messages = write_ssi(tmp_path, temperature_bits=bits, position_bits=4, counts=2)[1]
+    assert [message.partition(";")[0] for message in messages] == [f"'temperature' {problem}"]
+
+
+def test_a_leading_digit_0_is_sent_in_its_code() -> None:
+    """The bits of 0 are not 0 in excess-3."""
+    assert digits_of_number(DigitCode("excess-3", 4, EXCESS_3), 5, 8) == 0x38
+    assert number_of_digits(DigitCode("excess-3", 4, EXCESS_3), 0x38, 8) == 5
+
+
+def write_ssi(
+    folder: Path, *, temperature_bits: int, position_bits: int, counts: int
+) -> tuple[tuple[Device, ...], list[str]]:
+    """Load the spec with SSI only, and other widths and counts. Return its families and the messages of ``check``."""
+    text = (SPECS / "digits.yaml").read_text(encoding="utf-8")
+    crcs = text[text.index("crcs:") : text.index("interfaces:")]
+    text = text[: text.index("  rs485:")].replace(crcs, "")
+    text = text.replace("        R: {meaning: RS-485, interface: rs485}\n", "")
+    text = text.replace("temperature, bits: 8,", f"temperature, bits: {temperature_bits},")
+    text = text.replace("bits: 10,", f"bits: {position_bits},")
+    text = text.replace("counts_per_turn: 360", f"counts_per_turn: {counts}")
+    (folder / "digits.yaml").write_text(text, encoding="utf-8")
+    devices, report = load_library([folder / "digits.yaml", SPECS / "manufacturer.yaml"])
+    return devices, [problem.message for problem in report.problems]
+
+
+def load_ssi(folder: Path, *, temperature_bits: int, position_bits: int, counts: int) -> MadeEncoder:
+    devices, messages = write_ssi(folder, temperature_bits=temperature_bits, position_bits=position_bits, counts=counts)
+    assert messages == []
+    return MadeEncoder(devices[0], {"word": ("temperature", "position", "error")})
 
 
 @pytest.fixture(scope="module")

@@ -203,7 +203,7 @@ DECISIONS: dict[str, Callable[[Layout, Field], object]] = {
     "refusals": lambda layout, field: list(_field_refusals(layout, field)),
 }
 #: Facts that every kind states, so that no module needs a list of kinds to know them.
-FACTS_OF_KINDS = ("word", "role", "is_joinable", "value_at_rest", "makes_position")
+FACTS_OF_KINDS = ("word", "role", "is_joinable", "value_at_rest", "makes_position", "digit_code")
 
 
 @pytest.mark.parametrize("decision", DECISIONS)

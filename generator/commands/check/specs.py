@@ -151,7 +151,7 @@ def check_counts(checked: CheckedSpecs, *, write: bool) -> None:
         if write:
             counts_path.write_text(counts, encoding="utf-8")
         elif counts_path.is_file() and counts_path.read_text(encoding="utf-8") != counts:
-            checked.report.add_at(str(counts_path), 1, 1, RULE, _OUT_OF_DATE)
+            checked.report.add_at(str(counts_path), RULE, _OUT_OF_DATE)
 
 
 def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = NO_CACHE) -> None:

@@ -9,7 +9,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...language.problems import quoted, visible
+from ...language.excerpt import visible
+from ...language.problems import quoted
 from ...model import (
     INTERFACES,
     Device,

@@ -202,7 +202,7 @@ def _field_record(layout_plan: LayoutPlan, field: Field) -> CallLiteral:
         constant=layout_plan.constants.get(field.name),
         unused=unused_values.get(field.name),
         power_of_two=field.name in powers_of_two(layout_plan),
-        digit_code=field.number.digit_code,
+        digit_code=field.kind.digit_code,
     )
 
 
