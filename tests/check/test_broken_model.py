@@ -43,6 +43,8 @@ def test_a_wrong_start_value_is_named_if_every_example_fits_another(tmp_path: Pa
     assert len(messages) > 5
     hint = "; with 'init: 0x0' in the CRC 'rs485_8', every example matches"
     assert all(message.endswith(hint) for message in messages)
+    combined_problems = [problem for problem in report.by_cause if problem.rule == "example-contradicts"]
+    assert len(combined_problems) == 1
 
 
 SOUND = Path(__file__).parent / "ok_model"

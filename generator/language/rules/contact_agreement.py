@@ -158,7 +158,7 @@ def _plain_signal(signal: str) -> str:
 def _compare_signals(
     wires: Mapping[str, str], connector: LocatedPart[Connector], cable: LocatedPart[Connector], report: DocumentReport
 ) -> None:
-    """Report each contact that has another signal than its wire, unless an erratum affects the contacts of one of the two.
+    """Report each contact that has another signal than its wire, unless an erratum explains it.
 
     ``wires`` contains the wire for each contact, as it follows from the connector and cable for another interface.
     """
