@@ -167,6 +167,33 @@ def test_an_erratum_that_one_device_has_explains_a_fact_about_which_both_have_an
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("printed", "mistake", "is_reported"),
+    [
+        ("L-9709-9005-03-F", "L-9709-9050-03-F", True),
+        ("ICHAUS/30/IC-MU_17.htm", "ICHAUS/30/IC-MU_1.htm", True),
+        # Another document under the same key.
+        ("L-9709-9005-03-F, BiSS data sheet, Renishaw", "L-9709-9050-03-F, installation guide", False),
+        ("SMA21 + MTA-A154 manual, Italian", "SMA22 + MTA-A154 manual, Italian", False),
+    ],
+)
+def test_a_document_whose_digits_differ_between_specs(
+    tmp_path: Path, printed: str, mistake: str, is_reported: bool
+) -> None:
+    folder = tmp_path / "lika"
+    copy_specs(folder, "am36", "amm5")
+    spec = folder / "amm5.yaml"
+    text = spec.read_text(encoding="utf-8")
+    assert printed in text
+    spec.write_text(text.replace(printed, mistake), encoding="utf-8")
+    messages = [problem.message for problem in unlike_parts(folder)]
+    assert [message for message in messages if "only a number differs" in message and printed in message] == (
+        messages if is_reported else []
+    )
+    assert bool(messages) is is_reported
+
+
+@pytest.mark.slow
 def test_a_connector_that_no_device_has_is_reported(tmp_path: Path) -> None:
     folder = tmp_path / "lika"
     copy_specs(folder, "am36")
