@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -321,13 +321,62 @@ _DISPLAYED_SECTIONS = (
 def compare_contacts(
     family_pair: FamilyPair, subject: ChangeSubject, old: Connector, new: Connector
 ) -> Iterator[Change]:
-    """Yield changes of the contacts of a connector.
+    """Yield changes of the contacts of a connector, for the order codes with one of its interfaces.
+
+    Two contacts whose signals were exchanged are one change.
+    """
+    codes: list[str] = []
+    for interface in new.interfaces or ("",):  # Without interfaces, it is for all of them.
+        codes += family_pair.order_codes_over(interface)
+    exchanged_contacts = _exchanged_contacts(old, new)
+    changes = list(_compare_each_contact(family_pair, subject, old, new, set(sum(exchanged_contacts, ()))))
+    for first, second in exchanged_contacts:
+        signals = {contact.contact: contact.signal for contact in new.contacts}
+        first_signal, second_signal = signals[first], signals[second]
+        contact_subject = subject.inside(first, f"{subject.label}: contacts {first} and {second}")
+        changes.append(
+            family_pair.change(
+                "contact",
+                contact_subject,
+                description=f": signals {second_signal} and {first_signal} exchanged",
+                old=second_signal,
+                new=first_signal,
+            )
+        )
+    for change in changes:
+        yield family_pair.limited_to_codes(change, codes)
+
+
+def _exchanged_contacts(old: Connector, new: Connector) -> list[tuple[str, str]]:
+    """Return each pair of contacts of which each one carries in the new version the old signal of the other one."""
+    old_signals = {contact.contact: contact.signal for contact in old.contacts}
+    # Contacts by their old and new signal, if these differ.
+    contact_by_signals: dict[tuple[str, str], str] = {}
+    pairs: list[tuple[str, str]] = []
+    for contact in new.contacts:
+        old_signal = old_signals.get(contact.contact, contact.signal)
+        if old_signal == contact.signal:
+            continue
+        other_contact = contact_by_signals.pop((contact.signal, old_signal), None)
+        if other_contact is None:
+            contact_by_signals[old_signal, contact.signal] = contact.contact
+        else:
+            pairs.append((other_contact, contact.contact))
+    return pairs
+
+
+def _compare_each_contact(
+    family_pair: FamilyPair, subject: ChangeSubject, old: Connector, new: Connector, exchanged_contacts: Collection[str]
+) -> Iterator[Change]:
+    """Yield changes of the contacts of a connector, but not of contacts that were exchanged.
 
     A contact is identified by its pin or wire color. If only the old version has it, the text is ``signal SL → none``,
     and if only the new version has it, ``signal none → SL``.
     """
     old_contacts, new_contacts = _by_member(old.contacts, "contact"), _by_member(new.contacts, "contact")
     for contact, old_contact, new_contact in match_by_key(old_contacts, new_contacts):
+        if contact in exchanged_contacts:
+            continue
         contact_subject = subject.inside(contact, f"{subject.label}: contact {contact}")
         if old_contact is not None and new_contact is not None:
             yield from compare_members(family_pair, contact_subject, old_contact, new_contact)

@@ -1,17 +1,29 @@
-"""Names in generated files that disappear or get a different value: C macros, Python names and files."""
+"""Names in generated files that disappear or get a different value: names in C and Python, and files."""
 
 from __future__ import annotations
 
 import ast
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
 _MACRO_DEFINITION = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(\([^)\n]*\))?[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
 _C_COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
+#: A function in a header, with its code: ``static inline bool x24_is_valid(…)``.
+_C_FUNCTION = re.compile(r"^static inline [^;{]*?\b(\w+)\([^{;]*\)\n\{\n.*?^\}", re.MULTILINE | re.DOTALL)
+#: A constant in a header, with its value: ``static CW_CONST x24_biss X24_BISS_A17 = { 17U };``.
+_C_CONSTANT = re.compile(r"^static CW_CONST \w+ (\w+) = ([^;]*);", re.MULTILINE)
+_C_ENUMERATION = re.compile(r"^typedef enum \w+ \{(.*?)^\} \w+;", re.MULTILINE | re.DOTALL)
+_C_STRUCTURE = re.compile(r"^typedef struct \w+ \{(.*?)^\} (\w+);", re.MULTILINE | re.DOTALL)
+#: Name at the end of the declaration of a member, such as ``bytes`` in ``uint8_t bytes[4]``.
+_NAME_OF_MEMBER = re.compile(r"(\w+)(?:\[\w*\])*$")
+#: Kinds of names whose value is code.
+_KINDS_OF_FUNCTIONS = frozenset(("C function", "Python function"))
 #: Names of macros that guard a header or contain its version. No code depends on them.
 _MACRO_ABOUT_HEADER = re.compile(r"\w+_(?:H|HPP|VERSION|INCLUDED)")
+#: Values by the kind and the name of what has them: ``{("C macro", "X24_BITS"): "24"}``.
+_Values = dict[tuple[str, str], str]
 #: Highest number of characters of a value that are shown.
 _LONGEST_VALUE = 40
 
@@ -31,6 +43,8 @@ class NameChange:
         """The change in words, such as ``C macro X24_BITS: 24 → 26``."""
         if self.new is None:
             return f"{self.kind} {self.name} is gone"
+        if self.kind in _KINDS_OF_FUNCTIONS:
+            return f"{self.kind} {self.name} has changed"
         return f"{self.kind} {self.name}: {_shorten_value(self.old)} → {_shorten_value(self.new)}"
 
 
@@ -44,7 +58,9 @@ def _shorten_value(value: str) -> str:
 def name_changes(
     old_text_by_path: Mapping[str, str], new_text_by_path: Mapping[str, str], families: Iterable[str]
 ) -> tuple[NameChange, ...]:
-    """Return the C macros, Python names and files of families that are gone, or have a different value.
+    """Return the names in C and Python and the files of families that are gone, or have a different value.
+
+    Functions whose code differs have a different value. They come last, because there can be many.
 
     The arguments contain the texts of the generated files by path. Files whose names do not begin with the name of a
     family are left out.
@@ -61,7 +77,8 @@ def name_changes(
             changes.append(NameChange(family=family, kind="file", name=path, old="", new=None))
         changes += _changes_in_file(family, path, old_text, new_text or "")
     # The headers of several interfaces define the same macro, whose change is listed once.
-    return tuple(dict.fromkeys(changes))
+    changes = list(dict.fromkeys(changes))
+    return tuple(sorted(changes, key=lambda change: change.new is not None and change.kind in _KINDS_OF_FUNCTIONS))
 
 
 def _family_of_file(path: str, families: Sequence[str]) -> str:
@@ -82,65 +99,98 @@ def _is_private_module(path: str) -> bool:
 
 
 def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> Iterator[NameChange]:
-    """Yield the macros of a C header, or the names in a Python module, that are gone or have a different value.
+    """Yield the names in a C header or in a Python module that are gone or have a different value.
 
     New names are not listed. For other files and private modules, nothing is listed.
     """
     if path.endswith(".h"):
-        kind = "C macro"
-        old_value_by_name = _parse_macros(old_text)
-        new_value_by_name = _parse_macros(new_text)
+        parse, prefix = _c_names, ""
     elif path.endswith(".py") and not _is_private_module(path):
-        kind = "Python name"
-        old_value_by_name = _python_names(old_text)
-        new_value_by_name = _python_names(new_text)
+        parse, prefix = _python_names, f"{family}."
     else:
         return
-    for name, old_value in old_value_by_name.items():
-        new_value = new_value_by_name.get(name)
-        if new_value != old_value:
-            full_name = name if kind == "C macro" else f"{family}.{name}"
-            yield NameChange(family=family, kind=kind, name=full_name, old=old_value, new=new_value)
+    new_values = parse(new_text)
+    for (kind, name), old_value in parse(old_text).items():
+        new_value = new_values.get((kind, name))
+        if new_value == old_value:
+            continue
+        change = NameChange(family=family, kind=kind, name=f"{prefix}{name}", old=old_value, new=new_value)
+        # The code of a function is too long to be shown.
+        yield replace(change, old="", new=new_value and "") if kind in _KINDS_OF_FUNCTIONS else change
+
+
+def _c_names(header: str) -> _Values:
+    """Return the names in a C header: its macros, enumerators, constants, members of structures, and functions.
+
+    The value of a member is its declaration, and that of a function is its code.
+    """
+    header_without_comments = _C_COMMENT.sub("", header)
+    values = {("C macro", name): value for name, value in _parse_macros(header_without_comments).items()}
+    for enumerators in _C_ENUMERATION.findall(header_without_comments):
+        for enumerator in filter(None, map(str.strip, enumerators.split(","))):
+            name, _, value = enumerator.partition(" = ")
+            values["C enumerator", name] = value
+    for name, value in _C_CONSTANT.findall(header_without_comments):
+        values["C constant", name] = value
+    for members, structure in _C_STRUCTURE.findall(header_without_comments):
+        for declaration in filter(None, map(str.strip, members.split(";"))):
+            name_of_member = _NAME_OF_MEMBER.search(declaration)
+            if name_of_member is not None:
+                values["C member", f"{structure}.{name_of_member[1]}"] = " ".join(declaration.split())
+    for function in _C_FUNCTION.finditer(header_without_comments):
+        values["C function", function[1]] = " ".join(function[0].split())
+    return values
 
 
 def _parse_macros(header: str) -> dict[str, str]:
     """Return the macros of a header with their definitions on one line: ``{"X24_BITS": "24", "X24_MASK": "(n) …"}``.
 
-    Include guards and version macros are left out.
+    The header has no comments. Include guards and version macros are left out.
     """
     macros: dict[str, str] = {}
-    header_without_comments = _C_COMMENT.sub("", header)
-    for name, parameters, definition in _MACRO_DEFINITION.findall(header_without_comments):
+    for name, parameters, definition in _MACRO_DEFINITION.findall(header):
         if not _MACRO_ABOUT_HEADER.fullmatch(name):
             in_one_line = f"{parameters} {definition}".replace("\\\n", " ")
             macros[name] = " ".join(in_one_line.split())
     return macros
 
 
-def _python_names(module: str) -> dict[str, str]:
+def _python_names(module: str) -> _Values:
     """Return the public names in the text of a module and in its classes, with the values of constants.
 
-    A name that is not a constant has the value "": ``{"CRC_BITS": "6", "Frame": "", "Frame.decode": ""}``.
+    The value of a function is its code. Another name that is not a constant has the value "".
     """
     statements = ast.parse(module).body
     classes = {statement.name: statement for statement in statements if isinstance(statement, ast.ClassDef)}
     return dict(_named_values(statements, classes))
 
 
+def _code_of(function: ast.FunctionDef) -> str:
+    """Return the text of a function without its docstring."""
+    first_statement = function.body[0]
+    has_docstring = isinstance(first_statement, ast.Expr) and isinstance(first_statement.value, ast.Constant)
+    statements = function.body[1:] if has_docstring else function.body
+    return "\n".join((ast.unparse(function.args), *map(ast.unparse, statements)))
+
+
 def _named_values(
     statements: Iterable[ast.stmt], classes: Mapping[str, ast.ClassDef], prefix: str = ""
-) -> Iterator[tuple[str, str]]:
-    """Yield the public names that statements bind, each with the text of its value if that is a constant, or else "".
+) -> Iterator[tuple[tuple[str, str], str]]:
+    """Yield the kind and name of each public name that statements bind, with its value.
 
-    Names in a class begin with the name of the class: ``("Frame.decode", "")``. A class also has the names of its
-    private base classes, which are looked up in ``classes``.
+    The value of a constant is its text, that of a function its code, and otherwise "". Names in a class begin with the
+    name of the class: ``(("Python name", "Frame.bits"), "24")``. A class also has the names of its private base
+    classes, which are looked up in ``classes``.
     """
     for statement in statements:
         public_names = [name for name in _bound_names(statement) if not name.startswith("_")]
         for name in public_names:
             bound_value = getattr(statement, "value", None)
             value_text = ast.unparse(bound_value) if isinstance(bound_value, ast.Constant) else ""
-            yield f"{prefix}{name}", value_text
+            if isinstance(statement, ast.FunctionDef):
+                yield ("Python function", f"{prefix}{name}"), _code_of(statement)
+            else:
+                yield ("Python name", f"{prefix}{name}"), value_text
             if isinstance(statement, ast.ClassDef):
                 yield from _named_values(statement.body, classes, prefix=f"{prefix}{name}.")
                 for base_class in _private_bases(statement, classes):

@@ -312,6 +312,7 @@ _CHANGES = (
     ("timing-typical", "+++D", "a typical time or its symbol has changed", "Code cannot rely on typical times."),
     ("clock-narrower", "WWWD", "the clock has narrower limits", _LESS),
     ("clock-wider", "+++D", "the clock has wider limits", _MORE),
+    ("cable-length", "WWWD", "the highest clock for a cable length has changed", _LESS),
     (
         "facts-by-code",
         "BBBD",

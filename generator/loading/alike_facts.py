@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from ..language.document import Document, Path, label_of
 from ..language.problems import ProblemReport, quoted
 from ..language.rules.connectors import signal_names
-from ..language.rules.parts import as_affected_name, has_erratum_at
+from ..language.rules.parts import as_affected_name, errata_at, has_erratum_at
 from ..language.rules.walk import leaves, mapping, maps_in_list
 from ..language.schema_files import PROSE
 
@@ -35,7 +35,7 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
 
     All devices with the interface are compared, including devices without these facts. The facts that most devices have
     are correct. If several are equally common, the first device without an erratum about the place is correct. A
-    difference is not reported if only one of the two devices has an erratum about the place, which explains it.
+    difference is not reported if one of the two devices has an erratum about the place that the other does not have.
     """
     for place in places:
         steps = place.split(".")
@@ -53,8 +53,8 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
             priorities[document.file] = device_count, not has_erratum_at(document, *steps)
         common = max(with_interface, key=lambda document: priorities[document.file])
         for document in with_interface:
-            # If both devices have an erratum, it is about a text that both manuals contain.
-            if has_erratum_at(document, *steps) is has_erratum_at(common, *steps):
+            # An erratum that both devices have is about a text that both manuals contain.
+            if errata_at(document, *steps) == errata_at(common, *steps):
                 _report_difference(document, common, facts_by_file, tuple(steps), report)
 
 
@@ -205,7 +205,7 @@ def _compare_connector(
     reported_paths: set[Path] = set()
     for line, contact in _contacts_by_line(connector, path, document).items():
         first_contact = contacts_by_line.setdefault(line, contact)
-        if first_contact.name == contact.name or _has_erratum_at_contact(contact, first_contact):
+        if first_contact.name == contact.name or _has_erratum_at_contacts(contact, first_contact):
             continue
         # A contact with several lines is reported once.
         if contact.path not in reported_paths:
@@ -213,12 +213,9 @@ def _compare_connector(
             _report_contact(line, contact, first_contact, report)
 
 
-def _has_erratum_at_contact(*contacts: _Contact) -> bool:
-    """Return whether an erratum affects one of the contacts."""
-    return any(
-        has_erratum_at(contact.document, "connectors", contact.connector, "contacts", contact.name)
-        for contact in contacts
-    )
+def _has_erratum_at_contacts(*contacts: _Contact) -> bool:
+    """Return whether an erratum affects the contacts of the connector to which one of these contacts belongs."""
+    return any(has_erratum_at(contact.document, "connectors", contact.connector, "contacts") for contact in contacts)
 
 
 def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: ProblemReport) -> None:
@@ -229,9 +226,11 @@ def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, rep
         f"{quoted(line_name)} is on contact {quoted(contact.name)} here, but on {quoted(first_contact.name)} in"
         f" {PurePath(first_contact.document.file).name}:{line_number}; according to the manufacturer's file, the two"
         f" connectors are alike. If they are not, add an erratum that affects"
-        f" connectors.{contact.connector}.contacts.{contact.name}"
+        f" connectors.{contact.connector}.contacts"
     )
-    report.add("not-alike", contact.document, contact.path, message)
+    # Two exchanged wires are one problem.
+    cause = f"{contact.connector} {first_contact.document.file} {first_contact.connector}"
+    report.add("not-alike", contact.document, contact.path, message, cause=cause)
 
 
 def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_Line, _Contact]:

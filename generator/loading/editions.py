@@ -282,11 +282,20 @@ def _check_order(raw_spec: Raw, edition: Raw, path: Path, report: DocumentReport
             f" {transcribed_revision}"
         )
         report.add("edition-order", (*path, "before"), message, at_key=True)
-    if "then" in edition and name in earlier_revisions:
+    is_earlier = name in earlier_revisions or _has_lower_number(name, transcribed_revision)
+    if "then" in edition and is_earlier:
         message = (
             f"{quoted(name)} is not after {transcribed_revision}, which this file transcribes; use 'before' for it"
         )
         report.add("edition-order", (*path, "then"), message, at_key=True)
+
+
+def _has_lower_number(revision: str, other_revision: str) -> bool:
+    """Return whether a revision is older by its number: 1.9 is older than 1.10. False if one is not such a number."""
+    number_pattern = r"\d+(?:\.\d+)*"
+    if not re.fullmatch(number_pattern, revision) or not re.fullmatch(number_pattern, other_revision):
+        return False
+    return [*map(int, revision.split("."))] < [*map(int, other_revision.split("."))]
 
 
 def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -> None:

@@ -59,7 +59,22 @@ def check_examples(device: Device, report: DocumentReport) -> None:
             continue
         for path_in_example, problem in _errors_of_example(device, example):
             message = f"example '{example.name}' does not match: {problem}"
-            report.add("example-contradicts", ("examples", example.name, *path_in_example), message)
+            path = ("examples", example.name, *path_in_example)
+            # A CRC with a wrong start value contradicts all its examples, which is one problem.
+            report.add("example-contradicts", path, message, cause=_name_of_wrong_crc(device, example))
+
+
+def _name_of_wrong_crc(device: Device, example: Example) -> str:
+    """Return the name of the CRC that an example contradicts. Empty if it contradicts something else."""
+    if isinstance(example, CrcExample):
+        return example.crc
+    if not isinstance(example, FrameExample):
+        return ""
+    try:
+        crc = decode_example(device, example, example_variant(device, example)).crc
+    except (UnknownOrderCode, EncodeError):
+        return ""
+    return crc.name if crc is not None and not crc.ok else ""
 
 
 def _is_built(device: Device, example: Example) -> bool:

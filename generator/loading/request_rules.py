@@ -97,14 +97,18 @@ def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:
 def check_limits_in_procedures(device: Device, report: DocumentReport) -> None:
     """Report a step of a procedure that changes the limits of a later argument in a way that generated code ignores.
 
-    Generated code only takes the changed limits into account if the step writes an argument to a whole register.
+    Generated code only takes the changed limits into account if the step writes an argument to a whole register. A
+    register with problems was not built, so the limits of its arguments are unknown.
     """
+    built_registers = {register.name for register in device.registers}
     for procedure in device.procedures:
         for index, step in enumerate(procedure.steps):
             changed_names = {parameter.name for parameter in _parameters_changed(device, step)}
             if not changed_names:
                 continue
             for argument in _arguments_written(procedure, procedure.steps[index + 1 :]):
+                if argument.of not in built_registers:
+                    continue
                 limiting_names = _limiting_names(device, argument) & changed_names
                 if limiting_names:
                     effect = f"this changes {quoted(min(limiting_names))}, which limits the later argument"

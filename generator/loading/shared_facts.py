@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
@@ -44,6 +45,34 @@ def check_shared_facts(documents: Sequence[Document], report: ProblemReport) -> 
                 _report_different_facts(section, part_name, specs_with_part, report)
         compare_facts(alike_names.get("facts", ()), specs_of_manufacturer, report)
         compare_connectors(manufacturer_file, specs_of_manufacturer, report)
+        _compare_documents(specs_of_manufacturer, report)
+
+
+#: A number in the title or address of a document, but not in a name such as SMA21.
+_NUMBER_IN_REFERENCE = re.compile(r"(?<![A-Za-z0-9])\d+")
+
+
+def _compare_documents(specs: Sequence[Document], report: ProblemReport) -> None:
+    """Report a document whose title or address differs from one under the same key in another spec, only in numbers.
+
+    Several specs of a manufacturer cite the same document, such as a standard. Another document has other words.
+    """
+    first_spec_by_words: dict[tuple[str, ...], Document] = {}
+    for spec in sorted(specs, key=lambda spec: spec.file):
+        for key, cited_document in spec.data.get("documents", {}).items():
+            texts = {member: str(cited_document.get(member, "")) for member in ("title", "url")}
+            words = (key, *(_NUMBER_IN_REFERENCE.sub("0", text) for text in texts.values()))
+            first_spec = first_spec_by_words.setdefault(words, spec)
+            for member, text in texts.items():
+                first_text = str(first_spec.data["documents"][key].get(member, ""))
+                if text == first_text:
+                    continue
+                line, _ = first_spec.position(("documents", key, member))
+                message = (
+                    f"only a number differs from {quoted(first_text)} in {PurePath(first_spec.file).name}:{line};"
+                    f" correct one of the two, or give one of the documents another key"
+                )
+                report.add("not-alike", spec, ("documents", key, member), message)
 
 
 def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegister | LocatedPart[Crc]]:

@@ -52,6 +52,56 @@ def test_a_macro_that_goes_and_one_with_another_value() -> None:
     ]
 
 
+C_NAMES = """\
+typedef enum acme_enc_mode {
+    ACME_ENC_MODE_FAST = 0, /**< fast */
+    ACME_ENC_MODE_SLOW = 1
+} acme_enc_mode;
+typedef struct acme_enc_reply {
+    uint8_t speed; /**< speed */
+    uint32_t position;
+} acme_enc_reply;
+static CW_CONST acme_enc ACME_ENC_A17 = { 17U }; /**< ENC-A17 */
+static CW_CONST acme_enc ACME_ENC_A21 = { 21U }; /**< ENC-A21 */
+static inline uint8_t acme_enc_crc(const uint8_t *bytes, size_t length)
+{
+    uint32_t crc = 0x00U; /* the start value */
+    return (uint8_t)crc;
+}
+
+static inline bool acme_enc_reply_is_expected(
+    const acme_enc_reply *reply)
+{
+    return true;
+}
+"""
+
+
+def test_c_names_besides_macros() -> None:
+    new = (
+        C_NAMES.replace("    ACME_ENC_MODE_FAST = 0, /**< fast */\n", "")
+        .replace("uint8_t speed", "uint16_t speed")
+        .replace("static CW_CONST acme_enc ACME_ENC_A17 = { 17U }; /**< ENC-A17 */\n", "")
+        .replace("0x00U; /* the start value */", "0xFFU;")
+        .replace("acme_enc_reply_is_expected", "acme_enc_reply_is_right")
+    )
+    assert texts("c/include/acme/enc_biss.h", C_NAMES, new) == [
+        "C enumerator ACME_ENC_MODE_FAST is gone",
+        "C constant ACME_ENC_A17 is gone",
+        "C member acme_enc_reply.speed: uint8_t speed → uint16_t speed",
+        "C function acme_enc_reply_is_expected is gone",
+        "C function acme_enc_crc has changed",
+    ]
+    assert texts("c/include/acme/enc_biss.h", C_NAMES, C_NAMES.replace("/* the start value */", "")) == []
+
+
+def test_a_python_function_whose_code_differs() -> None:
+    old = 'def crc(data: bytes) -> int:\n    """Return the CRC."""\n    return 0\n'
+    path = "python/src/acme_encoders/enc.py"
+    assert texts(path, old, old.replace("return 0", "return 1")) == ["Python function enc.crc has changed"]
+    assert texts(path, old, old.replace("Return the CRC", "Compute the CRC")) == []
+
+
 def test_another_comment_is_no_change() -> None:
     assert texts("c/include/acme/enc_biss.h", HEADER, HEADER.replace("default */", "factory default */")) == []
 

@@ -132,9 +132,65 @@ def test_an_erratum_explains_a_contact_that_differs(tmp_path: Path) -> None:
     spec.write_text(text, encoding="utf-8")
     assert len(unlike_parts(folder)) == 2
     place = "connectors.m8_cable.contacts"
-    affects = f"affects: [{place}.Yellow, {place}.Blue, connectors.m12_connector,"
+    affects = f"affects: [{place}, connectors.m12_connector,"
     spec.write_text(text.replace("affects: [connectors.m12_connector,", affects), encoding="utf-8")
+    _, report = load_for_targets([folder], targets_named())
+    assert list(report.problems) == []
+
+
+@pytest.mark.slow
+def test_exchanged_wires_are_one_problem(tmp_path: Path) -> None:
+    folder = tmp_path / "lika"
+    copy_specs(folder, "am36", "asc85")
+    spec = folder / "asc85.yaml"
+    text = exchanged(spec.read_text(encoding="utf-8"), "{contact: Yellow,", "{contact: Blue,")
+    spec.write_text(text, encoding="utf-8")
+    _, report = load_for_targets([folder], targets_named())
+    (problem,) = report.by_cause
+    assert "'clock in+' is on contact 'Blue' here, but on 'Yellow' in am36.yaml:" in problem.message
+
+
+@pytest.mark.slow
+def test_an_erratum_that_one_device_has_explains_a_fact_about_which_both_have_another_erratum(tmp_path: Path) -> None:
+    """All manuals list cable lengths that do not fit the clock. AM36 lists fewer, which is another erratum."""
+    folder = tmp_path / "lika"
+    copy_specs(folder, "am36", "amm5", "asc85")
+    spec = folder / "am36.yaml"
+    text = spec.read_text(encoding="utf-8")
+    text = text.replace('      - {shorter_than_m: 200, below_hz: 200000, source: "5.3"}\n', "")
+    spec.write_text(text, encoding="utf-8")
+    assert len(unlike_parts(folder)) == 1
+    start, end = text.index("  - name: ssi_cable_400_m"), text.index("  - name: ssi_cable_50_m")
+    erratum = text[start:end].replace("ssi_cable_400_m", "ssi_cable_200_m")
+    spec.write_text(text[:end] + erratum + text[end:], encoding="utf-8")
     assert unlike_parts(folder) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("printed", "mistake", "is_reported"),
+    [
+        ("L-9709-9005-03-F", "L-9709-9050-03-F", True),
+        ("ICHAUS/30/IC-MU_17.htm", "ICHAUS/30/IC-MU_1.htm", True),
+        # Another document under the same key.
+        ("L-9709-9005-03-F, BiSS data sheet, Renishaw", "L-9709-9050-03-F, installation guide", False),
+        ("SMA21 + MTA-A154 manual, Italian", "SMA22 + MTA-A154 manual, Italian", False),
+    ],
+)
+def test_a_document_whose_digits_differ_between_specs(
+    tmp_path: Path, printed: str, mistake: str, is_reported: bool
+) -> None:
+    folder = tmp_path / "lika"
+    copy_specs(folder, "am36", "amm5")
+    spec = folder / "amm5.yaml"
+    text = spec.read_text(encoding="utf-8")
+    assert printed in text
+    spec.write_text(text.replace(printed, mistake), encoding="utf-8")
+    messages = [problem.message for problem in unlike_parts(folder)]
+    assert [message for message in messages if "only a number differs" in message and printed in message] == (
+        messages if is_reported else []
+    )
+    assert bool(messages) is is_reported
 
 
 @pytest.mark.slow

@@ -43,6 +43,21 @@ def test_a_wrong_start_value_is_named_if_every_example_fits_another(tmp_path: Pa
     assert len(messages) > 5
     hint = "; with 'init: 0x0' in the CRC 'rs485_8', every example matches"
     assert all(message.endswith(hint) for message in messages)
+    combined_problems = [problem for problem in report.by_cause if problem.rule == "example-contradicts"]
+    assert len(combined_problems) == 1
+
+
+@pytest.mark.slow
+def test_a_procedure_may_write_a_register_that_has_problems(tmp_path: Path) -> None:
+    """A register with a single meaning is refused. The limits in the procedures that write it are then unknown."""
+    spec = packaged_specs() / "lika" / "sma21.yaml"
+    text = spec.read_text(encoding="utf-8")
+    start = text.index("      - name: offset\n        when: configuration")
+    end = text.index("        source: 6.4 p.32\n", start) + len("        source: 6.4 p.32\n")
+    (tmp_path / "sma21.yaml").write_text(text[:start] + text[end:], encoding="utf-8")
+    (tmp_path / "manufacturer.yaml").write_bytes(spec.with_name("manufacturer.yaml").read_bytes())
+    _, report = load_for_targets([tmp_path], targets_named())
+    assert any("meanings" in problem.path for problem in report.problems)
 
 
 SOUND = Path(__file__).parent / "ok_model"

@@ -404,6 +404,11 @@ SLIPS = {
         'revision: "1.2"\n    then',
         "edition-order: '1.2' is not after 1.9, which this file transcribes; use 'before' for it",
     ),
+    "then of a revision that no history has": (
+        'revision: "1.2"\n    before',
+        'revision: "0.7"\n    then',
+        "edition-order: '0.7' is not after 1.9, which this file transcribes; use 'before' for it",
+    ),
     "nothing there": (
         "- unknown: [registers.device_id]",
         "- unknown: [registers.device_di]",

@@ -18,7 +18,7 @@ from .walk import leaves_of
 
 _NUMBER = r"(?P<number>0[xX][0-9A-Fa-f]+|[0-9][0-9A-F]*h\b|[0-9]+(?![0-9A-Fa-f]*h\b|[.,]?[0-9A-Za-z]))"
 #: The start value of a CRC in words, unless the sentence restricts it.
-_START_VALUE = re.compile(rf"\bstart value (?:is |of )?{_NUMBER}(?! unless)", re.IGNORECASE)
+_START_VALUE = re.compile(rf"\bstart value (?:is |of |to )?{_NUMBER}(?! unless)", re.IGNORECASE)
 #: The default of a register in words.
 _DEFAULT_IN_TEXT = re.compile(rf"\bdefault (?:value )?(?:is |of ){_NUMBER}(?! unless)", re.IGNORECASE)
 #: Words in the name of an example that shows the factory default of a register.
@@ -45,6 +45,34 @@ def check_start_values(spec: WrittenSpec, report: DocumentReport) -> None:
     for erratum in spec.errata:
         affected_values = _numbers_affected_by(erratum, "crcs", start_values, "init")
         _check_number_in_text(erratum.place_of("used"), erratum.used, _START_VALUE, "init", affected_values, report)
+
+
+#: Several bytes in hexadecimal in a text, such as ``32h 10h 01h`` or ``32 10 01``.
+_BYTES_IN_TEXT = re.compile(r"\b[0-9A-F]{2}h?(?: [0-9A-F]{2}h?){2,}\b")
+
+
+def check_bytes_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the bytes that an erratum quotes are the bytes of an example that names the erratum.
+
+    Only as many bytes as the example has are compared. If the erratum quotes several frames of this length, one of them
+    must be the example.
+    """
+    errata = by_name(spec.errata)
+    for example in spec.examples:
+        erratum = errata.get(example.erratum)
+        example_bytes = example.bytes.upper().split()
+        if erratum is None or not example_bytes:
+            continue
+        quoted_frames: list[list[str]] = []
+        for bytes_text in _BYTES_IN_TEXT.findall(erratum.printed):
+            quoted_frames.append(bytes_text.replace("h", "").split())
+        frames_of_length = [frame for frame in quoted_frames if len(frame) == len(example_bytes)]
+        if frames_of_length and example_bytes not in frames_of_length:
+            message = (
+                f"the text has the bytes {quoted(' '.join(frames_of_length[0]))}, but the example"
+                f" {quoted(example.name)} has {quoted(example.bytes)}; correct one of the two"
+            )
+            report.add("left-behind", erratum.place_of("printed"), message)
 
 
 def check_defaults(spec: WrittenSpec, report: DocumentReport) -> None:

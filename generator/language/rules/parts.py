@@ -373,8 +373,11 @@ def has_erratum_at(document: Document, *keys: str) -> bool:
     A second reading has no errata, so everything counts as explained there. It repeats the printed values, and its
     spec must agree or explain the difference.
     """
-    if is_second(document.file):
-        return True
+    return is_second(document.file) or bool(errata_at(document, *keys))
+
+
+def errata_at(document: Document, *keys: str) -> frozenset[str]:
+    """Return the names of the errata that affect exactly this place: ``"interfaces", "ssi", "clock"``."""
     affected_path = as_affected_name(".".join(keys))
     errata = WrittenSpec(document.data).errata
-    return any(affected_path in map(as_affected_name, erratum.affects) for erratum in errata)
+    return frozenset(erratum.name for erratum in errata if affected_path in map(as_affected_name, erratum.affects))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
 
 from ...model import Characteristic, Timing
@@ -23,10 +23,12 @@ _UNIT_FACTORS: Mapping[str, Mapping[str, int]] = {
     "current": {"A": 1000, "mA": 1, "ma": 1},
     "temperature": {"°C": 1},
     "torque": {"Nm": 1},
+    "length": {"m": 1},
 }
-#: ``"voltage"`` for ``"mV"`` and so on. Units in lower case occur only at the ends of keys.
+#: ``"voltage"`` for ``"mV"`` and so on.
 _KIND_OF_UNIT = {unit: kind for kind, factors in _UNIT_FACTORS.items() for unit in factors}
-_UNITS_IN_TEXTS = "|".join(sorted((unit for unit in _KIND_OF_UNIT if not unit.islower()), key=len, reverse=True))
+_UNITS_OF_KEYS_ONLY = frozenset(("mv", "hz", "ma"))
+_UNITS_IN_TEXTS = "|".join(sorted(_KIND_OF_UNIT.keys() - _UNITS_OF_KEYS_ONLY, key=len, reverse=True))
 _QUANTITY_IN_TEXT = re.compile(
     rf"(?<![\w.,±])(?<!± )(?P<number>[+−-]?\d+(?:,\d{{3}})*(?:\.\d+)?) ?(?P<unit>{_UNITS_IN_TEXTS})(?![\w/])"
 )
@@ -160,6 +162,44 @@ def check_quoted_names(spec: WrittenSpec, report: DocumentReport) -> None:
             if _fold_name(name) not in folded_names:
                 message = f"nothing here is called {quoted(name)}{suggest_word(name, names_in_spec)}; correct the text"
                 report.add("left-behind", path, message, cause=name)
+
+
+#: Least number of words in a name that is recognized in a text although one word differs.
+_WORDS_OF_LONG_NAME = 3
+
+
+def check_renamed_registers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that texts name a register with a name of three or more words as the spec does.
+
+    A phrase that differs from the name in one word in the middle, such as ``Preset setting enable`` for
+    ``Preset write enable``, is the old name of a renamed register, unless something else has this name.
+    """
+    if report.document.family or report.document.other_files:
+        return
+    known_names = {_fold_name(name) for name in _printed_names(spec, report)}
+    long_names = {register.printed_name: register.printed_name.split() for register in by_name(spec.registers).values()}
+    long_names = {name: words for name, words in long_names.items() if len(words) >= _WORDS_OF_LONG_NAME}
+    for path, text in leaves_of(spec.data, report) if long_names else ():
+        is_text = path[-1] in _KEYS_OF_TEXTS or path[-1] in ("printed", "title")
+        if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or not is_text:
+            continue
+        for name, words in long_names.items():
+            similar_phrase = _similar_phrase(text, words)
+            if similar_phrase and _fold_name(similar_phrase) not in known_names:
+                message = f"nothing here is called {quoted(similar_phrase)}; did you mean {quoted(name)}?"
+                report.add("left-behind", path, f"{message} Correct the text", cause=similar_phrase)
+
+
+def _similar_phrase(text: str, words: Sequence[str]) -> str:
+    """Return the first words of a text that differ from ``words`` in exactly one word in the middle, or ""."""
+    words_of_text = re.findall(r"[\w-]+", text)
+    for index in range(len(words_of_text) - len(words) + 1):
+        phrase = words_of_text[index : index + len(words)]
+        different_words = [word for word, other in zip(phrase, words, strict=True) if word != other]
+        has_same_ends = (phrase[0], phrase[-1]) == (words[0], words[-1])
+        if has_same_ends and len(different_words) == 1:
+            return " ".join(phrase)
+    return ""
 
 
 def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:

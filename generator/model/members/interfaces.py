@@ -95,7 +95,7 @@ INTERFACES = (
             "cable_lengths",
             "[cable_length]",
             "Highest clock by cable length.",
-            "interface-rule",
+            "cable-length",
             "clock by cable",
         ),
         ModelMember("profile", "string", "Encoder profile that the manual names.", "interface-rule"),
