@@ -38,10 +38,6 @@ from . import (
     values,
     words,
 )
-from . import procedures as banks
-from . import procedures as saving
-from . import values as bases
-from . import values as clocks
 from .parts import Rule
 from .references import (
     check_alarm_references,
@@ -54,7 +50,6 @@ from .references import (
     check_expressions,
     check_field_references,
     check_printed_references,
-    check_procedure_references,
     check_register_references,
     check_unused_crc,
 )
@@ -100,20 +95,20 @@ RULES: tuple[Rule, ...] = (
     check_register_references,
     check_alarm_references,
     check_by_hand_references,
-    check_procedure_references,
+    procedures.check_procedure_references,
     check_example_references,
     check_erratum_references,
     check_connector_references,
     check_printed_references,
     check_device_references,
-    bases.check_number_base,
-    bases.check_typographic_quotes,
+    values.check_number_base,
+    values.check_typographic_quotes,
     sources.check_cited_place,
     check_evidence_references,
     sources.check_evidence,
     sources.check_limit_sources,
-    banks.check_named_bank,
-    banks.check_selected_bank,
+    procedures.check_named_bank,
+    procedures.check_selected_bank,
     biss.check_biss_places,
     biss.check_taken_biss_places,
     biss.check_biss_byte_order,
@@ -128,7 +123,7 @@ RULES: tuple[Rule, ...] = (
     procedures.check_opening_steps,
     procedures.check_written_arguments,
     procedures.check_procedure_name,
-    saving.check_saves_before_writes,
+    procedures.check_saves_before_writes,
     parameters.check_parameter_interface,
     parameters.check_units,
     sources.check_revision_in_history,
@@ -156,7 +151,7 @@ RULES: tuple[Rule, ...] = (
     values.check_register_range,
     values.check_timing_bounds,
     values.check_clock_range,
-    clocks.check_plausible_rates,
+    rates.check_plausible_rates,
     values.check_cable_order,
     values.check_dates,
     values.check_supply_range,

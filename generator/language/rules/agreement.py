@@ -231,7 +231,7 @@ def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for field_list in field_lists(spec):
         unused_bits = set(_unused_bits_in(field_list.owner.note))
-        if field_list.kind is not FieldOwner.REGISTER or not unused_bits:
+        if field_list.owner_kind is not FieldOwner.REGISTER or not unused_bits:
             continue
         for field in field_list.fields:
             contradicting_bits = unused_bits.intersection(_bits_at(field.at))

@@ -12,11 +12,11 @@ from ..written_codes import WrittenRegister
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
 from .parts import (
-    bank_select,
+    bank_select_register,
     by_name,
     by_part_name,
     has_erratum_at,
-    interface_of,
+    interface_name_of,
     layouts_of_interfaces,
     position_names,
     with_groups_expanded,
@@ -48,10 +48,10 @@ def check_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for register in spec.registers:
         name = register.name
-        selects_banks = name == bank_select(spec)
+        selects_banks = name == bank_select_register(spec)
         fixed_place = _BANK_SELECT if selects_banks else _STANDARD_REGISTERS.get(name)
         is_in_bank = register.bank is not None
-        if fixed_place is None or interface_of(register) != Biss.name or (is_in_bank and not selects_banks):
+        if fixed_place is None or interface_name_of(register) != Biss.name or (is_in_bank and not selects_banks):
             continue
         address, length, place_text = fixed_place  # Such as 0x40, 1 and "at 40h".
         if register.address != address or is_in_bank:
@@ -75,8 +75,8 @@ def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for register in spec.registers:
         name = register.name
-        has_fixed_name = name in _STANDARD_REGISTERS or name == bank_select(spec)
-        if interface_of(register) != Biss.name or register.bank is not None or has_fixed_name:
+        has_fixed_name = name in _STANDARD_REGISTERS or name == bank_select_register(spec)
+        if interface_name_of(register) != Biss.name or register.bank is not None or has_fixed_name:
             continue
         fixed_name = _profile_register_at(register)
         if fixed_name is None or has_erratum_at(report.document, "registers", name, "address"):
@@ -116,7 +116,7 @@ def check_biss_byte_order(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of the BiSS profile have their highest byte first, unless an erratum explains it."""
     for register in spec.registers:
         name = register.name
-        if name not in _STANDARD_REGISTERS or interface_of(register) != Biss.name or register.bank is not None:
+        if name not in _STANDARD_REGISTERS or interface_name_of(register) != Biss.name or register.bank is not None:
             continue
         is_low_byte_first = register.byte_order == "low_byte_first"
         if is_low_byte_first and not has_erratum_at(report.document, "registers", name, "byte_order"):

@@ -17,7 +17,7 @@ from .parts import (
     FieldOwner,
     by_name,
     field_lists,
-    field_names,
+    fields_by_name,
     interfaces,
     layouts_of_interfaces,
     owner_of_alarm,
@@ -38,7 +38,7 @@ def check_missing_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
     groups = by_name(spec.with_invalid_parts.field_groups)
     positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
     for frame in layouts_of_interfaces(spec):
-        has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
+        has_position = not positions[frame.interface].isdisjoint(fields_by_name(frame, groups))
         if not frame.is_from_encoder or not has_position:
             continue
         flags_with_known_verdict = INTERFACES[frame.interface].flags
@@ -155,7 +155,7 @@ def check_plain_bits(spec: WrittenSpec, report: DocumentReport) -> None:
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
     for field_list in field_lists(spec):
-        if field_list.kind is not FieldOwner.GROUP and not field_list.is_from_encoder:
+        if field_list.owner_kind is not FieldOwner.GROUP and not field_list.is_from_encoder:
             continue
         for field in field_list.fields:
             name = field.name
@@ -293,7 +293,7 @@ def _layouts_with_position(spec: WrittenSpec, interface_name: str) -> list[Field
 def _find_position(field_list: FieldList, spec: WrittenSpec) -> str:
     """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
     known_names = position_names(spec, field_list.interface)
-    for name in (*field_list.joins, *field_names(field_list, by_name(spec.with_invalid_parts.field_groups))):
+    for name in (*field_list.joins, *fields_by_name(field_list, by_name(spec.with_invalid_parts.field_groups))):
         if name in known_names:
             return name
     return _UNKNOWN_POSITION

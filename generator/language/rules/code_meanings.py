@@ -43,8 +43,8 @@ def check_order_code_references(spec: WrittenSpec, report: DocumentReport) -> No
         _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
         for value in part.values.values():
             for name in value.sets:
-                resolver.refer((*value.path, "sets", name), "parameter", name)
-            resolver.refer_if_given(value.place_of("interface"), "interface", value.interface)
+                resolver.check_name((*value.path, "sets", name), "parameter", name)
+            resolver.check_optional_name(value.place_of("interface"), "interface", value.interface)
             _check_combinations(resolver, value.place_of("only_with"), value.only_with, parts, other_parts)
 
 
@@ -61,10 +61,10 @@ def _check_combinations(
     """
     for part_name, labels in labels_by_part.items():
         labels_path = (*path, part_name)
-        resolver.refer(labels_path, "other part", part_name, known_names=other_parts)
+        resolver.check_name(labels_path, "other part", part_name, known_names=other_parts)
         if part_name in parts_by_name:
             known_labels = parts_by_name[part_name].names_in("values")
-            resolver.refer_to_each(labels_path, part_name, labels, known_labels)
+            resolver.check_each_name(labels_path, part_name, labels, known_names=known_labels)
 
 
 def check_value_words(spec: WrittenSpec, report: DocumentReport) -> None:

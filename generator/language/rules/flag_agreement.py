@@ -12,7 +12,7 @@ from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_layouts import WrittenField, WrittenFieldGroup
 from ..written_parts import WrittenSpec
-from .parts import FieldList, FieldOwner, by_name, field_lists, interface_of, owner_of_alarm, position_names
+from .parts import FieldList, FieldOwner, by_name, field_lists, interface_name_of, owner_of_alarm, position_names
 
 #: A level in a text of a flag.
 _LEVEL_IN_TEXT = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
@@ -65,7 +65,7 @@ def check_repeated_flags(spec: WrittenSpec, report: DocumentReport) -> None:
     for field_list in field_lists(spec):
         if field_list.interface == Biss.name:
             continue  # Another rule checks the flags of BiSS.
-        if field_list.kind not in (FieldOwner.GROUP, FieldOwner.LAYOUT):
+        if field_list.owner_kind not in (FieldOwner.GROUP, FieldOwner.LAYOUT):
             continue
         flags = [field for field in field_list.fields if field.active]
         for flag in flags:
@@ -246,7 +246,7 @@ def check_read_only_registers(spec: WrittenSpec, report: DocumentReport) -> None
         is_explained = _mentions_word(register.meaning, "writ") or _mentions_word(register.note, "writ")
         has_flag_of_alarm = register.name in names_with_flags or any(field.explained_by for field in register.fields)
         has_only_flags = has_flag_of_alarm and all(map(_is_flag_or_fixed, register.fields))
-        has_position = register.name in position_names(spec, interface_of(register))
+        has_position = register.name in position_names(spec, interface_name_of(register))
         is_doubtful = has_only_flags or has_position
         if is_doubtful and not is_used and not is_explained:
             content_text = "flags of alarms" if has_only_flags else "the position"

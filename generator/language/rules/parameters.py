@@ -19,7 +19,7 @@ from .parts import (
     WrittenInterface,
     by_name,
     field_lists,
-    interface_of,
+    interface_name_of,
     interfaces,
     layouts_of_interfaces,
     measurements,
@@ -111,7 +111,9 @@ def parameter_uses(spec: WrittenSpec) -> Iterator[ParameterUse]:
     """
     groups = by_name(spec.with_invalid_parts.field_groups)
     field_owners = list(layouts_of_interfaces(spec))
-    field_owners += [FieldList(FieldOwner.REGISTER, register, interface_of(register)) for register in spec.registers]
+    field_owners += [
+        FieldList(FieldOwner.REGISTER, register, interface_name_of(register)) for register in spec.registers
+    ]
     for field_list in field_owners:
         for path, field in with_groups_expanded(field_list, groups):
             yield from _with_interface(field_list.interface, _expressions_of_field(field, path))
@@ -283,7 +285,7 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
         _check_answers(alternative, own_parameters, resolver)
     for name, parameter in spec.parameters.items():
         path = parameter.place_of("alternative")
-        resolver.refer_if_given(path, "alternative", parameter.alternative, alternatives)
+        resolver.check_optional_name(path, "alternative", parameter.alternative, known_names=alternatives)
         alternative_of_parameter = alternatives.get(parameter.alternative)
         if alternative_of_parameter is not None and not _sets_parameter(alternative_of_parameter, name):
             problem = f"no answer of {quoted(parameter.alternative)} sets {quoted(name)}"
@@ -291,10 +293,10 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
     for example in spec.examples:
         for name, answer in example.alternatives.items():
             answer_path = (*example.path, "alternatives", name)
-            resolver.refer(answer_path, "alternative", name, alternatives)
+            resolver.check_name(answer_path, "alternative", name, known_names=alternatives)
             if name in alternatives:
                 answers = alternatives[name].names_in("values")
-                resolver.refer(answer_path, f"answer of {quoted(name)} called", answer, answers)
+                resolver.check_name(answer_path, f"answer of {quoted(name)} called", answer, known_names=answers)
 
 
 def _sets_parameter(alternative: WrittenAlternative, parameter_name: str) -> bool:
@@ -315,7 +317,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
     for answer_name, answer in alternative.values.items():
         sets_path = answer.place_of("sets")
         for name in answer.sets:
-            resolver.refer((*sets_path, name), "parameter", name)
+            resolver.check_name((*sets_path, name), "parameter", name)
             if name in resolver.parameter_names and name not in own_parameters:
                 problem = f"{quoted(name)} is not a parameter of {quoted(question)}; give it 'alternative: {question}'"
                 resolver.report_problem((*sets_path, name), problem)

@@ -13,7 +13,7 @@ from ..written_codes import WrittenRegister
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
-from .parts import by_name, field_lists, has_erratum_at, interface_of
+from .parts import by_name, field_lists, has_erratum_at, interface_name_of
 from .walk import leaves_of
 
 #: Lists that are sets, at any place.
@@ -81,7 +81,7 @@ def check_repeated_text(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     registers_by_bank: dict[object, list[WrittenRegister]] = {}
     for register in spec.registers:
-        registers_by_bank.setdefault((interface_of(register), register.bank), []).append(register)
+        registers_by_bank.setdefault((interface_name_of(register), register.bank), []).append(register)
     for registers in registers_by_bank.values():
         _report_repeated("printed_name", map(_printed_name_of, registers), report)
     for field_list in field_lists(spec):
@@ -140,7 +140,7 @@ def check_description_file(spec: WrittenSpec, report: DocumentReport) -> None:
     biss = spec.interfaces.biss
     file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file) if biss is not None else None
     register = by_name(spec.registers).get("manufacturer_id")
-    if biss is None or file_name is None or register is None or interface_of(register) != Biss.name:
+    if biss is None or file_name is None or register is None or interface_name_of(register) != Biss.name:
         return
     id_texts = [field.equals for field in register.fields if isinstance(field.equals, str) and field.equals.isascii()]
     manufacturer_id = "".join(id_texts).encode("ascii").hex()  # 4c41 for LA.

@@ -16,8 +16,8 @@ from .parts import (
     Groups,
     by_name,
     constant_width,
-    field_names,
-    interface_of,
+    fields_by_name,
+    interface_name_of,
     with_groups_expanded,
 )
 
@@ -158,7 +158,7 @@ def _check_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     Also check that no parameter is read from them.
     """
     for register in spec.registers:
-        if interface_of(register) != Spi.name:
+        if interface_name_of(register) != Spi.name:
             continue
         if register.byte_order:
             message = (
@@ -173,7 +173,7 @@ def _check_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     registers = by_name(spec.with_invalid_parts.registers)
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
-        if interface_of(registers.get(register_name)) == Spi.name:
+        if interface_name_of(registers.get(register_name)) == Spi.name:
             message = (
                 f"a parameter cannot be read from a register over SPI; remove 'read_from' from {quoted(name)}"
                 ", and give it a value for each order code"
@@ -244,7 +244,9 @@ def _check_accesses(
     """
     groups = by_name(spec.with_invalid_parts.field_groups)
     layouts = by_name(raw_interface.layouts)
-    spi_registers = [register for register in spec.with_invalid_parts.registers if interface_of(register) == Spi.name]
+    spi_registers = [
+        register for register in spec.with_invalid_parts.registers if interface_name_of(register) == Spi.name
+    ]
     for purpose, (needed_in_request, needed_in_reply) in _FIELDS_FOR_ACCESS.items():
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
         _check_fields(accesses, "request", needed_in_request, layouts, groups, report)
@@ -282,7 +284,7 @@ def _check_fields(
     for exchange in accesses:
         layout = layouts.get(_frame_name(exchange, frame_key))
         if layout is not None:
-            field_names_of_frames.update(field_names(_as_field_list(layout), groups))
+            field_names_of_frames.update(fields_by_name(_as_field_list(layout), groups))
     missing_names = [field_name for field_name in needed_names if field_name not in field_names_of_frames]
     if missing_names:
         frame_name = _frame_name(accesses[0], frame_key)

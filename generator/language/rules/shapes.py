@@ -15,7 +15,7 @@ from .parts import (
     by_part_name,
     constant_width,
     field_lists,
-    interface_of,
+    interface_name_of,
 )
 
 #: Keys that give the place of a field.
@@ -56,10 +56,10 @@ def check_layout_keys(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def _check_use(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field that includes a group is in a layout or register, and has no keys of a field."""
-    if field_list.kind is FieldOwner.GROUP:
+    if field_list.owner_kind is FieldOwner.GROUP:
         message = "a field group cannot include another group; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
-    elif field_list.kind is FieldOwner.CONTROL:
+    elif field_list.owner_kind is FieldOwner.CONTROL:
         message = "the control data cannot include field groups; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
     keys_of_fields = [key for key in field.data if key not in _BESIDE_USE]
@@ -220,7 +220,7 @@ def _check_placing(field_list: FieldList, report: DocumentReport) -> None:
     """Check that either all fields of a layout, register or group have a bit position, or none. Skip control data."""
     fields_with_position = [field for field in field_list.fields if field.has(*PLACES)]
     fields_without_position = [field for field in field_list.fields if not field.has(*PLACES)]
-    if not fields_with_position or not fields_without_position or field_list.kind is FieldOwner.CONTROL:
+    if not fields_with_position or not fields_without_position or field_list.owner_kind is FieldOwner.CONTROL:
         return
     field = fields_without_position[0]
     # A field that includes a group has no name of its own.
@@ -307,7 +307,7 @@ def _top_bit(field: WrittenField) -> int:
 def check_missing_byte_orders(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of several bytes with addresses have a byte order, because no default is safe."""
     for register in spec.registers:
-        interface = INTERFACES.get(interface_of(register))
+        interface = INTERFACES.get(interface_name_of(register))
         # A register without addresses for its bytes is sent as one number.
         has_bytes = interface is None or interface.byte_addresses
         if has_bytes and register.length > 1 and not register.byte_order:

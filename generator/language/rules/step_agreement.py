@@ -10,7 +10,7 @@ from ..problems import DocumentReport, Path, join_words, quoted
 from ..schema_files import is_second
 from ..written_codes import WrittenRegister
 from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
-from .parts import Groups, by_name, constant_width, fields_of, interface_of
+from .parts import Groups, by_name, constant_width, fields_of, interface_name_of
 from .walk import leaves
 
 #: Kinds of steps that access a register.
@@ -28,9 +28,9 @@ def check_interface_of_steps(spec: WrittenSpec, report: DocumentReport) -> None:
             register = registers.get(step.register)
             if step.do not in _KINDS_OF_ACCESS or register is None or procedure.interface not in spec.interfaces.data:
                 continue
-            if interface_of(register) != procedure.interface:
+            if interface_name_of(register) != procedure.interface:
                 message = (
-                    f"{quoted(step.register)} is a register of {interface_of(register)}, but the procedure is for"
+                    f"{quoted(step.register)} is a register of {interface_name_of(register)}, but the procedure is for"
                     f" {procedure.interface}; correct the interface of one of the two"
                 )
                 report.add("interface-mismatch", step.place_of("register"), message, cause=procedure.name)
