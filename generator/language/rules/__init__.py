@@ -176,7 +176,7 @@ RULES: tuple[Rule, ...] = (
     agreement.check_zero_within_limits,
     agreement.check_repeated_requests,
     agreement.check_repeated_tables,
-    quantities.check_conversions,
+    numbers_in_texts.check_conversions,
     words.check_threshold_words,
     words.check_latch_words,
     words.check_level_words,
