@@ -252,15 +252,17 @@ def refusals(layout_plan: LayoutPlan) -> Iterator[Refusal]:
     The range of a position replaces all other checks of its field. Limits of a register are not included.
     """
     range_checks = {check.field.name: check for check in layout_plan.checks if isinstance(check, (NotAbove, IsBetween))}
-    for part in layout_plan.parts:
-        match range_checks.get(part.field.name):
+    for decoded_field in layout_plan.parts:
+        field = decoded_field.field
+        match range_checks.get(field.name):
             case NotAbove(highest=highest):
-                yield TooHigh(part.field, highest)
+                yield TooHigh(field, highest)
             case IsBetween(lowest=lowest, highest=highest):
-                yield NotBetween(part.field, lowest, highest)
+                yield NotBetween(field, lowest, highest)
             case None:
-                yield from _field_refusals(layout_plan.layout, part.field)
-    yield from (JoinDisagrees(whole) for whole in layout_plan.joined_numbers)
+                yield from _field_refusals(layout_plan.layout, field)
+    for joined_number in layout_plan.joined_numbers:
+        yield JoinDisagrees(joined_number)
 
 
 def powers_of_two(layout_plan: LayoutPlan) -> frozenset[str]:
@@ -279,9 +281,10 @@ def outside(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLimits | No
         return None
     bounds = limits.binding
     minimum_of_1 = ("min", Expression(1))
-    for part in layout_plan.parts:
-        rejects_zero = bool(part.field.number.zero_means) or part.field.number.power_of_two
-        if part.field.name == limits.member and rejects_zero:
+    for decoded_field in layout_plan.parts:
+        number = decoded_field.field.number
+        rejects_zero = bool(number.zero_means) or number.power_of_two
+        if rejects_zero and decoded_field.field.name == limits.member:
             bounds = tuple(bound for bound in bounds if bound != minimum_of_1)
     return OutsideLimits(limits.member, bounds) if bounds else None
 
@@ -321,7 +324,8 @@ def _field_refusals(layout: Layout, field: Field) -> Iterator[Refusal]:
         case Choice():  # All numbers that fit are valid.
             yield TooWide(field, field.width)
         case Decimal(runs=runs):
-            yield from (DigitTooHigh(field, run) for run in runs)
+            for digit_group in runs:
+                yield DigitTooHigh(field, digit_group)
             yield DigitsDisagree(field, runs)
         case Flag() if not field.width.is_constant:
             yield TooWide(field, field.width)

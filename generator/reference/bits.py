@@ -11,9 +11,15 @@ from ..model import Crc, Join, Parity, PlacedField, PlacedLayout, Unused, number
 from ..model.kinds import DigitCode
 
 
+def bits_of_field(placed_field: PlacedField, frame: int) -> int:
+    """Return the bits of a field in a frame as a number."""
+    return (frame >> placed_field.low) & placed_field.mask
+
+
 def reflect(value: int, width: int) -> int:
     """Return ``value`` with its ``width`` bits in reverse order."""
-    return int(f"{value:0{width}b}"[::-1], 2)
+    binary_digits = f"{value:0{width}b}"
+    return int(binary_digits[::-1], 2)
 
 
 def compute_bits(crc: Crc, number: int, bits: int) -> int:
@@ -25,10 +31,11 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
     mask = crc.mask
     poly = crc.poly
     highest_bit = crc.width - 1
-    for bit_position in range(bits - 1, -1, -1):
-        has_feedback = ((register >> highest_bit) ^ (number >> bit_position)) & 1
+    for bit_position in reversed(range(bits)):
+        data_bit = (number >> bit_position) & 1
+        shifted_out = (register >> highest_bit) & 1
         register = (register << 1) & mask
-        if has_feedback:
+        if shifted_out != data_bit:
             register ^= poly
     if crc.refout:
         register = reflect(register, crc.width)
@@ -80,7 +87,7 @@ def unused_bits(placed: PlacedLayout, number: int) -> int:
     """
     result = 0
     for placed_field, low_bit_in_result in placed.unused:
-        sent_bits = (number >> placed_field.low) & placed_field.mask
+        sent_bits = bits_of_field(placed_field, number)
         differing_bits = sent_bits ^ documented_bits(placed_field)
         result |= differing_bits << low_bit_in_result
     return result
@@ -104,8 +111,8 @@ def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
     """
     ones = 0
     for placed_field in placed.find_fields(parity.of):
-        value = (number >> placed_field.low) & placed_field.mask
-        ones += (value & parity.mask).bit_count()
+        covered_bits_of_field = bits_of_field(placed_field, number) & parity.mask
+        ones += covered_bits_of_field.bit_count()
     # ``odd`` is 1 for odd parity, which makes the whole number of ones odd.
     return (ones + parity.odd) & 1
 
@@ -117,7 +124,7 @@ def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
     """
     joined_value = 0
     for placed_field in placed.find_fields(join.fields):
-        field_value = (number >> placed_field.low) & placed_field.mask
+        field_value = bits_of_field(placed_field, number)
         joined_value = (joined_value << placed_field.width) | field_value
     return joined_value
 
@@ -149,7 +156,7 @@ def to_binary(placed: PlacedLayout, number: int) -> int:
     for placed_field in placed.fields:
         code = placed_field.field.number.code_of_digits
         if code is not None:
-            sent_bits = (number >> placed_field.low) & placed_field.mask
+            sent_bits = bits_of_field(placed_field, number)
             value = number_of_digits(code, sent_bits, placed_field.width)
             if value is None:
                 value = placed_field.mask
@@ -163,12 +170,14 @@ def number_of_digits(code: DigitCode, bits: int, width: int) -> int | None:
     ``code`` defines how each digit is sent: for BCD, 0001 0010 are the digits 1 and 2 of the number 12.
     """
     number = 0
-    low_of_first_digit = (width - 1) // code.bits * code.bits
-    for low in range(low_of_first_digit, -1, -code.bits):
-        code_of_digit = (bits >> low) & ((1 << code.bits) - 1)
+    mask_of_digit = (1 << code.bits) - 1
+    digit_count = -(-width // code.bits)  # Rounded up: the first digit can have fewer bits.
+    for digit_index in reversed(range(digit_count)):
+        code_of_digit = (bits >> (digit_index * code.bits)) & mask_of_digit
         if code_of_digit not in code.codes:
             return None
-        number = number * len(code.codes) + code.codes.index(code_of_digit)
+        digit = code.codes.index(code_of_digit)
+        number = number * len(code.codes) + digit
     return number
 
 
@@ -185,7 +194,8 @@ def digits_of_number(code: DigitCode, number: int) -> int:
 
 def with_bits(number: int, placed_field: PlacedField, bits: int) -> int:
     """Return the frame ``number`` with the bits of one field replaced by ``bits``."""
-    return number & ~(placed_field.mask << placed_field.low) | bits << placed_field.low
+    other_bits = number & ~(placed_field.mask << placed_field.low)
+    return other_bits | (bits << placed_field.low)
 
 
 def from_binary(placed: PlacedLayout, number: int) -> int:
@@ -203,8 +213,9 @@ def from_binary(placed: PlacedLayout, number: int) -> int:
     for placed_field in placed.fields:
         code = placed_field.field.number.code_of_digits
         if code is not None:
-            value = (number >> placed_field.low) & placed_field.mask
-            number = with_bits(number, placed_field, digits_of_number(code, value))
+            value = bits_of_field(placed_field, number)
+            sent_digits = digits_of_number(code, value)
+            number = with_bits(number, placed_field, sent_digits)
     return _convert_gray_part(placed, number, number_to_gray)
 
 
@@ -217,9 +228,10 @@ def _convert_gray_part(placed: PlacedLayout, frame: int, convert: Callable[[int]
         return frame
     low, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1
+    number = (frame >> low) & mask
+    converted_number = convert(number) & mask
     other_bits = frame & ~(mask << low)
-    converted_part = convert((frame >> low) & mask) & mask
-    return other_bits | (converted_part << low)
+    return other_bits | (converted_number << low)
 
 
 def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:

@@ -52,9 +52,10 @@ def channel_findings(
     if agree is False:  # None means that no fields are compared.
         verdicts.append(Verdict.NOT_USABLE)
     for placed, channel in zip(frame.channels, findings_by_channel, strict=True):
+        if channel.verdict is None:
+            continue
         has_position = device.sends_position(variant.interface, placed.layout)
-        counts = has_position or channel.verdict is not Verdict.UNKNOWN
-        if channel.verdict is not None and counts:
+        if has_position or channel.verdict is not Verdict.UNKNOWN:
             verdicts.append(channel.verdict)
     from_worst_to_best = list(Verdict)
     worst = min(verdicts, key=from_worst_to_best.index)

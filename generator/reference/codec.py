@@ -24,7 +24,7 @@ from ..model.record import dataclass
 from ..say import report
 from ..say.layout import as_one_number
 from ..say.plain_text import count_with_unit
-from .bits import compute, documented_bits, from_binary, join_value, parity_bit, to_binary, unused_bits
+from .bits import bits_of_field, compute, documented_bits, from_binary, join_value, parity_bit, to_binary, unused_bits
 from .problems import FrameProblem as FrameProblem
 from .problems import (
     problems_of_digits,
@@ -114,10 +114,11 @@ def select_layout(
     first_layout = layouts[0]  # The selector is at the same place in all layouts of the sender.
     selector_value = _selector_value(first_layout.place(variant.parameters), data)
     if selector_value is None:
-        message = report.too_few_bytes(count_with_unit(len(data), "byte"))
+        length_text = count_with_unit(len(data), "byte")
+        message = report.too_few_bytes(length_text)
         return None, (FrameProblem(Fault.LENGTH, field="", message=message),)
-    choices = ", ".join(f"{value:X}" for value in sorted(valid_selector_values))
-    message = report.no_frame(first_layout.selector, f"{selector_value:X}", choices)
+    valid_values_text = ", ".join(f"{value:X}" for value in sorted(valid_selector_values))
+    message = report.no_frame(first_layout.selector, f"{selector_value:X}", valid_values_text)
     return None, (FrameProblem(Fault.RANGE, field=first_layout.selector, message=message),)
 
 
@@ -156,19 +157,25 @@ def decode_placed(device: Device, placed: PlacedLayout, data: bytes) -> DecodedF
     """Decode a frame of whole bytes with a known layout."""
     number = number_from_bytes(placed.layout, data)
     if 8 * len(data) != placed.bits:
-        return _result_of_wrong_length(placed, number, count_with_unit(placed.bits // 8, "byte"), len(data))
+        needed_length = count_with_unit(placed.bits // 8, "byte")
+        return _result_of_wrong_length(placed, number, needed_length=needed_length, actual_length=len(data))
     return decode(device, placed, number)
 
 
 def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) -> DecodedFrame:
     """Decode a frame of this many bits with a known layout."""
     if bits != placed.bits:
-        return _result_of_wrong_length(placed, number, f"{placed.bits} bits", bits)
+        return _result_of_wrong_length(placed, number, needed_length=f"{placed.bits} bits", actual_length=bits)
     return decode(device, placed, number)
 
 
-def _result_of_wrong_length(placed: PlacedLayout, frame: int, needed_length: str, actual_length: int) -> DecodedFrame:
-    """Return the result for a frame of the wrong length: one problem and no fields."""
+def _result_of_wrong_length(
+    placed: PlacedLayout, frame: int, *, needed_length: str, actual_length: int
+) -> DecodedFrame:
+    """Return the result for a frame of the wrong length: one problem and no fields.
+
+    ``needed_length`` is a text such as ``24 bits``, and ``actual_length`` the number in the same unit.
+    """
     message = report.wrong_length_message(placed.name, needed_length, f"{actual_length}")
     problem = FrameProblem(Fault.LENGTH, field="", message=message)
     return DecodedFrame(layout=placed, number=frame, fields=(), crc=None, problems=(problem,))
@@ -181,13 +188,14 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> DecodedFrame:
     """
     has_too_many_bits = number >> placed.bits != 0
     if has_too_many_bits:
-        return _result_of_wrong_length(placed, number, f"{placed.bits} bits", number.bit_length())
+        actual_length = number.bit_length()
+        return _result_of_wrong_length(placed, number, needed_length=f"{placed.bits} bits", actual_length=actual_length)
     problems: list[FrameProblem] = []
     fields: list[DecodedField] = []
     binary_number = to_binary(placed, number)
     for placed_field in placed.fields:
-        sent_value = (number >> placed_field.low) & placed_field.mask
-        binary_value = (binary_number >> placed_field.low) & placed_field.mask
+        sent_value = bits_of_field(placed_field, number)
+        binary_value = bits_of_field(placed_field, binary_number)
         problems += problems_of_value(placed_field.field, binary_value)
         problems += problems_with_other_fields(placed, placed_field, sent_value, number)
         fields += _decode_field(placed_field, sent_value, binary_value)
@@ -196,14 +204,14 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> DecodedFrame:
     crc = _decode_crc(device, placed, number)
     if crc is not None and not crc.ok:
         message = report.wrong_crc_message(f"{crc.received:#04x}", f"{crc.computed:#04x}")
-        problems.append(FrameProblem(Fault.CRC, _name_of_crc_field(placed), message))
+        problems.append(FrameProblem(Fault.CRC, field=_name_of_crc_field(placed), message=message))
     fields += [_decode_join(placed, join, number, binary_number) for join in placed.layout.joins]
     if placed.layout.has_unused:
         differing_bits = unused_bits(placed, number)
-        fields.append(
-            _computed_field(UNUSED, differing_bits, differing_bits, "unused bits that differ from the manual")
-        )
-    problems.sort(key=lambda problem: list(Fault).index(problem.fault))
+        meaning = "unused bits that differ from the manual"
+        fields.append(_computed_field(UNUSED, raw=differing_bits, value=differing_bits, meaning=meaning))
+    order_of_faults = list(Fault)
+    problems.sort(key=lambda problem: order_of_faults.index(problem.fault))
     return DecodedFrame(layout=placed, number=number, fields=tuple(fields), crc=crc, problems=tuple(problems))
 
 
@@ -213,8 +221,9 @@ def _decode_crc(device: Device, placed: PlacedLayout, frame: int) -> CrcResult |
     crc = device.crc_of(placed)
     if placed_field is None or crc is None:
         return None
-    received = (frame >> placed_field.low) & placed_field.mask
-    return CrcResult(crc.name, received=received, computed=compute(crc, placed, frame))
+    received_crc = bits_of_field(placed_field, frame)
+    computed_crc = compute(crc, placed, frame)
+    return CrcResult(crc.name, received=received_crc, computed=computed_crc)
 
 
 def _name_of_crc_field(placed: PlacedLayout) -> str:
@@ -231,7 +240,7 @@ def _decode_join(placed: PlacedLayout, join: Join, frame: int, binary_frame: int
     meaning = as_one_number(field_names) if len(join.fields) > 1 else ""
     value = join_value(placed, join, binary_frame)
     raw = join_value(placed, join, frame) if placed.gray else value
-    return _computed_field(join.name, raw, value, meaning)
+    return _computed_field(join.name, raw=raw, value=value, meaning=meaning)
 
 
 def _computed_field(name: str, raw: int, value: int, meaning: str) -> DecodedField:
@@ -248,14 +257,29 @@ def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int)
     ``sent_value`` are its bits as they are sent, possibly in Gray code. ``binary_value`` is the same value in binary.
     """
     field = placed_field.field
-    high = placed_field.high
-    low = placed_field.low
     value, meaning = value_and_meaning(field, binary_value, placed_field.width)
-    yield DecodedField(field.name, sent_value, value, field.unit, meaning, high, low, field.scale)
-    for run in field.runs:
+    yield DecodedField(
+        name=field.name,
+        raw=sent_value,
+        value=value,
+        unit=field.unit,
+        meaning=meaning,
+        high=placed_field.high,
+        low=placed_field.low,
+        scale=field.scale,
+    )
+    for digit_group in field.runs:
         # In 1234, the digits 34 have divisor 1 and modulus 100, and the digits 12 have divisor 100 and modulus 100.
-        digits = binary_value // run.divisor % run.modulus
-        yield DecodedField(run.name, raw=digits, value=digits, unit="", meaning=run.meaning, high=high, low=low)
+        digits = binary_value // digit_group.divisor % digit_group.modulus
+        yield DecodedField(
+            name=digit_group.name,
+            raw=digits,
+            value=digits,
+            unit="",
+            meaning=digit_group.meaning,
+            high=placed_field.high,
+            low=placed_field.low,
+        )
 
 
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
@@ -281,8 +305,10 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     # Parity bits and CRC are computed from the bits as they are sent, in Gray code. The CRC also covers parity bits.
     frame_bits = from_binary(placed, frame_bits)
     for placed_field in placed.fields:
-        if isinstance(placed_field.field.kind, Parity):
-            frame_bits |= parity_bit(placed, placed_field.field.kind, frame_bits) << placed_field.low
+        kind = placed_field.field.kind
+        if isinstance(kind, Parity):
+            correct_bit = parity_bit(placed, kind, frame_bits)
+            frame_bits |= correct_bit << placed_field.low
     crc_field = placed.crc_field
     crc = device.crc_of(placed)
     if crc_field is not None and crc is not None:
@@ -299,12 +325,12 @@ def _encode_fields(device: Device, placed: PlacedLayout, values: Values) -> int:
     frame_bits = 0
     position_range = device.range_in(placed.layout)
     for placed_field in placed.fields:
-        raw = _encode_field(placed, placed_field, values)
+        field_bits = _encode_field(placed, placed_field, values)
         if position_range is not None and placed_field.name == position_range.field.name:
-            problem = range_message(position_range, placed_field, raw, placed)
+            problem = range_message(position_range, placed_field, field_bits, placed)
             if problem:
                 raise EncodeError(problem)
-        frame_bits |= raw << placed_field.low
+        frame_bits |= field_bits << placed_field.low
     return frame_bits
 
 
@@ -319,7 +345,7 @@ def _check_names(placed: PlacedLayout, values: Values) -> None:
     known_names: set[str] = set()
     for field in placed.layout.fields:
         known_names.add(field.name)
-        known_names.update(run.name for run in field.runs)
+        known_names.update(digit_group.name for digit_group in field.runs)
     for name in values:
         if name not in known_names:
             raise EncodeError(f"there is no field '{name}' in {placed.name}")
@@ -343,7 +369,8 @@ def _encode_unused(placed: PlacedLayout, inverted_bits: int) -> int:
     # The lowest bit of a field is ``low_in_unused`` in ``inverted_bits``, and ``placed_field.low`` in the frame.
     for placed_field, low_in_unused in placed.unused:
         inverted_in_field = (inverted_bits >> low_in_unused) & placed_field.mask
-        frame_bits |= (documented_bits(placed_field) ^ inverted_in_field) << placed_field.low
+        sent_bits = documented_bits(placed_field) ^ inverted_in_field
+        frame_bits |= sent_bits << placed_field.low
         bits_of_no_field &= ~(placed_field.mask << low_in_unused)
     if bits_of_no_field:
         raise EncodeError(f"'{UNUSED}' has the bits {bits_of_no_field:#x}, which are not unused bits of {placed.name}")
@@ -369,7 +396,8 @@ def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Val
     if remaining_bits or joined_value < 0:
         raise EncodeError(f"{join.name} {joined_value} does not fit")
     for name, value in value_by_field.items():
-        if values.get(name, value) != value:
+        is_different = name in values and values[name] != value
+        if is_different:
             raise EncodeError(f"{join.name} and its fields disagree")
     return value_by_field
 
@@ -392,10 +420,12 @@ def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Value
         # The values contain its groups of digits under their own names instead.
         return encode_digits(kind, values)
     if name not in values:
-        if name == placed.layout.selector and len(placed.layout.selects) == 1:
+        is_selector = name == placed.layout.selector
+        if is_selector and len(placed.layout.selects) == 1:
             return placed.layout.selects[0]
         raise EncodeError(f"'{name}' is missing")
-    raw = encode_value(kind, placed_field, values[name])
-    if raw < 0 or raw > placed_field.mask:
-        raise EncodeError(report.too_wide(name, f"{raw}", f"{placed_field.width}"))
-    return raw
+    field_bits = encode_value(kind, placed_field, values[name])
+    highest = placed_field.mask
+    if not 0 <= field_bits <= highest:
+        raise EncodeError(report.too_wide(name, f"{field_bits}", f"{placed_field.width}"))
+    return field_bits

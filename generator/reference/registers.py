@@ -36,18 +36,19 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         RegisterError: This interface does not have the register, or the register has a different length.
     """
     registers = {register.name: register for register in device.registers_over(variant.interface)}
-    if name.lower() not in registers:
+    register_name = name.lower()
+    if register_name not in registers:
         for erratum in device.errata:
-            message = _unknown_register_message(device, erratum, name.lower())
+            message = _unknown_register_message(device, erratum, register_name)
             if message:
                 raise RegisterError(message)
         available = f"it has: {', '.join(registers)}" if registers else "it has none"
         raise RegisterError(f"{variant.code} has no register '{name}'; {available}")
-    register = registers[name.lower()]
+    register = registers[register_name]
     if len(data) != register.length:
-        needed = count_with_unit(register.length, "byte")
-        actual = count_with_unit(len(data), "byte")
-        raise RegisterError(register_length(register.name, needed, actual))
+        needed_length = count_with_unit(register.length, "byte")
+        actual_length = count_with_unit(len(data), "byte")
+        raise RegisterError(register_length(register.name, needed_length, actual_length))
     placed = register.layout.place(variant.parameters)
     return codec.decode(device, placed, number_from_bytes(register.layout, data))
 
@@ -98,8 +99,10 @@ def register_writes(
         value = _value_of_step(step, arguments)
         if step.value is None:
             # A register can have several meanings with different limits.
-            limits = device.limits(register, meaning_by_argument.get(step.value_name, ""))
-            _check_argument(register, _name_of_written_field(register, step), value, placed, limits)
+            meaning_name = meaning_by_argument.get(step.value_name, "")
+            limits = device.limits(register, meaning_name)
+            field_name = _name_of_written_field(register, step)
+            _check_argument(value, register, field_name, placed, limits)
         if isinstance(step, ModifyStep):
             old_content = contents.get(step.register, register.default or 0)
             content = _with_field_changed(placed, step.field, value, old_content)
@@ -176,7 +179,7 @@ def _content_for_argument(device: Device, register: Register, placed: PlacedLayo
     return argument
 
 
-def _check_argument(register: Register, field_name: str, argument: int, placed: PlacedLayout, limits: Limits) -> None:
+def _check_argument(argument: int, register: Register, field_name: str, placed: PlacedLayout, limits: Limits) -> None:
     """Check that an argument is a named value of the field, if it has any, and that it is within the limits.
 
     The limits are checked if they belong to a meaning of the register, or if the register's own limits apply to this
@@ -185,8 +188,10 @@ def _check_argument(register: Register, field_name: str, argument: int, placed: 
     Raises:
         EncodeError: The argument is not valid.
     """
-    fields = (field for field in register.layout.fields if field.name == field_name)
-    allowed_values = [choice.value for field in fields for choice in field.values]
+    allowed_values: list[int] = []
+    for field in register.layout.fields:
+        if field.name == field_name:
+            allowed_values += [named_value.value for named_value in field.values]
     if allowed_values and argument not in allowed_values:
         raise codec.EncodeError(f"{argument} is not a value of '{field_name}'")
     lowest, highest = value_bounds(register, placed, limits, placed.parameters)

@@ -106,8 +106,9 @@ def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int
     if signed_or_plain(number, raw, placed_field.width) != value:
         raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
     code = number.code_of_digits
-    if code is not None and value > code.highest(placed_field.width):
-        raise EncodeError(report.too_high(placed_field.name, f"{value}", f"{code.highest(placed_field.width)}"))
+    highest = code.highest(placed_field.width) if code is not None else None
+    if highest is not None and value > highest:
+        raise EncodeError(report.too_high(placed_field.name, f"{value}", f"{highest}"))
     if number.power_of_two and value.bit_count() != 1:
         raise EncodeError(report.no_power_of_two(placed_field.name, f"{value}"))
     return raw
@@ -130,11 +131,11 @@ def encode_digits(decimal: Decimal, values: Values) -> int:
         EncodeError: A group is not a number, is negative, or has too many digits.
     """
     number = 0
-    for run in decimal.runs:
-        value = checked_number(values.get(run.name, 0))
-        if not 0 <= value < run.modulus:
-            raise EncodeError(f"{run.name} {value} has more than {run.digits} digits")
-        number += value * run.divisor
+    for digit_group in decimal.runs:
+        value = checked_number(values.get(digit_group.name, 0))
+        if not 0 <= value < digit_group.modulus:
+            raise EncodeError(f"{digit_group.name} {value} has more than {digit_group.digits} digits")
+        number += value * digit_group.divisor
     return number
 
 

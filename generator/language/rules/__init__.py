@@ -126,7 +126,7 @@ RULES: tuple[Rule, ...] = (
     procedures.check_saves_before_writes,
     parameters.check_parameter_interface,
     parameters.check_units,
-    sources.check_revision_in_history,
+    values.check_revision_in_history,
     sources.check_open_quotation,
     agreement.check_printed_number,
     code_meanings.check_named_interface,

@@ -286,6 +286,21 @@ def _parse_date(date_text: str) -> datetime.date | None:
         return None
 
 
+def check_revision_in_history(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the revision table of a manual lists the manual's own revision, unless an erratum explains it."""
+    # A revision that is not text is reported by the schema, and can still be the right revision.
+    listed_revisions = [str(row.data.get("revision")) for row in spec.with_invalid_parts.manual.history]
+    revision = spec.manual.revision
+    has_duplicates = len(set(listed_revisions)) < len(listed_revisions)  # Reported by another rule.
+    if not listed_revisions or has_duplicates or not revision or revision in listed_revisions:
+        return
+    if has_erratum_at(report.document, "manual", "history"):
+        return
+    problem = f"the manual has revision {quoted(revision)}, but its history lists {', '.join(listed_revisions)}"
+    remedy = "correct one of the two, or add an erratum that affects manual.history if the manual prints this"
+    report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
+
+
 def check_supply_range(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that either the device or values of the order code have a supply, and that its voltages are in order."""
     supplies: list[LocatedPart[Supply]] = []
