@@ -255,20 +255,22 @@ def check_contact_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     if is_second(report.document.file) or report.document.family:  # The note belongs to the newest edition.
         return
-    for connector in spec.connectors:
-        names = [contact.contact for contact in connector.part.contacts]
+    for located_connector in spec.connectors:
+        connector = located_connector.part
+        contact_names = [contact.contact for contact in connector.contacts]
         # With their index, because contacts such as the case have names.
-        numbered_contacts = [(index, int(name)) for index, name in enumerate(names) if name.isdecimal()]
+        numbered_contacts = [(index, int(name)) for index, name in enumerate(contact_names) if name.isdecimal()]
         if not numbered_contacts:
             continue
-        is_numbered_cable = connector.part.kind == "cable" and len(numbered_contacts) == len(names)
-        if is_numbered_cable and "number" not in connector.part.note:
+        are_all_numbered = len(numbered_contacts) == len(contact_names)
+        is_explained = "number" in connector.note
+        if connector.kind == "cable" and are_all_numbered and not is_explained:
             message = (
-                f"all wires of {quoted(connector.part.name)} have numbers, as the contacts of a connector; write 'kind:"
+                f"all wires of {quoted(connector.name)} have numbers, as the contacts of a connector; write 'kind:"
                 " connector', or say in a 'note' that the wires are numbered"
             )
-            report.add("contact-numbers", (*connector.path, "kind"), message)
-        _check_order(connector, numbered_contacts, report)
+            report.add("contact-numbers", (*located_connector.path, "kind"), message)
+        _check_order(located_connector, numbered_contacts, report)
 
 
 def _check_order(

@@ -18,7 +18,7 @@ from .parts import FieldList, FieldOwner, Groups, by_name, has_erratum_at, layou
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
 #: Purposes of requests that carry an address.
-_OF_MEMORY = frozenset(("read", "write"))
+_PURPOSES_WITH_ADDRESS = frozenset(("read", "write"))
 
 
 def check_layouts_without_requests(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -157,7 +157,7 @@ def _report_missing_frame(
     ``requested_ids`` and ``replied_ids`` are the numbers of the data IDs that layouts of requests and replies list.
     """
     number = data_id.part.id
-    if not data_id.is_valid("id") or data_id.part.purpose in _OF_MEMORY:
+    if not data_id.is_valid("id") or data_id.part.purpose in _PURPOSES_WITH_ADDRESS:
         return
     has_request = number in requested_ids
     has_reply = number in replied_ids
@@ -178,7 +178,8 @@ def check_purposes(spec: WrittenSpec, report: DocumentReport) -> None:
     groups = by_name(spec.with_invalid_parts.field_groups)
     for data_id in rs485.data_ids:
         request = _find_request(data_id, rs485)
-        if request is None or data_id.part.purpose not in _OF_MEMORY:
+        accesses_memory = data_id.part.purpose in _PURPOSES_WITH_ADDRESS
+        if request is None or not accesses_memory:
             continue
         has_data = any(_carries_data(field) for field in _fields_of(request, groups))
         if not has_data:
@@ -222,7 +223,7 @@ def check_sent_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     for procedure in spec.procedures:
         for step in procedure.steps:
             purpose = purpose_by_name.get(step.data_id, "")
-            if step.do == "send" and purpose in _OF_MEMORY:
+            if step.do == "send" and purpose in _PURPOSES_WITH_ADDRESS:
                 message = (
                     f"{quoted(step.data_id)} has the purpose {quoted(purpose)} and needs an address, which a step"
                     " cannot give; name the data ID of another request"

@@ -107,12 +107,15 @@ def _check_range_keys(
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 
-def _check_step(measurement: LocatedPart[Measurement], report: DocumentReport) -> None:
+def _check_step(located_measurement: LocatedPart[Measurement], report: DocumentReport) -> None:
     """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
-    has_step_nm = measurement.part.step_nm is not None
-    if measurement.part.step_um is not None and has_step_nm:
+    measurement = located_measurement.part
+    path = located_measurement.path
+    has_step_um = measurement.step_um is not None
+    has_step_nm = measurement.step_nm is not None
+    if has_step_um and has_step_nm:
         problem = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
-        report.add("measurement-shape", (*measurement.path, "step_nm"), problem, at_key=True)
-    elif measurement.part.per_counts is not None and not has_step_nm:
+        report.add("measurement-shape", (*path, "step_nm"), problem, at_key=True)
+    elif measurement.per_counts is not None and not has_step_nm:
         problem = "'per_counts' is only for 'step_nm', the number of nanometres for that many counts"
-        report.add("measurement-shape", (*measurement.path, "per_counts"), problem, at_key=True)
+        report.add("measurement-shape", (*path, "per_counts"), problem, at_key=True)

@@ -77,16 +77,15 @@ def check_duplicate_name(spec: WrittenSpec, report: DocumentReport) -> None:
     for procedure in spec.procedures:
         _check_unique_key(procedure.arguments, "name", "an argument", report)
     for connector in spec.connectors:
-        contacts = enumerate(connector.part.contacts)
-        contact_names = [
-            ((*connector.path, "contacts", index, "contact"), contact.contact) for index, contact in contacts
-        ]
-        _check_unique(contact_names, "a contact", report)
+        located_contacts: list[LocatedValue] = []
+        for index, contact in enumerate(connector.part.contacts):
+            located_contacts.append(((*connector.path, "contacts", index, "contact"), contact.contact))
+        _check_unique(located_contacts, "a contact", report)
     for led in spec.leds:
-        state_names = [
-            ((*led.path, "states", index, "state"), state.state) for index, state in enumerate(led.part.states)
-        ]
-        _check_unique(state_names, "a state", report)
+        located_states: list[LocatedValue] = []
+        for index, led_state in enumerate(led.part.states):
+            located_states.append(((*led.path, "states", index, "state"), led_state.state))
+        _check_unique(located_states, "a state", report)
 
 
 def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:

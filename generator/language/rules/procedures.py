@@ -100,7 +100,7 @@ def check_step_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for procedure in spec.procedures:
         for step in procedure.steps:
-            check_keys("step-shape", step, step.do, f"a {step.do} step", report)
+            check_keys(step, step.do, rule="step-shape", subject=f"a {step.do} step", report=report)
             _check_conditions_between_requests(step, report)
 
 

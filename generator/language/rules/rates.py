@@ -333,27 +333,29 @@ def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, repor
             report.add("timeout-mismatch", path, f"{problem}; {remedy}")
 
 
-def _check_timeout_rule(timeout: LocatedPart[Timeout], report: DocumentReport) -> None:
+def _check_timeout_rule(located_timeout: LocatedPart[Timeout], report: DocumentReport) -> None:
     """Check that a timeout has the numbers for its rule: a time if it is fixed, or a number of half clock periods.
 
     A timeout that follows the clock may also have a time or printed examples instead of half clock periods.
     """
-    has_half_periods = timeout.part.half_clock_periods is not None
-    has_time = timeout.part.at_most_ns is not None or timeout.part.typical_ns is not None
-    has_time_or_example = has_time or bool(timeout.part.printed)
-    if timeout.part.rule == "fixed":
+    timeout = located_timeout.part
+    path = located_timeout.path
+    has_half_periods = timeout.half_clock_periods is not None
+    has_time = timeout.at_most_ns is not None or timeout.typical_ns is not None
+    has_time_or_example = has_time or bool(timeout.printed)
+    if timeout.rule == "fixed":
         if has_half_periods:
             message = "a fixed timeout does not depend on the clock; remove 'half_clock_periods'"
-            report.add("timeout-mismatch", (*timeout.path, "half_clock_periods"), message, at_key=True)
+            report.add("timeout-mismatch", (*path, "half_clock_periods"), message, at_key=True)
         if not has_time:
             message = "a fixed timeout needs 'at_most_ns' or 'typical_ns'"
-            report.add("timeout-mismatch", timeout.path, message, at_key=True)
-    elif timeout.part.rule == "follows_clock" and not has_half_periods and not has_time_or_example:
+            report.add("timeout-mismatch", path, message, at_key=True)
+    elif timeout.rule == "follows_clock" and not has_half_periods and not has_time_or_example:
         message = (
             "a timeout that depends on the clock needs 'half_clock_periods', "
             "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"
         )
-        report.add("timeout-mismatch", timeout.path, message, at_key=True)
+        report.add("timeout-mismatch", path, message, at_key=True)
 
 
 def _check_calculated_timeouts(timeout: LocatedPart[Timeout], half_periods: int, report: DocumentReport) -> None:

@@ -401,14 +401,14 @@ def check_evidence_references(spec: WrittenSpec, report: DocumentReport) -> None
     The manual is a document too, with the name ``manual`` and the language code of each edition.
     """
     resolver = NameResolver(spec, report)
-    evidence = spec.evidence
+    evidence = spec.evidence.part
+    path = spec.evidence.path
     documents = spec.with_invalid_parts.names_in("documents")
     languages = [edition.part.language for edition in spec.with_invalid_parts.manual.editions]
     known_documents = ("manual", *languages, *documents)
-    for key in evidence.part.documents:
-        resolver.check_name((*evidence.path, "documents", key), "document", key, known_names=known_documents)
-    implementations_path = (*evidence.path, "implementations")
-    resolver.check_each_name(implementations_path, "document", evidence.part.implementations, known_names=documents)
-    vectors_path = (*evidence.path, "vectors")
+    for key in evidence.documents:
+        resolver.check_name((*path, "documents", key), "document", key, known_names=known_documents)
+    implementations_path = (*path, "implementations")
+    resolver.check_each_name(implementations_path, "document", evidence.implementations, known_names=documents)
     examples = by_name(spec.with_invalid_parts.examples)
-    resolver.check_each_name(vectors_path, "example", evidence.part.vectors, known_names=examples)
+    resolver.check_each_name((*path, "vectors"), "example", evidence.vectors, known_names=examples)

@@ -58,10 +58,11 @@ def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
         own_names, enclosing_names = _printed_names(spec.data, path)
         citations = _find_citations(source)
         for citation in citations:
-            section = citation["section"]
-            if not _check_citation(section, citation["page"], path, page_ranges, enclosing_names, report):
+            section, page_text = citation.group("section", "page")
+            is_in_section = _check_citation(section, page_text, page_ranges, enclosing_names, path=path, report=report)
+            if not is_in_section:
                 continue
-            page = int(citation["page"])
+            page = int(page_text)
             first_pages = _first_pages(page_ranges[section], own_names)
             citations_of_section = [other for other in citations if other["section"] == section]
             cited_pages = {int(other["page"] or 0) for other in citations_of_section}
@@ -172,7 +173,7 @@ def _printed_names(spec_data: object, path: Path) -> tuple[list[str], list[str]]
 
 
 def _check_citation(
-    section: str, page: str | None, path: Path, page_ranges: _PageRanges, names: list[str], report: DocumentReport
+    section: str, page_text: str | None, page_ranges: _PageRanges, names: list[str], path: Path, report: DocumentReport
 ) -> bool:
     """Return True if a citation has a page, and the page is in the cited section. Report one that cannot be correct.
 
@@ -185,16 +186,17 @@ def _check_citation(
             hint = suggest_word(section, numbered_sections)
             report.add("cited-place", path, f"the contents have no section {quoted(section)}{hint}")
         return False
-    if page is None:
+    if page_text is None:
         return False
     titles = [name for name in names if name in page_ranges[section]]
     innermost_title = titles[0] if titles else _WHOLE_SECTION
     first_page, last_page = page_ranges[section][innermost_title]
-    if first_page <= int(page) <= last_page:
+    if first_page <= int(page_text) <= last_page:
         return True
     cited_part = f"the entry {quoted(innermost_title)} of section {section}" if titles else f"section {section}"
     pages = _pages_text(first_page, last_page)
-    report.add("cited-place", path, f"{cited_part} is {pages} according to the table of contents, not on page {page}")
+    message = f"{cited_part} is {pages} according to the table of contents, not on page {page_text}"
+    report.add("cited-place", path, message)
     return False
 
 

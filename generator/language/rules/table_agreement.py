@@ -235,7 +235,7 @@ _CELL_WITH_NUMBER = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥]
 def check_column_units(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with units has one per column, and only numbers in the columns whose unit is not empty."""
     for table in spec.tables:
-        units, columns = table.part.units, table.part.columns
+        columns, units = table.part.columns, table.part.units
         if not units:
             continue
         if len(units) != len(columns):

@@ -315,10 +315,11 @@ def check_supply_range(spec: WrittenSpec, report: DocumentReport) -> None:
             if has_supply_of_device:
                 problem = "the device already has a 'supply'; keep only one of them"
                 report.add("supply-range", value.supply.path, problem, at_key=True)
-    for supply in supplies:
-        if supply.part.min_mv > supply.part.max_mv:
-            problem = f"'min_mv' ({supply.part.min_mv}) is above 'max_mv' ({supply.part.max_mv})"
-            report.add("supply-range", (*supply.path, "min_mv"), problem)
+    for located_supply in supplies:
+        supply = located_supply.part
+        if supply.min_mv > supply.max_mv:
+            problem = f"'min_mv' ({supply.min_mv}) is above 'max_mv' ({supply.max_mv})"
+            report.add("supply-range", (*located_supply.path, "min_mv"), problem)
 
 
 def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
