@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from ...model import INTERFACES
 from ..problems import DocumentReport, quoted, suggest_word
-from ..schema_files import is_second
 from ..written_codes import WrittenCodeValue
 from ..written_interfaces import WrittenSsi
 from ..written_layouts import WrittenField, WrittenGray
@@ -19,6 +18,7 @@ from .parts import (
     field_lists,
     fields_by_name,
     interfaces,
+    is_second_reading,
     layouts_of_interfaces,
     owner_of_alarm,
     position_names,
@@ -154,7 +154,7 @@ def check_plain_bits(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Without that, it would be a plain number, which decoders do not check. A note can explain a bit that is neither.
     """
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for field_list in field_lists(spec):
         if field_list.owner_kind is not FieldOwner.GROUP and not field_list.is_from_encoder:

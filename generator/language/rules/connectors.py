@@ -10,9 +10,9 @@ from itertools import pairwise
 from ...model import Connector
 from ..document import Path
 from ..problems import DocumentReport, join_words, quoted
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
+from .parts import is_second_reading
 
 #: Contacts without a signal.
 _UNCONNECTED_SIGNAL = re.compile(
@@ -128,7 +128,7 @@ def check_incomplete_pair(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A note of the connector that names the missing line explains it.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for connector in _collect_connectors(spec):
         known_names: set[str] = set()
@@ -152,7 +152,7 @@ def check_connector_and_cable(spec: WrittenSpec, report: DocumentReport) -> None
 
     A note that names the missing signals explains a difference.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     connectors_and_cables = _collect_connectors(spec)
     connectors = [candidate for candidate in connectors_and_cables if candidate.part.kind == "connector"]
@@ -253,7 +253,7 @@ def check_contact_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
     A cable whose wires all have numbers is also reported, because it is probably a connector, unless its note says that
     the wires are numbered.
     """
-    if is_second(report.document.file) or report.document.family:  # The note belongs to the newest edition.
+    if is_second_reading(report.document) or report.document.family:  # The note belongs to the newest edition.
         return
     for located_connector in spec.connectors:
         connector = located_connector.part

@@ -9,11 +9,10 @@ from typing import NamedTuple
 
 from ...model import Connector
 from ..problems import DocumentReport, quoted
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 from .connectors import partner_of, signal_names
-from .parts import has_erratum_at
+from .parts import has_erratum_at, is_second_reading
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
 #: A wire with one color or two: ``White``, ``Brown_Green``.
@@ -76,7 +75,7 @@ def check_numbered_cables(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Numbers are the names of the contacts of a connector. Another rule checks cables without a shield or case.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for cable in spec.connectors:
         if cable.part.kind != "cable":
@@ -198,7 +197,7 @@ def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
     required. A note such as "MA - is on a lower-numbered contact than MA +" explains an unusual pair. The note must be
     true.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for connector in spec.connectors:
         index_by_line = _index_lines(connector.part)

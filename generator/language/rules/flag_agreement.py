@@ -8,11 +8,19 @@ from collections.abc import Collection, Iterator
 
 from ...model import Alarm, Biss
 from ..problems import DocumentReport, quoted
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_layouts import WrittenField, WrittenFieldGroup
 from ..written_parts import WrittenSpec
-from .parts import FieldList, FieldOwner, by_name, field_lists, interface_name_of, owner_of_alarm, position_names
+from .parts import (
+    FieldList,
+    FieldOwner,
+    by_name,
+    field_lists,
+    interface_name_of,
+    is_second_reading,
+    owner_of_alarm,
+    position_names,
+)
 
 #: A level in a text of a flag.
 _LEVEL_IN_TEXT = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
@@ -27,7 +35,7 @@ def check_lone_levels(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A text of the flag that states its level explains it. Flags that only combine others (``sums_up``) do not count.
     """
-    if is_second(report.document.file):  # It has no texts.
+    if is_second_reading(report.document):  # Second readings have no such texts.
         return
     for field_list in field_lists(spec):
         flags = [field for field in field_list.fields if field.active and not field.sums_up]
@@ -127,7 +135,7 @@ def _find_flag(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField | N
 
 def check_cleared_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that clears itself returns to 0, unless its note gives another number."""
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for register in spec.registers:
         default = register.default
@@ -235,7 +243,7 @@ def check_read_only_registers(spec: WrittenSpec, report: DocumentReport) -> None
 
     The reason is a named value, a procedure that writes it, a key that matters only for writing, or a text with "writ".
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     written_names: set[str] = set()
     for procedure in spec.procedures:

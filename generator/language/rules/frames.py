@@ -8,12 +8,20 @@ from collections.abc import Iterator, Sequence
 from ...model import Biss, Rs485, Ssi
 from ...model.interfaces import DataId
 from ..problems import DocumentReport, join_words, quoted
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
-from .parts import FieldList, FieldOwner, Groups, by_name, has_erratum_at, layouts_of_interfaces, with_groups_expanded
+from .parts import (
+    FieldList,
+    FieldOwner,
+    Groups,
+    by_name,
+    has_erratum_at,
+    is_second_reading,
+    layouts_of_interfaces,
+    with_groups_expanded,
+)
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
@@ -35,7 +43,7 @@ def check_parities(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Frames over RS-485 and frames with a CRC for all order codes are skipped, because the CRC covers them.
     """
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that name the fields.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for frame in layouts_of_interfaces(spec):
         layout = frame.layout

@@ -377,13 +377,21 @@ def as_affected_name(path: str) -> str:
     return ".".join((*kept_names, last_name))
 
 
+def is_second_reading(document: Document) -> bool:
+    """Return True for a second reading of a manual, which repeats printed facts without notes and other explanations.
+
+    A second reading is compared with the spec of the same encoder.
+    """
+    return is_second(document.file)
+
+
 def has_erratum_at(document: Document, *keys: str) -> bool:
     """Return True if an erratum affects exactly this place, given by keys and names: ``"interfaces", "ssi", "clock"``.
 
     A second reading has no errata, so everything counts as explained there. It repeats the printed values, and its
     spec must agree or explain the difference.
     """
-    if is_second(document.file):
+    if is_second_reading(document):
         return True
     affected_path = as_affected_name(".".join(keys))
     errata = WrittenSpec(document.data).errata

@@ -12,7 +12,6 @@ from itertools import takewhile
 from ...model import INTERFACES, Biss
 from ..document import Path
 from ..problems import DocumentReport, quoted
-from ..schema_files import is_second
 from ..written_codes import WrittenOpenedBy, WrittenRegister
 from ..written_interfaces import WrittenRs485
 from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
@@ -24,6 +23,7 @@ from .parts import (
     fields_of,
     has_other_bits,
     interface_name_of,
+    is_second_reading,
     value_names,
     value_names_of_register,
 )
@@ -303,7 +303,7 @@ def check_saves_before_writes(spec: WrittenSpec, report: DocumentReport) -> None
 
     It saves with the last write of a value called save, store or burn. Volatile registers need no saving.
     """
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     registers = by_name(spec.with_invalid_parts.registers)
     for procedure in spec.procedures:

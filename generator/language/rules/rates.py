@@ -11,11 +11,18 @@ from typing import NamedTuple
 from ...model import Timing
 from ...model.clocks import CableLength, Clock, Timeout
 from ..problems import DocumentReport, Path
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
-from .parts import WrittenInterface, as_affected_name, clocks_of, has_erratum_at, interfaces, share_order_codes
+from .parts import (
+    WrittenInterface,
+    as_affected_name,
+    clocks_of,
+    has_erratum_at,
+    interfaces,
+    is_second_reading,
+    share_order_codes,
+)
 
 #: Significant digits of the rates in data sheets.
 _SIGNIFICANT_DIGITS = 3
@@ -46,7 +53,7 @@ _STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_
 
 def check_plausible_rates(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no clock or baud rate is too low for an encoder, unless the interface has a note."""
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for _, interface in interfaces(spec):
         if interface.note:
@@ -81,7 +88,7 @@ def check_round_rates(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Slow rates and standard baud rates are accepted, and so is a rate that a note of the interface gives.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for _, interface in interfaces(spec):
         for path, rate, unit in _yield_rates(interface):
@@ -133,7 +140,7 @@ def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
 
     An interface has such lines if it is RS-485 or its ``signals`` name them. Another rule checks clocks for cables.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for _, interface in interfaces(spec):
         if isinstance(interface, WrittenSpi):

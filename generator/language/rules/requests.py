@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Spi
 from ..problems import DocumentReport, quoted, suggest_word
-from ..schema_files import is_second
 from ..written_interfaces import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
@@ -18,6 +17,7 @@ from .parts import (
     constant_width,
     fields_by_name,
     interface_name_of,
+    is_second_reading,
     with_groups_expanded,
 )
 
@@ -352,7 +352,7 @@ def check_requests_that_write(spec: WrittenSpec, report: DocumentReport) -> None
     """
     interface = spec.interfaces.spi
     # A second reading repeats printed facts, without the notes that may explain them.
-    if interface is None or is_second(report.document.file):
+    if interface is None or is_second_reading(report.document):
         return
     groups = by_name(spec.with_invalid_parts.field_groups)
     layouts = by_name(interface.layouts)

@@ -7,10 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import takewhile
 
 from ..problems import DocumentReport, Path, join_words, quoted
-from ..schema_files import is_second
 from ..written_codes import WrittenRegister
 from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
-from .parts import Groups, by_name, constant_width, fields_of, interface_name_of
+from .parts import Groups, by_name, constant_width, fields_of, interface_name_of, is_second_reading
 from .walk import leaves
 
 #: Kinds of steps that access a register.
@@ -89,7 +88,7 @@ def check_waits_of_registers(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A text of the procedure that contains the longer time explains it.
     """
-    if is_second(report.document.file):  # It has no texts.
+    if is_second_reading(report.document):  # Second readings have no such texts.
         return
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
