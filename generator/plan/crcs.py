@@ -289,9 +289,11 @@ def checks_whole_words(device: Device, crc: Crc) -> bool:
     for _, layout in device.layouts():
         for field in layout.crc_fields:
             assert isinstance(field.kind, CrcValue)
+            if field.kind.crc != crc.name:
+                continue
             covers_named_fields_only = bool(field.kind.of)
             is_in_all_order_codes = field.width.is_constant
-            if field.kind.crc == crc.name and (covers_named_fields_only or not is_in_all_order_codes):
+            if covers_named_fields_only or not is_in_all_order_codes:
                 return False
     return True
 

@@ -91,18 +91,19 @@ def findings(device: Device, variant: Variant, decoded: DecodedFrame) -> Finding
     return Findings(reports=tuple(reports), verdict=verdict, differences=tuple(differences))
 
 
-def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedField]) -> list[Field]:
+def _active_fields(placed_layout: PlacedLayout, decoded_fields: Mapping[str, DecodedField]) -> list[Field]:
     """Return the active flags, and the unused bits that differ from the manual.
 
     Some frames have signs: combinations of values that decide the verdict like a flag. If all values of a sign match,
     its flag, which has no bits, is active as well.
     """
     active_fields: list[Field] = []
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         if _is_active_field(placed_field, decoded_fields[placed_field.name]):
             active_fields.append(placed_field.field)
-    if placed.layout.sender == "encoder":
-        active_signs = [sign for sign in placed.layout.signs if _is_active_sign(sign, placed.layout, decoded_fields)]
+    if placed_layout.layout.sender == "encoder":
+        layout = placed_layout.layout
+        active_signs = [sign for sign in layout.signs if _is_active_sign(sign, layout, decoded_fields)]
         active_fields += [sign.flag for sign in active_signs]
     return active_fields
 
@@ -182,14 +183,14 @@ def _build_report(field: Field, alarm: Alarm | None) -> FrameReport:
     )
 
 
-def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
+def _find_worst_verdict(placed_layout: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
     """Return the worst verdict to which the active flags and unused bits of a frame lead.
 
     If none of them leads to a verdict, the position is USABLE. It is UNKNOWN if the frame has no bits that say whether
     the position is usable.
     """
     active_names = {field.name for field in active_fields}
-    verdicts = [Verdict.USABLE if placed.judges_position else Verdict.UNKNOWN]
+    verdicts = [Verdict.USABLE if placed_layout.judges_position else Verdict.UNKNOWN]
     for field in active_fields:
         # A flag that combines others, listed in ``sums_up``, adds no information while one of them is active.
         is_redundant = isinstance(field.kind, Flag) and not active_names.isdisjoint(field.kind.sums_up)
@@ -278,7 +279,7 @@ def _compare_register(
     Bytes that ``bytes_by_address`` lacks are unknown. The message shows the field in hexadecimal, with a dot for each
     unknown digit.
     """
-    placed = register.layout.place(variant.parameters)
+    placed_layout = register.layout.place(variant.parameters)
     addresses = _list_addresses(register)
     register_bytes = bytes(bytes_by_address.get(address, 0) for address in addresses)
     masks_of_bytes = bytearray()  # 0xFF for each byte that is known.
@@ -286,7 +287,7 @@ def _compare_register(
         masks_of_bytes.append(0xFF if address in bytes_by_address else 0)
     content = number_from_bytes(register.layout, register_bytes)
     known_mask = number_from_bytes(register.layout, bytes(masks_of_bytes))
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         documented = placed_field.field.documented(variant.parameters)
         if documented is None:
             continue
@@ -296,7 +297,7 @@ def _compare_register(
         matches_documentation = actual_bits == documented_bits & known_bits
         if matches_documentation:
             continue
-        path = f"{register.name}.{placed_field.name}" if len(placed.fields) > 1 else register.name
+        path = f"{register.name}.{placed_field.name}" if len(placed_layout.fields) > 1 else register.name
         if known_bits == placed_field.mask:
             message = report.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
         else:
@@ -363,8 +364,8 @@ def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Ma
             has_register = True
             register_bytes = bytes(bytes_by_address[address] for address in addresses)
             content = number_from_bytes(register.layout, register_bytes)
-            placed = register.layout.place(match.variant.parameters)
-            decoded_register = decode_word(device, placed, content)
+            placed_layout = register.layout.place(match.variant.parameters)
+            decoded_register = decode_word(device, placed_layout, content)
             tested_field = member_named(decoded_register.fields, test.run, f"field of '{register.name}'")
             if not test.min <= tested_field.raw <= test.max:
                 return edition_before(device, edition.revision)

@@ -22,7 +22,7 @@ class FrameProblem:
 
 
 def problems_with_other_fields(
-    placed: PlacedLayout, placed_field: PlacedField, sent_value: int, frame: int
+    placed_layout: PlacedLayout, placed_field: PlacedField, sent_value: int, frame: int
 ) -> Iterator[FrameProblem]:
     """Yield an error if the field is a wrong parity bit, or the selector of a different layout.
 
@@ -32,49 +32,51 @@ def problems_with_other_fields(
     name = placed_field.name
     kind = placed_field.field.kind
     if isinstance(kind, Parity):
-        correct_bit = parity_bit(placed, kind, frame)
+        correct_bit = parity_bit(placed_layout, kind, frame)
         if sent_value != correct_bit:
-            covered_names = ", ".join(field.name for field in placed.find_fields(kind.of))
+            covered_names = ", ".join(field.name for field in placed_layout.find_fields(kind.of))
             message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
             yield FrameProblem(Fault.CONSTANT, field=name, message=message)
-    elif name == placed.layout.selector and sent_value not in placed.layout.selects:
+    elif name == placed_layout.layout.selector and sent_value not in placed_layout.layout.selects:
         message = report.of_other_frame(name, f"{sent_value:X}")
         yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 
-def problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[FrameProblem]:
+def problems_of_position(device: Device, placed_layout: PlacedLayout, binary_number: int) -> Iterator[FrameProblem]:
     """Yield an error if the position in the frame is outside the range of this encoder.
 
     ``binary_number`` is the frame with its Gray code converted to binary. A position with separately sent digits, such
     as BCD, is not checked here.
     """
-    position_range = device.range_in(placed.layout)
+    position_range = device.range_in(placed_layout.layout)
     if position_range is None or position_range.field.number.digit_code:
         return
-    position_field = placed.find_field(position_range.field.name)
+    position_field = placed_layout.find_field(position_range.field.name)
     if position_field is None:
         return
     position_bits = bits_of_field(position_field, binary_number)
-    message = range_message(position_range, position_field, position_bits, placed)
+    message = range_message(position_range, position_field, position_bits, placed_layout)
     if message:
         yield FrameProblem(Fault.RANGE, field=position_field.name, message=message)
 
 
-def problems_of_digits(device: Device, placed: PlacedLayout, frame: int, binary_number: int) -> Iterator[FrameProblem]:
+def problems_of_digits(
+    device: Device, placed_layout: PlacedLayout, frame: int, binary_number: int
+) -> Iterator[FrameProblem]:
     """Yield an error for each number with separately sent digits that has an invalid digit or is too high.
 
     ``frame`` is the frame as it is sent. In ``binary_number``, the same frame with converted numbers, all bits of a
     number with an invalid digit are 1, which is also too high.
     """
-    position_range = device.range_in(placed.layout)
-    for placed_field in placed.fields:
+    position_range = device.range_in(placed_layout.layout)
+    for placed_field in placed_layout.fields:
         name = placed_field.name
         code = placed_field.field.number.code_of_digits
         if code is None:
             continue
         highest = code.highest(placed_field.width)
         if position_range is not None and position_range.field.name == name:
-            highest = position_range.highest.value(placed.parameters)
+            highest = position_range.highest.value(placed_layout.parameters)
         sent_bits = bits_of_field(placed_field, frame)
         number = bits_of_field(placed_field, binary_number)
         if number > highest:
@@ -83,14 +85,14 @@ def problems_of_digits(device: Device, placed: PlacedLayout, frame: int, binary_
 
 
 def range_message(
-    position_range: PositionRange, placed_field: PlacedField, position_bits: int, placed: PlacedLayout
+    position_range: PositionRange, placed_field: PlacedField, position_bits: int, placed_layout: PlacedLayout
 ) -> str:
     """Return an error message if a position is outside the range of this encoder, or an empty string if it is inside.
 
     ``position_bits`` is the number formed by the bits of the position.
     """
-    lowest = position_range.lowest.value(placed.parameters)
-    highest = position_range.highest.value(placed.parameters)
+    lowest = position_range.lowest.value(placed_layout.parameters)
+    highest = position_range.highest.value(placed_layout.parameters)
     position = signed_or_plain(placed_field.field.number, position_bits, placed_field.width)
     if lowest <= position <= highest:
         return ""

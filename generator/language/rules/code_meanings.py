@@ -108,7 +108,10 @@ def _check_lengths(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, 
     parameters = spec.with_invalid_parts.parameters
     for name, number in code_value.sets.items():
         unit = parameters[name].unit if name in parameters else ""
-        if unit in _NANOMETRES_PER_UNIT and number * _NANOMETRES_PER_UNIT[unit] not in lengths_in_meaning:
+        if unit not in _NANOMETRES_PER_UNIT:
+            continue
+        length_in_nanometres = number * _NANOMETRES_PER_UNIT[unit]
+        if length_in_nanometres not in lengths_in_meaning:
             problem = f"the meaning of {quoted(label)} says {first_length_text}, but {quoted(name)} is {number} {unit}"
             message = f"{problem}{MEANING_DIFFERS}"
             report.add("meaning-mismatch", (*code_value.path, "sets", name), message)

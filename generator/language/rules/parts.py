@@ -167,7 +167,7 @@ def layouts_of_interfaces(spec: WrittenSpec) -> Iterator[FieldList]:
 def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
     """Yield every list of fields: of groups, layouts, control data and registers, in the order of the language."""
     for group in spec.field_groups:
-        yield FieldList(FieldOwner.GROUP, group, "")
+        yield FieldList(FieldOwner.GROUP, group, interface="")
     yield from layouts_of_interfaces(spec)
     for name, interface in interfaces(spec):
         # Only BiSS has control data. An interface with an unknown name, which is reported, may be BiSS.

@@ -173,8 +173,9 @@ def _report_names(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path,
                 # A value in a group is reported at the use of the group.
                 path = field_path if field_path in use_paths else value.path
                 yield path, f"{field.name}_{name}"
-    for combination in field_list.layout.combinations if field_list.layout is not None else ():
-        yield combination.place_of("name"), combination.name
+    if field_list.layout is not None:
+        for combination in field_list.layout.combinations:
+            yield combination.place_of("name"), combination.name
 
 
 def _check_conditions(
@@ -295,13 +296,14 @@ def _verdicts_of_smaller_combinations(
     The other combinations of the frame are listed before or after this one. A later combination that is equal is
     omitted, so that only the second of two equal ones is reported.
     """
-    for earlier in earlier_combinations:
-        if _applies_whenever(earlier, combination):
-            yield quoted(earlier.name), earlier.makes_position
-    for later in later_combinations:
-        is_equal = later.when == combination.when and later.makes_position == combination.makes_position
-        if _applies_whenever(later, combination) and not is_equal:
-            yield quoted(later.name), later.makes_position
+    for earlier_combination in earlier_combinations:
+        if _applies_whenever(earlier_combination, combination):
+            yield quoted(earlier_combination.name), earlier_combination.makes_position
+    for later_combination in later_combinations:
+        has_same_verdict = later_combination.makes_position == combination.makes_position
+        is_equal = has_same_verdict and later_combination.when == combination.when
+        if _applies_whenever(later_combination, combination) and not is_equal:
+            yield quoted(later_combination.name), later_combination.makes_position
 
 
 def _applies_whenever(other_combination: WrittenCombination, combination: WrittenCombination) -> bool:

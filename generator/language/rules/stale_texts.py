@@ -199,10 +199,11 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     """Return the names of all parts of a spec, each once: names in the manual, in other languages and in the spec."""
     names: dict[str, None] = {}  # In the order of the spec, each once.
     for path, text in leaves_of(spec.data, report):
-        if path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[0] == "errata" or not isinstance(text, str):
-            continue
+        section, key = path[0], path[-1]
+        is_about_encoder = section != "errata" and section not in _KEYS_ABOUT_OTHER_DOCUMENTS
         is_in_other_language = path[-2:-1] == ("names",)
-        if path[-1] in _KEYS_OF_NAMES or is_in_other_language:
+        is_name = key in _KEYS_OF_NAMES or is_in_other_language
+        if isinstance(text, str) and is_about_encoder and is_name:
             names[text] = None
     return list(names)
 

@@ -425,14 +425,14 @@ def check_number_base(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_typographic_quotes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
-    for path, value in leaves_of(spec.data, report):
-        if not isinstance(value, str) or len(value) < 2:
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or len(text) < 2:
             continue
-        first_character, last_character = value[0], value[-1]
+        first_character, inner_text, last_character = text[0], text[1:-1], text[-1]
         if (first_character, last_character) in _TYPOGRAPHIC_QUOTES:
             message = (
                 f"the quotes {first_character} and {last_character} are part of this text; "
-                f'write "{value[1:-1]}" with straight quotes'
+                f'write "{inner_text}" with straight quotes'
             )
             report.add("typographic-quotes", path, message)
 
