@@ -213,8 +213,9 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
     bits = bits_of(layout, field) if field.width.is_constant else _bits_at_end(layout, crc.width)
     if field.kind.of:
         # From the most significant field to the least significant one.
-        first_covered = layout.field(field.kind.of[0])
-        last_covered = layout.field(field.kind.of[-1])
+        names_of_covered = field.kind.of
+        first_covered = layout.field(names_of_covered[0])
+        last_covered = layout.field(names_of_covered[-1])
         return FrameCrc(
             crc=crc,
             field=field,
@@ -257,7 +258,7 @@ def _bits_at_end(layout: Layout, width: int) -> FieldBits:
         bits_in_byte = min(8, width - low_in_crc)
         mask = (1 << bits_in_byte) - 1
         bit_slices.append(BitSlice(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
-    return locate_bits(layout, low, Expression(width), width, tuple(bit_slices))
+    return locate_bits(layout, low, Expression(width), widest=width, bit_slices=tuple(bit_slices))
 
 
 def _find_gray(layout: Layout) -> Gray | None:
@@ -297,7 +298,7 @@ def _yield_joined_numbers(layout: Layout, by_word: bool) -> Iterator[JoinedNumbe
         adjacent_bits = None
         if by_word and are_adjacent:
             lowest_field = fields[-1]
-            adjacent_bits = locate_bits(layout, lowest_field.low, total_width, widest)
+            adjacent_bits = locate_bits(layout, lowest_field.low, total_width, widest=widest)
         yield JoinedNumber(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
 
 

@@ -42,7 +42,7 @@ def bits_of(layout: Layout, field: Field) -> FieldBits:
     is_padded = bool(field.container)
     if is_padded:
         bit_slices = tuple(bit_slice for bit_slice in bit_slices if bit_slice.low_in_number < field.widest)
-    return locate_bits(layout, field.low, field.width, field.widest, bit_slices)
+    return locate_bits(layout, field.low, field.width, widest=field.widest, bit_slices=bit_slices)
 
 
 def locate_bits(
@@ -54,7 +54,7 @@ def locate_bits(
     """
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
-    return FieldBits(low, width, widest, on_top, bit_slices)
+    return FieldBits(low, width, widest=widest, on_top=on_top, bit_slices=bit_slices)
 
 
 def checks_of_layout(device: Device, layout: Layout, by_word: bool) -> Iterator[Check]:

@@ -50,7 +50,8 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
 
     ``binds_low`` and ``binds_high`` are true if the bits can represent numbers outside the limits for any order code.
     """
-    low, high = (register.min, register.max) if meaning is None else (meaning.min, meaning.max)
+    part_with_limits = register if meaning is None else meaning
+    low, high = part_with_limits.min, part_with_limits.max
     member = limited_member(register)
     fields = _limited_fields(register.layout, member)
     is_join = any(join.name == member for join in register.layout.joins)
@@ -64,7 +65,8 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     for variant in device.variants_over(register.interface):
         representable_ranges.append(_representable_range(width, signed, variant.parameters))
     # 0 may encode a number that does not fit in the bits, such as 256 in 8 bits.
-    zero_means = fields[0].number.zero_means if fields and not is_join else 0
+    is_field = bool(fields) and not is_join
+    zero_means = fields[0].number.zero_means if is_field else 0
     is_above_range = all(zero_means > representable.highest for representable in representable_ranges)
     return NumberLimits(
         member=member,

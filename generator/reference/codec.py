@@ -141,7 +141,8 @@ def _selector_value(placed_layout: PlacedLayout, data: bytes) -> int | None:
         ignored_low_bits = placed_layout.bits - 8 * needed_length
     if len(data) < needed_length:
         return None
-    number = number_from_bytes(placed_layout.layout, data[:needed_length])
+    needed_data = data[:needed_length]
+    number = number_from_bytes(placed_layout.layout, needed_data)
     low_in_number = selector.low - ignored_low_bits
     return (number >> low_in_number) & selector.mask
 

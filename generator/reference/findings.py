@@ -298,7 +298,8 @@ def _compare_register(
         if matches_documentation:
             continue
         path = f"{register.name}.{placed_field.name}" if len(placed_layout.fields) > 1 else register.name
-        if known_bits == placed_field.mask:
+        is_completely_known = known_bits == placed_field.mask
+        if is_completely_known:
             message = report.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
         else:
             actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
@@ -333,14 +334,21 @@ def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDiffe
     if decoded.layout is None or not is_register:
         return
     register = decoded.layout.name
-    raw_values = {field.name: field.raw for field in decoded.fields}
+    number_by_field = {field.name: field.raw for field in decoded.fields}
     for revision, test in tests_of(device, register):
-        raw = raw_values.get(test.run)
-        if raw is not None and not test.min <= raw <= test.max:
-            bounds = f"{test.min} to {test.max}"
-            older_edition = edition_before(device, revision)
-            message = of_older_edition(test.run, f"{raw}", bounds, revision, register, older_edition)
-            yield ValueDifference(test.run, actual=raw, documented=bounds, message=message, is_register=True)
+        number = number_by_field.get(test.run)
+        if number is None or test.min <= number <= test.max:
+            continue
+        bounds = f"{test.min} to {test.max}"
+        message = of_older_edition(
+            run=test.run,
+            actual=f"{number}",
+            bounds=bounds,
+            revision=revision,
+            register=register,
+            before=edition_before(device, revision),
+        )
+        yield ValueDifference(test.run, actual=number, documented=bounds, message=message, is_register=True)
 
 
 def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Mapping[int, int]) -> str:

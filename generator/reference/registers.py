@@ -71,7 +71,7 @@ def _unknown_register_message(device: Device, erratum: Erratum, name: str) -> st
     return f"'{name}' is unknown {scope}: {erratum.why} [{cite(erratum.source)}]"
 
 
-#: Lowest and highest value of an argument, or None without a limit.
+#: The lowest and the highest value of an argument, each None if there is no such limit.
 Limits = tuple["Expression | None", "Expression | None"]
 
 
@@ -175,7 +175,8 @@ def _content_for_argument(device: Device, register: Register, placed_layout: Pla
     # The argument is the number in the whole register.
     problems = codec.decode(device, placed_layout, argument).problems
     if problems:
-        raise codec.EncodeError(f"{argument:#x} is not a value of '{register.name}': {problems[0].message}")
+        first_problem = problems[0]
+        raise codec.EncodeError(f"{argument:#x} is not a value of '{register.name}': {first_problem.message}")
     return argument
 
 
