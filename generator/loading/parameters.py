@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 from ..language.problems import DocumentReport, quoted
 from ..language.rules.parameters import all_parameters, parameter_uses
-from ..language.rules.parts import by_name, field_lists, interface_of, with_groups_expanded
+from ..language.rules.parts import by_name, field_lists, interface_name_of, with_groups_expanded
 from ..language.rules.walk import leaves
 from ..language.schema_files import is_second
 from ..language.written_parts import WrittenSpec
@@ -327,7 +327,7 @@ def parameter_sets(
     Each set contains the parameters of an order code, possibly with extreme values of the parameters that registers
     hold (one of them or several), and possibly with an answer to an open question other than its first answer.
     """
-    interface_names = (*raw_spec["interfaces"], *map(interface_of, WrittenSpec(dict(raw_spec)).registers))
+    interface_names = (*raw_spec["interfaces"], *map(interface_name_of, WrittenSpec(dict(raw_spec)).registers))
     if not variants:  # The parameters are not known, but parts that do not use them can still be checked.
         return MappingProxyType({interface: ({},) for interface in interface_names})
     sets_by_interface: dict[str, list[Mapping[str, int]]] = {interface: [] for interface in interface_names}

@@ -95,7 +95,7 @@ def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
         uses = [("field_groups", field.use) for field in fields.fields]
         uses += [("crcs", field.crc) for field in fields.fields]
         if fields.owner.path in places or not faulty_items.isdisjoint(uses):
-            faulty_items.add((fields.kind.value, _name_or_mark(fields.name)))
+            faulty_items.add((fields.owner_kind.value, _name_or_mark(fields.name)))
     for procedure in spec.procedures:
         if procedure.path in places or not faulty_items.isdisjoint(_uses_of(procedure)):
             faulty_items.add(("procedures", _name_or_mark(procedure.name)))

@@ -97,12 +97,11 @@ class LayoutPlan:
         The parity bit is the parity of the bits as they are sent, before the conversion.
         """
         gray_names = self.layout.names_in(self.layout.gray_of)
+        covered_fields: list[Field] = []
         for check in self.checks:
             if isinstance(check, ParityIs):
-                for covered_field in check.of:
-                    if covered_field.name in gray_names or covered_field.kind.digit_code:
-                        return True
-        return False
+                covered_fields += check.of
+        return any(field.name in gray_names or field.kind.digit_code for field in covered_fields)
 
     @cached_property
     def constants(self) -> Mapping[str, int]:
@@ -129,14 +128,18 @@ class LayoutPlan:
                 expressions += [check.lowest, check.highest]
         if self.gray is not None:
             expressions.append(self.gray.excess)
-        # All answers to a question set the same parameters.
-        answered_names = {name for alternative in self.alternatives for name in alternative.answers[0].sets}
+        answered_names: set[str] = set()
+        for alternative in self.alternatives:
+            first_answer = alternative.answers[0]  # All answers to a question set the same parameters.
+            answered_names.update(first_answer.sets)
         return any(not answered_names.issuperset(expression.parameters) for expression in expressions)
 
     @property
     def from_low(self) -> range:
         """Indices of the bytes in the frame, least significant byte first: 0, 1, 2 if the low byte is sent first."""
-        return range(self.length) if self.layout.byte_order == "low_byte_first" else range(self.length - 1, -1, -1)
+        indices = range(self.length)
+        is_low_first = self.layout.byte_order == "low_byte_first"
+        return indices if is_low_first else indices[::-1]
 
     def faults(self) -> tuple[Fault, ...]:
         """Return the kinds of errors that a decoder of this layout can report, in the order of ``Fault``."""
@@ -179,7 +182,9 @@ def _yield_parts(layout: Layout) -> Iterator[FieldToDecode]:
     A selector with a single valid value is omitted, because its value is the same in every frame of this layout. A
     field is ``shared`` if a parity bit covers it, or if it is part of a number that several fields form.
     """
-    shared_names = {name for join in layout.joins for name in join.fields}
+    shared_names: set[str] = set()
+    for join in layout.joins:
+        shared_names.update(join.fields)
     for field in layout.fields:
         if isinstance(field.kind, Parity):
             shared_names.update(field.kind.of)
@@ -193,7 +198,7 @@ def _yield_reserved(layout: Layout) -> Iterator[Reserved]:
     """Yield the unused fields, each with the position of its lowest bit in the decoder's number ``unused``."""
     for field, bit_in_unused in layout.unused:
         documented_value = field.kind.value if isinstance(field.kind, Unused) else 0
-        yield Reserved(field, bits_of(layout, field), documented_value, bit_in_unused)
+        yield Reserved(field, bits_of(layout, field), value=documented_value, place=bit_in_unused)
 
 
 def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
@@ -208,8 +213,9 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
     bits = bits_of(layout, field) if field.width.is_constant else _bits_at_end(layout, crc.width)
     if field.kind.of:
         # From the most significant field to the least significant one.
-        first_covered = layout.field(field.kind.of[0])
-        last_covered = layout.field(field.kind.of[-1])
+        names_of_covered = field.kind.of
+        first_covered = layout.field(names_of_covered[0])
+        last_covered = layout.field(names_of_covered[-1])
         return FrameCrc(
             crc=crc,
             field=field,
@@ -252,7 +258,7 @@ def _bits_at_end(layout: Layout, width: int) -> FieldBits:
         bits_in_byte = min(8, width - low_in_crc)
         mask = (1 << bits_in_byte) - 1
         bit_slices.append(BitSlice(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
-    return locate_bits(layout, low, Expression(width), width, tuple(bit_slices))
+    return locate_bits(layout, low, Expression(width), widest=width, bit_slices=tuple(bit_slices))
 
 
 def _find_gray(layout: Layout) -> Gray | None:
@@ -265,7 +271,8 @@ def _find_gray(layout: Layout) -> Gray | None:
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
     lowest_field = fields[-1]  # The names are in order of significance, most significant first.
     width = sum((field.width for field in fields), Expression(0))
-    return Gray(lowest_field.low, width, layout.gray_when, layout.gray_excess or Expression(0))
+    excess = layout.gray_excess or Expression(0)
+    return Gray(lowest_field.low, width, when=layout.gray_when, excess=excess)
 
 
 def _yield_digit_codings(layout: Layout) -> Iterator[DigitCoding]:
@@ -291,7 +298,7 @@ def _yield_joined_numbers(layout: Layout, by_word: bool) -> Iterator[JoinedNumbe
         adjacent_bits = None
         if by_word and are_adjacent:
             lowest_field = fields[-1]
-            adjacent_bits = locate_bits(layout, lowest_field.low, total_width, widest)
+            adjacent_bits = locate_bits(layout, lowest_field.low, total_width, widest=widest)
         yield JoinedNumber(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
 
 
@@ -318,7 +325,8 @@ def _sent_parity(layout: Layout, parity_bit: Field, parity_kind: Parity) -> Cons
     known_bit = known_parity(layout, parity_bit, covered_fields, parity_kind)
     if known_bit is not None:
         return ConstantNumber(known_bit)
-    return ParityOf(covered_fields, parity_kind.odd, parity_mask(parity_kind, covered_fields))
+    mask = parity_mask(parity_kind, covered_fields)
+    return ParityOf(covered_fields, odd=parity_kind.odd, mask=mask)
 
 
 def _sent_number(layout: Layout, field: Field) -> ConstantNumber | ValueOfField:
@@ -336,16 +344,17 @@ def characters(field: Field) -> tuple[tuple[int, int], ...]:
     if not isinstance(field.kind, Text) or not fills_whole_bytes:
         return ()
     indices = []
-    last_index = field.widest // 8 - 1
+    index_of_last_character = field.widest // 8 - 1
     for bit_slice in reversed(field.bit_slices):
-        bytes_after = bit_slice.low_in_number // 8
-        indices.append((last_index - bytes_after, bit_slice.byte))
+        characters_after = bit_slice.low_in_number // 8
+        index_of_character = index_of_last_character - characters_after
+        indices.append((index_of_character, bit_slice.byte))
     return tuple(indices)
 
 
-def is_plain_flag(part: FieldToDecode) -> bool:
-    """Return whether a part is a flag whose bit no join and no parity bit uses."""
-    return isinstance(part.field.kind, Flag) and not part.shared
+def is_plain_flag(decoded_field: FieldToDecode) -> bool:
+    """Return whether a field is a flag whose bit no join and no parity bit uses."""
+    return isinstance(decoded_field.field.kind, Flag) and not decoded_field.shared
 
 
 @dataclass(frozen=True, slots=True)
@@ -394,7 +403,6 @@ def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
     for bit_slice in reserved.bits.bit_slices:
         # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
         bit_in_unused = reserved.place + bit_slice.low_in_number
+        shift = bit_slice.low_in_byte - bit_in_unused
         mask = bit_slice.mask << bit_in_unused
-        yield ShiftedBits(
-            byte=bit_slice.byte, shift=bit_slice.low_in_byte - bit_in_unused, mask=mask, value=value & mask
-        )
+        yield ShiftedBits(byte=bit_slice.byte, shift=shift, mask=mask, value=value & mask)

@@ -51,13 +51,13 @@ def residual_of(crc: Crc, bits: int) -> UndetectedErrors:
         if remainder >> crc.width:
             remainder ^= crc.poly_with_top_bit
     # The CRC misses an error of several bits if the XOR of their remainders is 0.
-    pairs_by_remainder = Counter(first ^ second for first, second in combinations(remainders, 2))
-    missed_2_bit_errors = pairs_by_remainder[0]
+    pair_counts = Counter(remainder ^ other_remainder for remainder, other_remainder in combinations(remainders, 2))
+    missed_2_bit_errors = pair_counts[0]
     # A missed error of three bits is counted three times: once for each pair with the remainder of the third bit.
-    missed_3_bit_errors = sum(pairs_by_remainder[remainder] for remainder in remainders) // 3
+    missed_3_bit_errors = sum(pair_counts[remainder] for remainder in remainders) // 3
     # A missed error of four bits consists of two pairs with the same remainder, in three ways. If two such pairs have a
     # common bit, the CRC also misses errors of two bits, and this number is not used.
-    missed_4_bit_errors = sum(comb(number_of_pairs, 2) for number_of_pairs in pairs_by_remainder.values()) // 3
+    missed_4_bit_errors = sum(comb(pair_count, 2) for pair_count in pair_counts.values()) // 3
     for distance, missed in ((2, missed_2_bit_errors), (3, missed_3_bit_errors), (4, missed_4_bit_errors)):
         if missed:
             return UndetectedErrors(bits=bits, distance=distance, missed=missed)
@@ -88,10 +88,14 @@ def byte_table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...
     With ``reflected``, the bits of the CRC register are in reverse order, as needed for reflected input.
     """
     poly_with_top_bit = poly | (1 << width)
-    if not reflected:
-        return tuple(remainder(byte << width, poly_with_top_bit) for byte in range(256))
-    remainders = (remainder(reflect(byte, 8) << width, poly_with_top_bit) for byte in range(256))
-    return tuple(reflect(byte_remainder, width) for byte_remainder in remainders)
+    remainders: list[int] = []
+    for byte in range(256):
+        if reflected:
+            remainder_of_byte = remainder(reflect(byte, 8) << width, poly_with_top_bit)
+            remainders.append(reflect(remainder_of_byte, width))
+        else:
+            remainders.append(remainder(byte << width, poly_with_top_bit))
+    return tuple(remainders)
 
 
 def word_table(width: int, poly: int) -> tuple[int, ...]:
@@ -139,8 +143,8 @@ def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
             if shift < bits_left:
                 next_bits = max(shift, bits_left - shift + second_shift)
                 steps, wide_steps, sum_of_k, later_k = cheapest_plan(next_bits)
-                wide_steps += int(next_bits > 32)
-                plans.append((steps + 1, wide_steps, sum_of_k + k, (k, *later_k)))
+                is_wide = next_bits > 32
+                plans.append((steps + 1, wide_steps + int(is_wide), sum_of_k + k, (k, *later_k)))
         return min(plans)
 
     *_, k_of_steps = cheapest_plan(bits)
@@ -285,9 +289,11 @@ def checks_whole_words(device: Device, crc: Crc) -> bool:
     for _, layout in device.layouts():
         for field in layout.crc_fields:
             assert isinstance(field.kind, CrcValue)
+            if field.kind.crc != crc.name:
+                continue
             covers_named_fields_only = bool(field.kind.of)
             is_in_all_order_codes = field.width.is_constant
-            if field.kind.crc == crc.name and (covers_named_fields_only or not is_in_all_order_codes):
+            if covers_named_fields_only or not is_in_all_order_codes:
                 return False
     return True
 

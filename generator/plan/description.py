@@ -237,7 +237,8 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
 
 def _describe_reserved_bits(reserved: Reserved) -> Unused:
     """Return reserved bits as data: their position, the value in the manual, and their place in ``unused``."""
-    return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
+    field = reserved.field
+    return Unused(field.low, field.width, value=reserved.value, place=reserved.place)
 
 
 def _byte_order(layout_plan: LayoutPlan) -> str:
@@ -263,8 +264,9 @@ def _constant_ones(layout_plan: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
     Encoding starts from a frame of zeros, so constants of 0 need no operation.
     """
     for term in layout_plan.terms:
-        if isinstance(term.value, ConstantNumber) and term.value.number:
-            yield BitSpan(term.field.low, term.field.width), term.value.number
+        if isinstance(term.value, ConstantNumber) and term.value.number != 0:
+            bits = BitSpan(term.field.low, term.field.width)
+            yield bits, term.value.number
 
 
 def _describe_column(field: Field, must_be_power_of_two: bool) -> Column:
@@ -286,7 +288,7 @@ def _describe_column(field: Field, must_be_power_of_two: bool) -> Column:
         case NamedChoice():
             return replace(column, kind="choice")
         case DecimalDigits(digit_runs):
-            runs = tuple((Name(run.name), run.divisor, run.modulus) for run in digit_runs)
+            runs = tuple((Name(digits.name), digits.divisor, digits.modulus) for digits in digit_runs)
             return replace(column, kind="digits", runs=runs)
         case Latin1Text():
             return replace(column, kind="text")
@@ -299,23 +301,22 @@ def _describe_check(check: PlannedCheck) -> Check:
 
     ``fault`` is the error that a decoder reports if the check fails.
     """
-    field = check.field
-    fault = check.fault
+    check_of_field = Check(check.field.low, check.field.width, check.fault)
     match check:
         case AlwaysIs(value=value):
-            return Check(field.low, field.width, fault, values=(value,))
+            return replace(check_of_field, values=(value,))
         case ZerosAbove(padding=padding):
-            return Check(padding.low, padding.width, fault, values=(0,))
+            return replace(check_of_field, low=padding.low, width=padding.width, values=(0,))
         case ParityIs(of=covered_fields, odd=odd, mask=mask):
-            return Check(field.low, field.width, fault, parity_of=_list_places(covered_fields), odd=odd, mask=mask)
+            return replace(check_of_field, parity_of=_list_places(covered_fields), odd=odd, mask=mask)
         case IsOneOf(values=values):
-            return Check(field.low, field.width, fault, values=values)
+            return replace(check_of_field, values=values)
         case AtMost(limit=limit):
-            return Check(field.low, field.width, fault, limit=Expression(limit))
+            return replace(check_of_field, limit=Expression(limit))
         case NotAbove(highest=highest):
-            return Check(field.low, field.width, fault, limit=highest)
+            return replace(check_of_field, limit=highest)
         case IsBetween(lowest=lowest, highest=highest):
-            return Check(field.low, field.width, fault, limit=highest, lowest=lowest)
+            return replace(check_of_field, limit=highest, lowest=lowest)
         case _:
             assert_never(check)
 
@@ -395,4 +396,4 @@ def _find_reserved_mask(cause: verdicts.Cause) -> int:
 def _list_conditions(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:
     """Return the fields of a cause that consists of values, each with its value, or nothing for any other cause."""
     conditions = cause.conditions if isinstance(cause, verdicts.MatchingValues) else ()
-    return tuple((Name(part.field.name), value) for part, value in conditions)
+    return tuple((Name(decoded_field.field.name), value) for decoded_field, value in conditions)

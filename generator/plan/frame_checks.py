@@ -32,15 +32,17 @@ def only_value(layout: Layout, field: Field) -> int | None:
     """Return the only value of a constant or of a selector with one value, or None for any other field."""
     if isinstance(field.kind, Constant):
         return field.kind.value
-    return layout.selects[0] if field is fixed_selector(layout) else None
+    is_fixed_selector = field is fixed_selector(layout)
+    return layout.selects[0] if is_fixed_selector else None
 
 
 def bits_of(layout: Layout, field: Field) -> FieldBits:
     """Return the position of a field's bits. Bytes that contain only the padding of the field are omitted."""
-    bit_slices = tuple(
-        bit_slice for bit_slice in field.bit_slices if not field.container or bit_slice.low_in_number < field.widest
-    )
-    return locate_bits(layout, field.low, field.width, field.widest, bit_slices)
+    bit_slices = field.bit_slices
+    is_padded = bool(field.container)
+    if is_padded:
+        bit_slices = tuple(bit_slice for bit_slice in bit_slices if bit_slice.low_in_number < field.widest)
+    return locate_bits(layout, field.low, field.width, widest=field.widest, bit_slices=bit_slices)
 
 
 def locate_bits(
@@ -52,7 +54,7 @@ def locate_bits(
     """
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
-    return FieldBits(low, width, widest, on_top, bit_slices)
+    return FieldBits(low, width, widest=widest, on_top=on_top, bit_slices=bit_slices)
 
 
 def checks_of_layout(device: Device, layout: Layout, by_word: bool) -> Iterator[Check]:
@@ -95,11 +97,12 @@ def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAb
 def _parity_check(layout: Layout, parity_bit: Field, parity_kind: Parity) -> ParityIs:
     """Return the check that a parity bit matches the fields that it covers."""
     covered_fields = tuple(layout.field(name) for name in parity_kind.of)
+    covered_bits = tuple(bits_of(layout, covered_field) for covered_field in covered_fields)
     return ParityIs(
         field=parity_bit,
         bits=bits_of(layout, parity_bit),
         of=covered_fields,
-        of_bits=tuple(bits_of(layout, covered_field) for covered_field in covered_fields),
+        of_bits=covered_bits,
         odd=parity_kind.odd,
         mask=parity_mask(parity_kind, covered_fields),
         known_parity=known_parity(layout, parity_bit, covered_fields, parity_kind),
@@ -126,11 +129,13 @@ def _checks_of_numbers(device: Device, layout: Layout) -> Iterator[Check]:
     """
     position_range = device.range_in(layout)
     if position_range is not None:
-        position_bits = bits_of(layout, position_range.field)
-        if position_range.field.number.signed:
-            yield IsBetween(position_range.field, position_bits, position_range.lowest, position_range.highest)
-        elif not position_range.field.kind.digit_code:
-            yield NotAbove(position_range.field, position_bits, position_range.highest)
+        position_field = position_range.field
+        position_bits = bits_of(layout, position_field)
+        highest = position_range.highest
+        if position_field.number.signed:
+            yield IsBetween(position_field, position_bits, lowest=position_range.lowest, highest=highest)
+        elif not position_field.kind.digit_code:
+            yield NotAbove(position_field, position_bits, highest)
     for field in layout.fields:
         code = field.code_of_digits
         if code is not None:

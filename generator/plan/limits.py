@@ -50,7 +50,8 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
 
     ``binds_low`` and ``binds_high`` are true if the bits can represent numbers outside the limits for any order code.
     """
-    low, high = (register.min, register.max) if meaning is None else (meaning.min, meaning.max)
+    part_with_limits = register if meaning is None else meaning
+    low, high = part_with_limits.min, part_with_limits.max
     member = limited_member(register)
     fields = _limited_fields(register.layout, member)
     is_join = any(join.name == member for join in register.layout.joins)
@@ -64,7 +65,8 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
     for variant in device.variants_over(register.interface):
         representable_ranges.append(_representable_range(width, signed, variant.parameters))
     # 0 may encode a number that does not fit in the bits, such as 256 in 8 bits.
-    zero_means = fields[0].number.zero_means if fields and not is_join else 0
+    is_field = bool(fields) and not is_join
+    zero_means = fields[0].number.zero_means if is_field else 0
     is_above_range = all(zero_means > representable.highest for representable in representable_ranges)
     return NumberLimits(
         member=member,
@@ -252,15 +254,17 @@ def refusals(layout_plan: LayoutPlan) -> Iterator[Refusal]:
     The range of a position replaces all other checks of its field. Limits of a register are not included.
     """
     range_checks = {check.field.name: check for check in layout_plan.checks if isinstance(check, (NotAbove, IsBetween))}
-    for part in layout_plan.parts:
-        match range_checks.get(part.field.name):
+    for decoded_field in layout_plan.parts:
+        field = decoded_field.field
+        match range_checks.get(field.name):
             case NotAbove(highest=highest):
-                yield TooHigh(part.field, highest)
+                yield TooHigh(field, highest)
             case IsBetween(lowest=lowest, highest=highest):
-                yield NotBetween(part.field, lowest, highest)
+                yield NotBetween(field, lowest, highest)
             case None:
-                yield from _field_refusals(layout_plan.layout, part.field)
-    yield from (JoinDisagrees(whole) for whole in layout_plan.joined_numbers)
+                yield from _field_refusals(layout_plan.layout, field)
+    for joined_number in layout_plan.joined_numbers:
+        yield JoinDisagrees(joined_number)
 
 
 def powers_of_two(layout_plan: LayoutPlan) -> frozenset[str]:
@@ -279,9 +283,10 @@ def outside(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLimits | No
         return None
     bounds = limits.binding
     minimum_of_1 = ("min", Expression(1))
-    for part in layout_plan.parts:
-        rejects_zero = bool(part.field.number.zero_means) or part.field.number.power_of_two
-        if part.field.name == limits.member and rejects_zero:
+    for decoded_field in layout_plan.parts:
+        number = decoded_field.field.number
+        rejects_zero = bool(number.zero_means) or number.power_of_two
+        if rejects_zero and decoded_field.field.name == limits.member:
             bounds = tuple(bound for bound in bounds if bound != minimum_of_1)
     return OutsideLimits(limits.member, bounds) if bounds else None
 
@@ -321,7 +326,8 @@ def _field_refusals(layout: Layout, field: Field) -> Iterator[Refusal]:
         case Choice():  # All numbers that fit are valid.
             yield TooWide(field, field.width)
         case Decimal(runs=runs):
-            yield from (DigitTooHigh(field, run) for run in runs)
+            for digit_group in runs:
+                yield DigitTooHigh(field, digit_group)
             yield DigitsDisagree(field, runs)
         case Flag() if not field.width.is_constant:
             yield TooWide(field, field.width)

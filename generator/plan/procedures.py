@@ -59,13 +59,15 @@ def plan_procedure(device: Device, procedure: Procedure) -> ProcedurePlan:
             operation = replace(operation, closes=True)
         operations.append(operation)
     operations_with_limits = _set_limiting_parameters(device, operations)
-    operations = list(_add_verification(operations_with_limits))
-    writes = [operation for operation in operations if isinstance(operation, WriteRegister)]
+    verified_operations = tuple(_add_verification(operations_with_limits))
+    writes = [operation for operation in verified_operations if isinstance(operation, WriteRegister)]
+    checked_arguments = [checked_argument(device, argument, writes) for argument in procedure.arguments]
+    changes_frames = any(_changes_frames(device, write) for write in writes)
     return ProcedurePlan(
         procedure=procedure,
-        operations=tuple(operations),
-        arguments=tuple(checked_argument(device, argument, writes) for argument in procedure.arguments),
-        changes_frames=any(_changes_frames(device, write) for write in writes),
+        operations=verified_operations,
+        arguments=tuple(checked_arguments),
+        changes_frames=changes_frames,
     )
 
 
@@ -124,18 +126,20 @@ def _add_verification(operations: Iterable[PlannedStep]) -> Iterator[PlannedStep
     write. They are read back just before it, or before the same register is written again. A write that no such write
     follows is not read back.
     """
-    pending_verifications: list[VerifyWrite] = []
+    unverified_writes: list[WriteRegister] = []
     for operation in operations:
-        if isinstance(operation, WriteRegister):
-            is_written_again = any(
-                _writes_same_place(operation, verification.write) for verification in pending_verifications
-            )
-            if _makes_writes_effective(operation) or is_written_again:
-                yield from pending_verifications
-                pending_verifications.clear()
+        if not isinstance(operation, WriteRegister):
+            yield operation
+            continue
+        is_written_again = any(_writes_same_place(operation, earlier_write) for earlier_write in unverified_writes)
+        if is_written_again or _makes_writes_effective(operation):
+            for earlier_write in unverified_writes:
+                bit_slices = tuple(_slices_to_verify(earlier_write))
+                yield VerifyWrite(earlier_write, bit_slices)
+            unverified_writes.clear()
         yield operation
-        if isinstance(operation, WriteRegister) and _can_be_read_back(operation):
-            pending_verifications.append(VerifyWrite(operation, tuple(_slices_to_verify(operation))))
+        if _can_be_read_back(operation):
+            unverified_writes.append(operation)
 
 
 def _makes_writes_effective(write: WriteRegister) -> bool:
@@ -191,25 +195,27 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Plan
         case WaitStep():
             return WaitTime(step)
         case SendStep():
-            return SendRequest(step, reply_to(device, procedure.interface, step.data_id))
+            reply = reply_to(device, procedure.interface, step.data_id)
+            return SendRequest(step, reply)
         case PollStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)
-            return PollRegister(step, register, field, pieces_of(register, field))
+            return PollRegister(step, register, field, bit_slices=pieces_of(register, field))
         case ReadStep():
             register = device.register(step.register)
             read_field = register.layout.field(step.field) if step.field else None
-            return ReadRegister(step, register, read_field, pieces_of(register, read_field))
+            return ReadRegister(step, register, read_field, bit_slices=pieces_of(register, read_field))
         case ModifyStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)
             argument = _argument_of_step(procedure, step)
             value = InField(argument, field) if argument is not None else FixedNumber(step.value or 0)
-            return WriteRegister(step, register, field, pieces_of(register, field), value)
+            return WriteRegister(step, register, field, bit_slices=pieces_of(register, field), value=value)
         case WriteStep():
             register = device.register(step.register)
-            source = _written_value(register, step, _argument_of_step(procedure, step))
-            return WriteRegister(step=step, register=register, field=None, bit_slices=pieces_of(register), value=source)
+            argument = _argument_of_step(procedure, step)
+            source = _written_value(register, step, argument)
+            return WriteRegister(step, register, field=None, bit_slices=pieces_of(register), value=source)
         case _:
             assert_never(step)
 
@@ -280,4 +286,5 @@ def _opening_number(device: Device, locked_register: Register) -> int:
         # If no field is named, any field of the opening register can open the locked register.
         if locked_register.opened_by_field in ("", field.name):
             named_values += field.values
-    return member_named(named_values, locked_register.opened_by_value, f"value of '{opening_register.name}'").value
+    value_name = locked_register.opened_by_value
+    return member_named(named_values, value_name, f"value of '{opening_register.name}'").value

@@ -54,7 +54,7 @@ Cause = FieldToDecode | Reserved | MatchingValues
 
 @dataclass(frozen=True, slots=True)
 class VerdictCause:
-    """Cause of a verdict: a flag, reserved bits, or a combination of values.
+    """Cause of a verdict: ``by`` a flag, reserved bits, or a combination of values.
 
     A flag that combines several others has no effect while one of the flags ``unless`` is active. ``unless`` omits
     flags that lead to the same verdict or a worse one, since they make no difference. ``only`` selects the order codes
@@ -101,13 +101,9 @@ class VerdictRules:
         not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
         judges_position = self.judging_bits.value(parameters) > 0
         if not judges_position:
-            return VerdictRules(
-                not_usable=not_usable, with_warning=(), otherwise=Verdict.UNKNOWN, judging_bits=Expression(0)
-            )
+            return VerdictRules(not_usable, with_warning=(), otherwise=Verdict.UNKNOWN, judging_bits=Expression(0))
         with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.by, parameters))
-        return VerdictRules(
-            not_usable=not_usable, with_warning=with_warning, otherwise=self.otherwise, judging_bits=Expression(1)
-        )
+        return VerdictRules(not_usable, with_warning, otherwise=self.otherwise, judging_bits=Expression(1))
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
@@ -126,7 +122,7 @@ def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
     A field whose width is 0 for the order code is not in its frames.
     """
     if isinstance(cause, MatchingValues):
-        bits_of_cause = [part.bits for part, _ in cause.conditions]
+        bits_of_cause = [decoded_field.bits for decoded_field, _ in cause.conditions]
     else:
         bits_of_cause = [cause.bits]
     return all(bits.width.value(parameters) > 0 for bits in bits_of_cause)
@@ -139,11 +135,10 @@ def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
     Causes of warnings are then omitted, since UNKNOWN is worse than a warning.
     """
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {verdict: [] for verdict in Verdict}
-    part_by_name = {part.field.name: part for part in layout_plan.parts}
     for cause in verdict_causes(layout_plan):
         match cause.field.kind:
             case Flag():
-                for verdict, verdict_cause in _verdicts_of_flag(cause, part_by_name):
+                for verdict, verdict_cause in _verdicts_of_flag(cause, _decoded_fields(layout_plan)):
                     causes_by_verdict[verdict].append(verdict_cause)
             case Unused(makes_position=verdict):
                 causes_by_verdict[verdict].append(VerdictCause(cause, unless=()))
@@ -153,26 +148,27 @@ def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
     if layout_plan.layout.judges_position:
         with_warning = tuple(causes_by_verdict[Verdict.USABLE_WITH_WARNING])
         otherwise = Verdict.USABLE
-    return VerdictRules(
-        not_usable=not_usable,
-        with_warning=with_warning,
-        otherwise=otherwise,
-        judging_bits=layout_plan.layout.judging_bits,
-    )
+    judging_bits = layout_plan.layout.judging_bits
+    return VerdictRules(not_usable, with_warning, otherwise=otherwise, judging_bits=judging_bits)
 
 
-def _verdicts_of_flag(cause: Cause, parts: Mapping[str, FieldToDecode]) -> Iterator[tuple[Verdict, VerdictCause]]:
+def _decoded_fields(layout_plan: LayoutPlan) -> dict[str, FieldToDecode]:
+    """Return the fields of a frame that carry data, by name."""
+    return {decoded_field.field.name: decoded_field for decoded_field in layout_plan.parts}
+
+
+def _verdicts_of_flag(cause: Cause, fields: Mapping[str, FieldToDecode]) -> Iterator[tuple[Verdict, VerdictCause]]:
     """Yield the verdicts to which a flag can lead, each with its conditions on the order code and the user's answer.
 
     A flag that combines others (``sums_up``) has no effect while one of these is active, because the specific flag
-    decides the verdict. ``unless`` lists these flags. ``parts`` are the fields of the frame by name.
+    decides the verdict. ``unless`` lists these flags. ``fields`` are the fields of the frame by name.
     """
     for flag, only in _flag_by_order_code(cause.field):
-        combined_parts = [parts[name] for name in flag.sums_up if name in parts]
+        combined_flags = [fields[name] for name in flag.sums_up if name in fields]
         for verdict, chosen in _verdict_by_answer(flag):
             # A combined flag that leads to the same verdict or a worse one makes no difference.
-            unless = tuple(part for part in combined_parts if not _always_leads_to(part, verdict, parts))
-            yield verdict, VerdictCause(by=cause, unless=unless, only=only, chosen=chosen)
+            milder = tuple(combined for combined in combined_flags if not _always_leads_to(combined, verdict, fields))
+            yield verdict, VerdictCause(by=cause, unless=milder, only=only, chosen=chosen)
 
 
 def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, CodeCondition | None]]:
@@ -212,30 +208,22 @@ def _verdict_by_answer(flag: Flag) -> Iterator[tuple[Verdict, CodeCondition | No
         yield other_verdict, CodeCondition(flag.verdict_parameter, holds=True)
 
 
-def _always_leads_to(part: FieldToDecode, verdict: Verdict, parts: Mapping[str, FieldToDecode]) -> bool:
+def _always_leads_to(decoded_flag: FieldToDecode, verdict: Verdict, fields: Mapping[str, FieldToDecode]) -> bool:
     """Return whether a flag leads to ``verdict`` or a worse one, for every order code and every answer of the user.
 
     Return false if the flag combines others of the frame, since it then has no effect while one of them is active.
-    ``parts`` are the fields of the frame by name.
+    ``fields`` are the fields of the frame by name.
     """
-    flag = part.field.kind
+    flag = decoded_flag.field.kind
     if not isinstance(flag, Flag) or flag.makes_position is None:
         return False
     depends_on_order_code = bool(flag.only_while)
     depends_on_answer = flag.verdict_if_set is not None
-    combines_others = not parts.keys().isdisjoint(flag.sums_up)
+    combines_others = not fields.keys().isdisjoint(flag.sums_up)
     if depends_on_order_code or depends_on_answer or combines_others:
         return False
     worst_first = list(Verdict)  # The enumeration lists the verdicts from the worst to the best.
     return worst_first.index(flag.makes_position) <= worst_first.index(verdict)
-
-
-def verdict_of(field: Field) -> Verdict | None:
-    """Return the verdict on the position while a flag is active or unused bits differ from the manual.
-
-    Return None for all other fields, and for fields in a frame without the position.
-    """
-    return field.kind.makes_position
 
 
 def verdict_causes(layout_plan: LayoutPlan) -> Iterator[Cause]:
@@ -244,11 +232,13 @@ def verdict_causes(layout_plan: LayoutPlan) -> Iterator[Cause]:
     Flags that lead to no verdict are included. A sign of the layout is a combination of values: fields that decide the
     verdict together if each of them has a certain value.
     """
-    yield from (part for part in layout_plan.parts if isinstance(part.field.kind, Flag))
+    fields_of_frame = _decoded_fields(layout_plan)
+    for decoded_field in fields_of_frame.values():
+        if isinstance(decoded_field.field.kind, Flag):
+            yield decoded_field
     yield from layout_plan.reserved
-    part_by_name = {part.field.name: part for part in layout_plan.parts}
     for sign in layout_plan.layout.signs:
-        conditions = [(part_by_name[name], value) for name, value in sign.conditions]
+        conditions = [(fields_of_frame[name], value) for name, value in sign.conditions]
         yield MatchingValues(sign.flag, tuple(conditions))
 
 
@@ -347,9 +337,7 @@ def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
                     causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
         verdict_rules = verdict_rules_of(codec) if device.has_verdict(interface.name, layout) else None
         if causes or verdict_rules is not None:
-            reporting_by_frame[layout.name] = ReportsAndVerdict(
-                interface=interface, codec=codec, causes=tuple(causes), verdict_rules=verdict_rules
-            )
+            reporting_by_frame[layout.name] = ReportsAndVerdict(interface, codec, tuple(causes), verdict_rules)
     return reporting_by_frame
 
 
@@ -372,11 +360,6 @@ def codes_with_explanation(field: Field) -> CodeCondition | None:
     # The explained flag is yielded before the unexplained one.
     _, condition_of_explained_flag = next(by_order_code(field))
     return condition_of_explained_flag
-
-
-def combined_flag_names(field: Field) -> tuple[str, ...]:
-    """Return the names of the flags that a flag combines, or an empty tuple if it combines none."""
-    return field.kind.sums_up if isinstance(field.kind, Flag) else ()
 
 
 def _is_reported(field: Field) -> bool:
@@ -441,19 +424,17 @@ def _index_reports(device: Device) -> Mapping[tuple[str, str], NumberedReport]:
     # By both candidates for a report name: the name of the field, and the name with the interface.
     meanings_by_name: dict[str, set[object]] = {}
     for reported in reported_fields:
+        meaning = (reported.field.kind, reported.field.group, reported.field.meaning)
         for candidate_name in (reported.field.name, reported.name_with_interface):
-            meaning = (reported.field.kind, reported.field.group, reported.field.meaning)
             meanings_by_name.setdefault(candidate_name, set()).add(meaning)
-    reports_by_field: dict[tuple[str, str], NumberedReport] = {}
-    reports_by_name: dict[str, NumberedReport] = {}
+    report_by_field: dict[tuple[str, str], NumberedReport] = {}
+    report_by_name: dict[str, NumberedReport] = {}
     for reported in reported_fields:
-        report_name = _report_name(reported, meanings_by_name)
-        if report_name not in reports_by_name:
-            reports_by_name[report_name] = NumberedReport(
-                report_name, number=len(reports_by_name), field=reported.field
-            )
-        reports_by_field[reported.frame, reported.field.name] = reports_by_name[report_name]
-    return reports_by_field
+        name = _report_name(reported, meanings_by_name)
+        new_report = NumberedReport(name, number=len(report_by_name), field=reported.field)
+        report = report_by_name.setdefault(name, new_report)
+        report_by_field[reported.frame, reported.field.name] = report
+    return report_by_field
 
 
 def _report_name(reported: _ReportedField, meanings_by_name: Mapping[str, set[object]]) -> str:

@@ -11,9 +11,15 @@ from ..model import Crc, Join, Parity, PlacedField, PlacedLayout, Unused, number
 from ..model.kinds import DigitCode
 
 
+def bits_of_field(placed_field: PlacedField, frame: int) -> int:
+    """Return the bits of a field in a frame as a number."""
+    return (frame >> placed_field.low) & placed_field.mask
+
+
 def reflect(value: int, width: int) -> int:
     """Return ``value`` with its ``width`` bits in reverse order."""
-    return int(f"{value:0{width}b}"[::-1], 2)
+    binary_digits = f"{value:0{width}b}"
+    return int(binary_digits[::-1], 2)
 
 
 def compute_bits(crc: Crc, number: int, bits: int) -> int:
@@ -25,10 +31,11 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
     mask = crc.mask
     poly = crc.poly
     highest_bit = crc.width - 1
-    for bit_position in range(bits - 1, -1, -1):
-        has_feedback = ((register >> highest_bit) ^ (number >> bit_position)) & 1
+    for bit_position in reversed(range(bits)):
+        data_bit = (number >> bit_position) & 1
+        shifted_out = (register >> highest_bit) & 1
         register = (register << 1) & mask
-        if has_feedback:
+        if shifted_out != data_bit:
             register ^= poly
     if crc.refout:
         register = reflect(register, crc.width)
@@ -73,14 +80,14 @@ def init_for_result(crc: Crc, number: int, bits: int, result: int) -> int:
     return register
 
 
-def unused_bits(placed: PlacedLayout, number: int) -> int:
+def unused_bits(placed_layout: PlacedLayout, number: int) -> int:
     """Return the unused bits of the frame ``number`` as one number. Bits that differ from the manual are 1.
 
-    Each unused field has its place in this number, which ``placed.unused`` gives as the position of its lowest bit.
+    Each unused field has its place in this number. ``placed_layout.unused`` gives the position of its lowest bit.
     """
     result = 0
-    for placed_field, low_bit_in_result in placed.unused:
-        sent_bits = (number >> placed_field.low) & placed_field.mask
+    for placed_field, low_bit_in_result in placed_layout.unused:
+        sent_bits = bits_of_field(placed_field, number)
         differing_bits = sent_bits ^ documented_bits(placed_field)
         result |= differing_bits << low_bit_in_result
     return result
@@ -97,27 +104,27 @@ def documented_bits(placed_field: PlacedField) -> int:
     return kind.value & placed_field.mask
 
 
-def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
+def parity_bit(placed_layout: PlacedLayout, parity: Parity, number: int) -> int:
     """Return the value that a parity bit must have in the frame ``number``.
 
     It covers the fields ``of``. ``mask`` selects the bits of each of these fields that count.
     """
     ones = 0
-    for placed_field in placed.find_fields(parity.of):
-        value = (number >> placed_field.low) & placed_field.mask
-        ones += (value & parity.mask).bit_count()
+    for placed_field in placed_layout.find_fields(parity.of):
+        covered_bits_of_field = bits_of_field(placed_field, number) & parity.mask
+        ones += covered_bits_of_field.bit_count()
     # ``odd`` is 1 for odd parity, which makes the whole number of ones odd.
     return (ones + parity.odd) & 1
 
 
-def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
+def join_value(placed_layout: PlacedLayout, join: Join, number: int) -> int:
     """Return the number that several fields of the frame ``number`` form together. The first is the most significant.
 
     The spec calls such a number a join, for example a position that consists of multiturn and singleturn.
     """
     joined_value = 0
-    for placed_field in placed.find_fields(join.fields):
-        field_value = (number >> placed_field.low) & placed_field.mask
+    for placed_field in placed_layout.find_fields(join.fields):
+        field_value = bits_of_field(placed_field, number)
         joined_value = (joined_value << placed_field.width) | field_value
     return joined_value
 
@@ -136,7 +143,7 @@ def binary_to_gray(binary: int) -> int:
     return binary ^ (binary >> 1)
 
 
-def to_binary(placed: PlacedLayout, number: int) -> int:
+def to_binary(placed_layout: PlacedLayout, number: int) -> int:
     """Return the frame ``number`` with its Gray code and its digits converted to binary numbers.
 
     Some encoders add an excess to the number before they convert it to Gray code. It is subtracted. If a digit that is
@@ -144,17 +151,17 @@ def to_binary(placed: PlacedLayout, number: int) -> int:
     """
 
     def gray_to_number(gray: int) -> int:
-        return gray_to_binary(gray) - placed.gray_excess
+        return gray_to_binary(gray) - placed_layout.gray_excess
 
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         code = placed_field.field.code_of_digits
         if code is not None:
-            sent_bits = (number >> placed_field.low) & placed_field.mask
+            sent_bits = bits_of_field(placed_field, number)
             value = number_of_digits(code, sent_bits, placed_field.width)
             if value is None:
                 value = placed_field.mask
             number = with_bits(number, placed_field, value)
-    return _convert_gray_part(placed, number, gray_to_number)
+    return _convert_gray_part(placed_layout, number, gray_to_number)
 
 
 def number_of_digits(code: DigitCode, bits: int, width: int) -> int | None:
@@ -163,12 +170,14 @@ def number_of_digits(code: DigitCode, bits: int, width: int) -> int | None:
     ``code`` defines how each digit is sent: for BCD, 0001 0010 are the digits 1 and 2 of the number 12.
     """
     number = 0
-    low_of_first_digit = (width - 1) // code.bits * code.bits
-    for low in range(low_of_first_digit, -1, -code.bits):
-        code_of_digit = (bits >> low) & ((1 << code.bits) - 1)
+    mask_of_digit = (1 << code.bits) - 1
+    digit_count = -(-width // code.bits)  # Rounded up: the first digit can have fewer bits.
+    for digit_index in reversed(range(digit_count)):
+        code_of_digit = (bits >> (digit_index * code.bits)) & mask_of_digit
         if code_of_digit not in code.codes:
             return None
-        number = number * len(code.codes) + code.codes.index(code_of_digit)
+        digit = code.codes.index(code_of_digit)
+        number = number * len(code.codes) + digit
     return number
 
 
@@ -186,58 +195,61 @@ def digits_of_number(code: DigitCode, number: int, width: int) -> int:
 
 def with_bits(number: int, placed_field: PlacedField, bits: int) -> int:
     """Return the frame ``number`` with the bits of one field replaced by ``bits``."""
-    return number & ~(placed_field.mask << placed_field.low) | bits << placed_field.low
+    other_bits = number & ~(placed_field.mask << placed_field.low)
+    return other_bits | (bits << placed_field.low)
 
 
-def from_binary(placed: PlacedLayout, number: int) -> int:
+def from_binary(placed_layout: PlacedLayout, number: int) -> int:
     """Return the frame ``number`` as it is sent, with binary numbers converted to Gray code or to separate digits.
 
     If the counts per revolution are not a power of two, some encoders add an excess to the number first, so that only
     one bit of the Gray code changes at the wraparound.
     """
-    _, width = placed.place_of(placed.layout.gray_of)
+    _, width = placed_layout.place_of(placed_layout.layout.gray_of)
     mask = (1 << width) - 1
 
     def number_to_gray(binary: int) -> int:
-        return binary_to_gray((binary + placed.gray_excess) & mask)
+        return binary_to_gray((binary + placed_layout.gray_excess) & mask)
 
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         code = placed_field.field.code_of_digits
         if code is not None:
-            value = (number >> placed_field.low) & placed_field.mask
-            number = with_bits(number, placed_field, digits_of_number(code, value, placed_field.width))
-    return _convert_gray_part(placed, number, number_to_gray)
+            value = bits_of_field(placed_field, number)
+            sent_digits = digits_of_number(code, value, placed_field.width)
+            number = with_bits(number, placed_field, sent_digits)
+    return _convert_gray_part(placed_layout, number, number_to_gray)
 
 
-def _convert_gray_part(placed: PlacedLayout, frame: int, convert: Callable[[int], int]) -> int:
+def _convert_gray_part(placed_layout: PlacedLayout, frame: int, convert: Callable[[int], int]) -> int:
     """Return the frame with the number in Gray code replaced by the result of ``convert``, cut to its width.
 
     A frame without Gray code is returned unchanged.
     """
-    if not placed.gray:
+    if not placed_layout.gray:
         return frame
-    low, width = placed.place_of(placed.layout.gray_of)
+    low, width = placed_layout.place_of(placed_layout.layout.gray_of)
     mask = (1 << width) - 1
+    number = (frame >> low) & mask
+    converted_number = convert(number) & mask
     other_bits = frame & ~(mask << low)
-    converted_part = convert((frame >> low) & mask) & mask
-    return other_bits | (converted_part << low)
+    return other_bits | (converted_number << low)
 
 
-def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
+def compute(crc: Crc, placed_layout: PlacedLayout, number: int) -> int:
     """Return the CRC that matches the other bits of the frame ``number``."""
-    covered_number, bits = covered_bits(crc, placed, number)
+    covered_number, bits = covered_bits(crc, placed_layout, number)
     return compute_bits(crc, covered_number, bits)
 
 
-def covered_bits(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
+def covered_bits(crc: Crc, placed_layout: PlacedLayout, number: int) -> tuple[int, int]:
     """Return the bits that the CRC covers as one number, in the order in which it processes them, and how many.
 
     A CRC over whole bytes is in the last bytes of the frame, and covers all bytes before it.
     """
-    if placed.layout.crc_covers_bytes:
-        data = number_to_bytes(placed.layout, number, placed.bits)
+    if placed_layout.layout.crc_covers_bytes:
+        data = number_to_bytes(placed_layout.layout, number, placed_layout.bits)
         crc_length = crc.width // 8
         return bits_in_crc_order(crc, data[:-crc_length])
-    low, bits = placed.crc_covers
+    low, bits = placed_layout.crc_covers
     mask = (1 << bits) - 1
     return (number >> low) & mask, bits

@@ -29,8 +29,8 @@ def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple
     ``number`` must not have more bits than the frame.
     """
     decoded_channels = []
-    for placed, bits in zip(frame.channels, frame.split(number), strict=True):
-        decoded_channels.append(codec.decode(device, placed, bits))
+    for placed_layout, bits in zip(frame.channels, frame.split(number), strict=True):
+        decoded_channels.append(codec.decode(device, placed_layout, bits))
     return tuple(decoded_channels)
 
 
@@ -51,10 +51,11 @@ def channel_findings(
     verdicts = []
     if agree is False:  # None means that no fields are compared.
         verdicts.append(Verdict.NOT_USABLE)
-    for placed, channel in zip(frame.channels, findings_by_channel, strict=True):
-        has_position = device.sends_position(variant.interface, placed.layout)
-        counts = has_position or channel.verdict is not Verdict.UNKNOWN
-        if channel.verdict is not None and counts:
+    for placed_layout, channel in zip(frame.channels, findings_by_channel, strict=True):
+        if channel.verdict is None:
+            continue
+        has_position = device.sends_position(variant.interface, placed_layout.layout)
+        if has_position or channel.verdict is not Verdict.UNKNOWN:
             verdicts.append(channel.verdict)
     from_worst_to_best = list(Verdict)
     worst = min(verdicts, key=from_worst_to_best.index)

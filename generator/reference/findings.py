@@ -30,6 +30,7 @@ from ..order_codes.editions import edition_before, tests_of
 from ..order_codes.labels import LabelMatch
 from ..say import report
 from ..say.report import alarm_of, alarm_source, meaning, of_older_edition, remedy
+from .bits import bits_of_field
 from .codec import DecodedField, DecodedFrame, number_of_text
 from .codec import decode as decode_word
 
@@ -71,9 +72,11 @@ def findings(device: Device, variant: Variant, decoded: DecodedFrame) -> Finding
 
     They are empty for an invalid frame, since none of its bits can be trusted, and for a frame that the master sends.
     """
-    if decoded.problems or decoded.layout is None or decoded.layout.layout.sender == "master":
+    if decoded.problems or decoded.layout is None:
         return Findings()
     layout = decoded.layout.layout
+    if layout.sender == "master":
+        return Findings()
     is_register = layout.sender != "encoder"
     decoded_fields = {field.name: field for field in decoded.fields}
     active_fields = _active_fields(decoded.layout, decoded_fields)
@@ -88,18 +91,19 @@ def findings(device: Device, variant: Variant, decoded: DecodedFrame) -> Finding
     return Findings(reports=tuple(reports), verdict=verdict, differences=tuple(differences))
 
 
-def _active_fields(placed: PlacedLayout, decoded_fields: Mapping[str, DecodedField]) -> list[Field]:
+def _active_fields(placed_layout: PlacedLayout, decoded_fields: Mapping[str, DecodedField]) -> list[Field]:
     """Return the active flags, and the unused bits that differ from the manual.
 
     Some frames have signs: combinations of values that decide the verdict like a flag. If all values of a sign match,
     its flag, which has no bits, is active as well.
     """
     active_fields: list[Field] = []
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         if _is_active_field(placed_field, decoded_fields[placed_field.name]):
             active_fields.append(placed_field.field)
-    if placed.layout.sender == "encoder":
-        active_signs = [sign for sign in placed.layout.signs if _is_active_sign(sign, placed.layout, decoded_fields)]
+    if placed_layout.layout.sender == "encoder":
+        layout = placed_layout.layout
+        active_signs = [sign for sign in layout.signs if _is_active_sign(sign, layout, decoded_fields)]
         active_fields += [sign.flag for sign in active_signs]
     return active_fields
 
@@ -152,8 +156,10 @@ def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> 
 def _is_active_sign(sign: Sign, layout: Layout, decoded_fields: Mapping[str, DecodedField]) -> bool:
     """Return whether all fields of a sign, a combination of values that decides the verdict, have these values."""
     for name, required_number in sign.conditions:
+        if name not in decoded_fields:
+            return False
         required_value = _decoded_value(layout.field(name), required_number)
-        if name not in decoded_fields or decoded_fields[name].value != required_value:
+        if decoded_fields[name].value != required_value:
             return False
     return True
 
@@ -177,14 +183,14 @@ def _build_report(field: Field, alarm: Alarm | None) -> FrameReport:
     )
 
 
-def _find_worst_verdict(placed: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
+def _find_worst_verdict(placed_layout: PlacedLayout, active_fields: Sequence[Field]) -> Verdict:
     """Return the worst verdict to which the active flags and unused bits of a frame lead.
 
     If none of them leads to a verdict, the position is USABLE. It is UNKNOWN if the frame has no bits that say whether
     the position is usable.
     """
     active_names = {field.name for field in active_fields}
-    verdicts = [Verdict.USABLE if placed.judges_position else Verdict.UNKNOWN]
+    verdicts = [Verdict.USABLE if placed_layout.judges_position else Verdict.UNKNOWN]
     for field in active_fields:
         # A flag that combines others, listed in ``sums_up``, adds no information while one of them is active.
         is_redundant = isinstance(field.kind, Flag) and not active_names.isdisjoint(field.kind.sums_up)
@@ -200,7 +206,7 @@ def _find_differences(
 ) -> Iterator[ValueDifference]:
     """Yield the fields whose value differs from the value that the manual gives for this order code.
 
-    ``is_register`` is true if ``decoded`` is a register, which changes the wording of the messages.
+    ``is_register`` is true if ``decoded`` is a register. Then the messages name the order code.
     """
     assert decoded.layout is not None
     for placed_field in decoded.layout.fields:
@@ -210,25 +216,21 @@ def _find_differences(
         decoded_field = decoded_fields[placed_field.name]
         # A documented string is a text or the name of a value. A number equals the number formed by the bits.
         actual = decoded_field.value if isinstance(documented, str) else decoded_field.raw
-        if actual != documented:
-            yield ValueDifference(
-                field=placed_field.name,
-                actual=actual,
-                documented=documented,
-                message=_difference_message(placed_field, variant, actual, documented, is_register=is_register),
-                is_register=is_register,
-            )
-
-
-def _difference_message(
-    placed_field: PlacedField, variant: Variant, actual: int | str, documented: int | str, is_register: bool
-) -> str:
-    """Return the message about a value that differs from the manual. For a register, it names the order code."""
-    name = placed_field.field.printed_name or placed_field.name
-    actual_text, documented_text = _quoted_or_hex(actual), _quoted_or_hex(documented)
-    if is_register:
-        return report.other_content(name, actual_text, variant.code, documented_text)
-    return report.other_value(name, actual_text, documented_text)
+        if actual == documented:
+            continue
+        name = placed_field.field.printed_name or placed_field.name
+        actual_text, documented_text = _quoted_or_hex(actual), _quoted_or_hex(documented)
+        if is_register:
+            message = report.other_content(name, actual_text, variant.code, documented_text)
+        else:
+            message = report.other_value(name, actual_text, documented_text)
+        yield ValueDifference(
+            field=placed_field.name,
+            actual=actual,
+            documented=documented,
+            message=message,
+            is_register=is_register,
+        )
 
 
 def _quoted_or_hex(field_value: int | str) -> str:
@@ -277,7 +279,7 @@ def _compare_register(
     Bytes that ``bytes_by_address`` lacks are unknown. The message shows the field in hexadecimal, with a dot for each
     unknown digit.
     """
-    placed = register.layout.place(variant.parameters)
+    placed_layout = register.layout.place(variant.parameters)
     addresses = _list_addresses(register)
     register_bytes = bytes(bytes_by_address.get(address, 0) for address in addresses)
     masks_of_bytes = bytearray()  # 0xFF for each byte that is known.
@@ -285,18 +287,19 @@ def _compare_register(
         masks_of_bytes.append(0xFF if address in bytes_by_address else 0)
     content = number_from_bytes(register.layout, register_bytes)
     known_mask = number_from_bytes(register.layout, bytes(masks_of_bytes))
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         documented = placed_field.field.documented(variant.parameters)
         if documented is None:
             continue
         documented_bits = number_of_text(documented) if isinstance(documented, str) else documented
-        known_bits = (known_mask >> placed_field.low) & placed_field.mask
-        actual_bits = (content >> placed_field.low) & known_bits
+        known_bits = bits_of_field(placed_field, known_mask)
+        actual_bits = bits_of_field(placed_field, content) & known_bits
         matches_documentation = actual_bits == documented_bits & known_bits
         if matches_documentation:
             continue
-        path = f"{register.name}.{placed_field.name}" if len(placed.fields) > 1 else register.name
-        if known_bits == placed_field.mask:
+        path = f"{register.name}.{placed_field.name}" if len(placed_layout.fields) > 1 else register.name
+        is_completely_known = known_bits == placed_field.mask
+        if is_completely_known:
             message = report.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
         else:
             actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
@@ -310,13 +313,15 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
 
     The bits of the field that are known are 1 in ``known_bits``. A digit is known if all of its bits are known.
     """
-    digits = ""
+    text = ""
+    all_bits = (1 << width) - 1
     highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest digit may have fewer.
     for shift in range(highest_digit_shift, -1, -4):
-        bits_of_digit = (((1 << width) - 1) >> shift) & 0xF
-        is_known = (known_bits >> shift) & bits_of_digit == bits_of_digit
-        digits += f"{(field_bits >> shift) & 0xF:X}" if is_known else "."
-    return digits + "h"
+        bits_of_digit = (all_bits >> shift) & 0xF
+        known_bits_of_digit = (known_bits >> shift) & bits_of_digit
+        digit = (field_bits >> shift) & 0xF
+        text += f"{digit:X}" if known_bits_of_digit == bits_of_digit else "."
+    return text + "h"
 
 
 def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDifference]:
@@ -329,14 +334,21 @@ def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDiffe
     if decoded.layout is None or not is_register:
         return
     register = decoded.layout.name
-    raw_values = {field.name: field.raw for field in decoded.fields}
+    number_by_field = {field.name: field.raw for field in decoded.fields}
     for revision, test in tests_of(device, register):
-        raw = raw_values.get(test.run)
-        if raw is not None and not test.min <= raw <= test.max:
-            bounds = f"{test.min} to {test.max}"
-            older_edition = edition_before(device, revision)
-            message = of_older_edition(test.run, f"{raw}", bounds, revision, register, older_edition)
-            yield ValueDifference(test.run, actual=raw, documented=bounds, message=message, is_register=True)
+        number = number_by_field.get(test.run)
+        if number is None or test.min <= number <= test.max:
+            continue
+        bounds = f"{test.min} to {test.max}"
+        message = of_older_edition(
+            run=test.run,
+            actual=f"{number}",
+            bounds=bounds,
+            revision=revision,
+            register=register,
+            before=edition_before(device, revision),
+        )
+        yield ValueDifference(test.run, actual=number, documented=bounds, message=message, is_register=True)
 
 
 def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Mapping[int, int]) -> str:
@@ -353,14 +365,17 @@ def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Ma
     for edition in device.editions:
         for test in edition.tests:
             register = device.register(test.register)
-            if not all(address in bytes_by_address for address in _list_addresses(register)):
+            addresses = _list_addresses(register)
+            is_complete = bytes_by_address.keys() >= set(addresses)
+            if not is_complete:
                 continue
             has_register = True
-            register_bytes = bytes(bytes_by_address[address] for address in _list_addresses(register))
-            placed = register.layout.place(match.variant.parameters)
-            decoded = decode_word(device, placed, number_from_bytes(register.layout, register_bytes))
-            raw = member_named(decoded.fields, test.run, f"field of '{register.name}'").raw
-            if not test.min <= raw <= test.max:
+            register_bytes = bytes(bytes_by_address[address] for address in addresses)
+            content = number_from_bytes(register.layout, register_bytes)
+            placed_layout = register.layout.place(match.variant.parameters)
+            decoded_register = decode_word(device, placed_layout, content)
+            tested_field = member_named(decoded_register.fields, test.run, f"field of '{register.name}'")
+            if not test.min <= tested_field.raw <= test.max:
                 return edition_before(device, edition.revision)
     if not has_register:
         raise ValueError(_missing_registers_message(device))
@@ -391,6 +406,9 @@ def _missing_registers_message(device: Device) -> str:
         return f"no register of {device.name} identifies the edition"
     options_by_register = []
     for name in names:
-        options = [f"--register 0x{address:02X}=0x.." for address in _list_addresses(device.register(name))]
+        addresses = _list_addresses(device.register(name))
+        options = [f"--register 0x{address:02X}=0x.." for address in addresses]
         options_by_register.append(" ".join(options))
-    return f"to infer the edition, give all of {' or '.join(names)}: {'; or '.join(options_by_register)}"
+    names_text = " or ".join(names)
+    options_text = "; or ".join(options_by_register)
+    return f"to infer the edition, give all of {names_text}: {options_text}"

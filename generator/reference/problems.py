@@ -8,7 +8,7 @@ from ..model import Choice, Constant, Decimal, Device, Fault, Field, Parity, Pla
 from ..model.position_range import PositionRange
 from ..model.record import dataclass
 from ..say import report
-from .bits import parity_bit
+from .bits import bits_of_field, parity_bit
 from .values import signed_or_plain
 
 
@@ -22,7 +22,7 @@ class FrameProblem:
 
 
 def problems_with_other_fields(
-    placed: PlacedLayout, placed_field: PlacedField, sent_value: int, frame: int
+    placed_layout: PlacedLayout, placed_field: PlacedField, sent_value: int, frame: int
 ) -> Iterator[FrameProblem]:
     """Yield an error if the field is a wrong parity bit, or the selector of a different layout.
 
@@ -32,62 +32,68 @@ def problems_with_other_fields(
     name = placed_field.name
     kind = placed_field.field.kind
     if isinstance(kind, Parity):
-        correct_bit = parity_bit(placed, kind, frame)
+        correct_bit = parity_bit(placed_layout, kind, frame)
         if sent_value != correct_bit:
-            covered_names = ", ".join(field.name for field in placed.find_fields(kind.of))
+            covered_names = ", ".join(field.name for field in placed_layout.find_fields(kind.of))
             message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
-            yield FrameProblem(Fault.CONSTANT, name, message)
-    elif name == placed.layout.selector and sent_value not in placed.layout.selects:
-        yield FrameProblem(Fault.RANGE, name, report.of_other_frame(name, f"{sent_value:X}"))
+            yield FrameProblem(Fault.CONSTANT, field=name, message=message)
+    elif name == placed_layout.layout.selector and sent_value not in placed_layout.layout.selects:
+        message = report.of_other_frame(name, f"{sent_value:X}")
+        yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 
-def problems_of_position(device: Device, placed: PlacedLayout, binary_number: int) -> Iterator[FrameProblem]:
+def problems_of_position(device: Device, placed_layout: PlacedLayout, binary_number: int) -> Iterator[FrameProblem]:
     """Yield an error if the position in the frame is outside the range of this encoder.
 
     ``binary_number`` is the frame with its Gray code converted to binary. A position with separately sent digits, such
     as BCD, is not checked here.
     """
-    position_range = device.range_in(placed.layout)
+    position_range = device.range_in(placed_layout.layout)
     if position_range is None or position_range.field.kind.digit_code:
         return
-    position_field = placed.find_field(position_range.field.name)
+    position_field = placed_layout.find_field(position_range.field.name)
     if position_field is None:
         return
-    raw = (binary_number >> position_field.low) & position_field.mask
-    message = range_message(position_range, position_field, raw, placed)
+    position_bits = bits_of_field(position_field, binary_number)
+    message = range_message(position_range, position_field, position_bits, placed_layout)
     if message:
-        yield FrameProblem(Fault.RANGE, position_field.name, message)
+        yield FrameProblem(Fault.RANGE, field=position_field.name, message=message)
 
 
-def problems_of_digits(device: Device, placed: PlacedLayout, frame: int, binary_number: int) -> Iterator[FrameProblem]:
+def problems_of_digits(
+    device: Device, placed_layout: PlacedLayout, frame: int, binary_number: int
+) -> Iterator[FrameProblem]:
     """Yield an error for each number with separately sent digits that has an invalid digit or is too high.
 
     ``frame`` is the frame as it is sent. In ``binary_number``, the same frame with converted numbers, all bits of a
     number with an invalid digit are 1, which is also too high.
     """
-    position_range = device.range_in(placed.layout)
-    for placed_field in placed.fields:
+    position_range = device.range_in(placed_layout.layout)
+    for placed_field in placed_layout.fields:
         name = placed_field.name
         code = placed_field.field.code_of_digits
         if code is None:
             continue
         highest = code.highest(placed_field.width)
         if position_range is not None and position_range.field.name == name:
-            highest = position_range.highest.value(placed.parameters)
-        sent_bits = (frame >> placed_field.low) & placed_field.mask
-        number = (binary_number >> placed_field.low) & placed_field.mask
+            highest = position_range.highest.value(placed_layout.parameters)
+        sent_bits = bits_of_field(placed_field, frame)
+        number = bits_of_field(placed_field, binary_number)
         if number > highest:
-            yield FrameProblem(Fault.RANGE, name, report.not_in_code(name, f"{sent_bits:#x}", f"{highest}", code.name))
+            message = report.not_in_code(name, f"{sent_bits:#x}", f"{highest}", code.name)
+            yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 
-def range_message(position_range: PositionRange, placed_field: PlacedField, raw: int, placed: PlacedLayout) -> str:
+def range_message(
+    position_range: PositionRange, placed_field: PlacedField, position_bits: int, placed_layout: PlacedLayout
+) -> str:
     """Return an error message if a position is outside the range of this encoder, or an empty string if it is inside.
 
-    ``raw`` is the number formed by the bits of the position.
+    ``position_bits`` is the number formed by the bits of the position.
     """
-    lowest = position_range.lowest.value(placed.parameters)
-    highest = position_range.highest.value(placed.parameters)
-    position = signed_or_plain(placed_field.field.number, raw, placed_field.width)
+    lowest = position_range.lowest.value(placed_layout.parameters)
+    highest = position_range.highest.value(placed_layout.parameters)
+    position = signed_or_plain(placed_field.field.number, position_bits, placed_field.width)
     if lowest <= position <= highest:
         return ""
     if placed_field.field.number.signed:
@@ -100,11 +106,15 @@ def problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
     name = field.name
     match field.kind:
         case Choice(named_values):
-            if all(named_value.value != raw for named_value in named_values):
-                yield FrameProblem(Fault.RANGE, name, report.no_value(name, f"{raw:#x}"))
+            known_numbers = {named_value.value for named_value in named_values}
+            if raw not in known_numbers:
+                message = report.no_value(name, f"{raw:#x}")
+                yield FrameProblem(Fault.RANGE, field=name, message=message)
         case Constant(constant):
             if raw != constant:
-                yield FrameProblem(Fault.CONSTANT, name, report.constant(name, f"{raw:#x}", f"{constant:#x}"))
+                message = report.constant(name, f"{raw:#x}", f"{constant:#x}")
+                yield FrameProblem(Fault.CONSTANT, field=name, message=message)
         case Decimal() as decimal:
             if raw >= decimal.limit:
-                yield FrameProblem(Fault.RANGE, name, report.digits(name, f"{raw}", f"{decimal.digits}"))
+                message = report.digits(name, f"{raw}", f"{decimal.digits}")
+                yield FrameProblem(Fault.RANGE, field=name, message=message)

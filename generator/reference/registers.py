@@ -36,20 +36,21 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         RegisterError: This interface does not have the register, or the register has a different length.
     """
     registers = {register.name: register for register in device.registers_over(variant.interface)}
-    if name.lower() not in registers:
+    register_name = name.lower()
+    if register_name not in registers:
         for erratum in device.errata:
-            message = _unknown_register_message(device, erratum, name.lower())
+            message = _unknown_register_message(device, erratum, register_name)
             if message:
                 raise RegisterError(message)
         available = f"it has: {', '.join(registers)}" if registers else "it has none"
         raise RegisterError(f"{variant.code} has no register '{name}'; {available}")
-    register = registers[name.lower()]
+    register = registers[register_name]
     if len(data) != register.length:
-        needed = count_with_unit(register.length, "byte")
-        actual = count_with_unit(len(data), "byte")
-        raise RegisterError(register_length(register.name, needed, actual))
-    placed = register.layout.place(variant.parameters)
-    return codec.decode(device, placed, number_from_bytes(register.layout, data))
+        needed_length = count_with_unit(register.length, "byte")
+        actual_length = count_with_unit(len(data), "byte")
+        raise RegisterError(register_length(register.name, needed_length, actual_length))
+    placed_layout = register.layout.place(variant.parameters)
+    return codec.decode(device, placed_layout, number_from_bytes(register.layout, data))
 
 
 def _unknown_register_message(device: Device, erratum: Erratum, name: str) -> str:
@@ -70,7 +71,7 @@ def _unknown_register_message(device: Device, erratum: Erratum, name: str) -> st
     return f"'{name}' is unknown {scope}: {erratum.why} [{cite(erratum.source)}]"
 
 
-#: Lowest and highest value of an argument, or None without a limit.
+#: The lowest and the highest value of an argument, each None if there is no such limit.
 Limits = tuple["Expression | None", "Expression | None"]
 
 
@@ -94,17 +95,19 @@ def register_writes(
         if not isinstance(step, (WriteStep, ModifyStep)):
             continue
         register = device.register(step.register)
-        placed = register.layout.place(variant.parameters)
+        placed_layout = register.layout.place(variant.parameters)
         value = _value_of_step(step, arguments)
         if step.value is None:
             # A register can have several meanings with different limits.
-            limits = device.limits(register, meaning_by_argument.get(step.value_name, ""))
-            _check_argument(register, _name_of_written_field(register, step), value, placed, limits)
+            meaning_name = meaning_by_argument.get(step.value_name, "")
+            limits = device.limits(register, meaning_name)
+            field_name = _name_of_written_field(register, step)
+            _check_argument(value, register, field_name, placed_layout, limits)
         if isinstance(step, ModifyStep):
             old_content = contents.get(step.register, register.default or 0)
-            content = _with_field_changed(placed, step.field, value, old_content)
+            content = _with_field_changed(placed_layout, step.field, value, old_content)
         elif step.value is None:
-            content = _content_for_argument(device, register, placed, value)
+            content = _content_for_argument(device, register, placed_layout, value)
         else:
             content = value
         contents[step.register] = content
@@ -139,13 +142,13 @@ def _writes_of_register(register: Register, content: int) -> list[Write]:
     return [Write(register.address + offset, byte) for offset, byte in enumerate(data)]
 
 
-def _with_field_changed(placed: PlacedLayout, field_name: str, field_value: int, old_content: int) -> int:
+def _with_field_changed(placed_layout: PlacedLayout, field_name: str, field_value: int, old_content: int) -> int:
     """Return the content of a register after a value is written to one of its fields. The other bits are unchanged.
 
     Raises:
         EncodeError: The value does not fit, or this order code has no such field.
     """
-    placed_field = placed.find_field(field_name)
+    placed_field = placed_layout.find_field(field_name)
     if placed_field is None:
         raise codec.EncodeError(f"{field_value} does not fit '{field_name}'")
     is_too_wide = field_value & ~placed_field.mask != 0
@@ -155,7 +158,7 @@ def _with_field_changed(placed: PlacedLayout, field_name: str, field_value: int,
     return other_bits | (field_value << placed_field.low)
 
 
-def _content_for_argument(device: Device, register: Register, placed: PlacedLayout, argument: int) -> int:
+def _content_for_argument(device: Device, register: Register, placed_layout: PlacedLayout, argument: int) -> int:
     """Return the content of a register to which an argument is written.
 
     The argument is the value of the field or joined number to which the limits of the register apply. Without such a
@@ -168,15 +171,18 @@ def _content_for_argument(device: Device, register: Register, placed: PlacedLayo
     names_of_numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
     names_of_numbers |= {join.name for join in register.layout.joins}
     if name in names_of_numbers or register.limits_of == name:
-        return codec.encode(device, placed, {name: argument})
+        return codec.encode(device, placed_layout, {name: argument})
     # The argument is the number in the whole register.
-    problems = codec.decode(device, placed, argument).problems
+    problems = codec.decode(device, placed_layout, argument).problems
     if problems:
-        raise codec.EncodeError(f"{argument:#x} is not a value of '{register.name}': {problems[0].message}")
+        first_problem = problems[0]
+        raise codec.EncodeError(f"{argument:#x} is not a value of '{register.name}': {first_problem.message}")
     return argument
 
 
-def _check_argument(register: Register, field_name: str, argument: int, placed: PlacedLayout, limits: Limits) -> None:
+def _check_argument(
+    argument: int, register: Register, field_name: str, placed_layout: PlacedLayout, limits: Limits
+) -> None:
     """Check that an argument is a named value of the field, if it has any, and that it is within the limits.
 
     The limits are checked if they belong to a meaning of the register, or if the register's own limits apply to this
@@ -185,11 +191,13 @@ def _check_argument(register: Register, field_name: str, argument: int, placed: 
     Raises:
         EncodeError: The argument is not valid.
     """
-    fields = (field for field in register.layout.fields if field.name == field_name)
-    allowed_values = [choice.value for field in fields for choice in field.values]
+    allowed_values: list[int] = []
+    for field in register.layout.fields:
+        if field.name == field_name:
+            allowed_values += [named_value.value for named_value in field.values]
     if allowed_values and argument not in allowed_values:
         raise codec.EncodeError(f"{argument} is not a value of '{field_name}'")
-    lowest, highest = value_bounds(register, placed, limits, placed.parameters)
+    lowest, highest = value_bounds(register, placed_layout, limits, placed_layout.parameters)
     # The limits of a meaning apply to the field or register to which the argument is written.
     has_limits_of_meaning = limits != (register.min, register.max)
     is_limited = has_limits_of_meaning or field_name == name_with_limits(register)

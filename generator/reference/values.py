@@ -140,11 +140,11 @@ def encode_digits(decimal: Decimal, values: Values) -> int:
         EncodeError: A group is not a number, is negative, or has too many digits.
     """
     number = 0
-    for run in decimal.runs:
-        value = checked_number(values.get(run.name, 0))
-        if not 0 <= value < run.modulus:
-            raise EncodeError(f"{run.name} {value} has more than {run.digits} digits")
-        number += value * run.divisor
+    for digit_group in decimal.runs:
+        value = checked_number(values.get(digit_group.name, 0))
+        if not 0 <= value < digit_group.modulus:
+            raise EncodeError(f"{digit_group.name} {value} has more than {digit_group.digits} digits")
+        number += value * digit_group.divisor
     return number
 
 

@@ -129,8 +129,10 @@ class BissLine(ByLevels):
         has_start_bit = 1 in cycle_bits[self.acknowledge :]
         start_index = cycle_bits.index(1, self.acknowledge) if has_start_bit else self.acknowledge
         cds_index = start_index + 1
-        data_bits = cycle_bits[cds_index + 1 : cds_index + 1 + self.bits]
-        return cycle_bits[cds_index], int("".join(map(str, data_bits)), 2)
+        first_data_index = cds_index + 1
+        data_bits = cycle_bits[first_data_index : first_data_index + self.bits]
+        single_cycle_data = int("".join(map(str, data_bits)), 2)
+        return cycle_bits[cds_index], single_cycle_data
 
     def cycle(self, cdm: int) -> list[int]:
         """Return the bits of a cycle from the second rising edge of MA: acknowledge, start, CDS, data, stop.
@@ -145,8 +147,9 @@ class BissLine(ByLevels):
         data_bits = [(word >> shift) & 1 for shift in reversed(range(self.bits))]
         fewest_late, most_late = _CLOCKS_LATE.get(fault, (0, 0))
         late_clocks = faults.random.randint(fewest_late, most_late)
+        acknowledge_bits = [0] * (self.acknowledge + late_clocks)
         start_bit, stop_bit = 1, 0
-        cycle_bits = [*[0] * (self.acknowledge + late_clocks), start_bit, cds, *data_bits, stop_bit]
+        cycle_bits = [*acknowledge_bits, start_bit, cds, *data_bits, stop_bit]
         cycle_bits = self._bits_with_fault(fault, cycle_bits, data_bits)
         if fault in ("restart", "brownout"):
             encoder.restart()
@@ -168,8 +171,9 @@ class BissLine(ByLevels):
         if fault == "flip":
             # Any bit from the CDS bit to the last bit before the stop bit.
             inverted_index = faults.random.randrange(self.acknowledge + 1, len(cycle_bits) - 1)
-            inverted_bit = 1 - cycle_bits[inverted_index]
-            return [*cycle_bits[:inverted_index], inverted_bit, *cycle_bits[inverted_index + 1 :]]
+            bits_with_flip = list(cycle_bits)
+            bits_with_flip[inverted_index] ^= 1
+            return bits_with_flip
         if fault in ("short", "brownout"):
             # At least one of the lost bits is 0, so that the frame differs.
             indices_of_zeros = [index for index, data_bit in enumerate(data_bits) if data_bit == 0]

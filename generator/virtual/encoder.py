@@ -253,7 +253,8 @@ class VirtualEncoder:
         """
         self._instant = self.clock()  # All fields of the frame use this time.
         try:
-            return codec.encode(self.device, self.place(layout), self._collect_values(layout, request_values or {}))
+            values = self._collect_values(layout, request_values or {})
+            return codec.encode(self.device, self.place(layout), values)
         finally:
             self._instant = None
 
@@ -325,7 +326,8 @@ class VirtualEncoder:
             if name in request_values:
                 values[name] = request_values[name]
             elif name in position_bits:
-                values[name] = _number_from_bits(placed_field, position_bits[name] & placed_field.mask)
+                bits_that_fit = position_bits[name] & placed_field.mask
+                values[name] = _number_from_bits(placed_field, bits_that_fit)
             elif isinstance(field.kind, Flag):
                 values[name] = self.is_active(field)
             elif documented_value is not None:
@@ -354,9 +356,10 @@ class VirtualEncoder:
         position_width = self.place(position_layout).field(position_name).width
         position_bits = self.parts_now(position_layout)[position_name]
         # The highest bits of both fields are equal. In the wider field, the position is followed by zeros.
-        if position_width >= width:
-            return {name: position_bits >> (position_width - width)}
-        return {name: position_bits << (width - position_width)}
+        missing_bits = width - position_width
+        if missing_bits > 0:
+            return {name: position_bits << missing_bits}
+        return {name: position_bits >> -missing_bits}
 
     @property
     def _position_layout(self) -> Layout | None:
@@ -389,8 +392,8 @@ class VirtualEncoder:
     @cached_property
     def _not_ready_flags(self) -> set[str]:
         """Names of the flags of alarms that the manual describes as not latching. They are active while it is busy."""
-        non_latching_alarms = [alarm.name for alarm in self.device.alarms if alarm.latch is False]
-        return {name for name in non_latching_alarms if name in self._flag_names}
+        non_latching_alarms = {alarm.name for alarm in self.device.alarms if alarm.latch is False}
+        return non_latching_alarms & self._flag_names
 
     @cached_property
     def _flag_names(self) -> frozenset[str]:

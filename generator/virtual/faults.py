@@ -121,7 +121,8 @@ class Faults:
         if name in ("short", "brownout"):
             # At least one byte is lost. If the reply has several bytes, at least one remains.
             shortest_length = min(1, len(reply) - 1)
-            return reply[: self.random.randrange(shortest_length, len(reply))]
+            remaining_length = self.random.randrange(shortest_length, len(reply))
+            return reply[:remaining_length]
         if name == "doubled":
             return reply + reply
         if name == "flip":
@@ -255,7 +256,7 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
     if sine_match["amplitude"]:
         amplitude = _amplitude_in_counts(
             text,
-            _parse_finite(sine_match["amplitude"], text),
+            amplitude=_parse_finite(sine_match["amplitude"], text),
             is_angle=bool(sine_match["degrees"]),
             largest_amplitude=largest_amplitude,
             counts_per_turn=counts_per_turn,

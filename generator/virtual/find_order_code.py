@@ -49,8 +49,9 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
             raise ValueError("an encoder in one line has no editions; leave the edition out")
         return device_of_line(text)
     error_message = ""
-    special_families = [family for family in _load_families(specs) if _has_special_code(family.device, text)]
-    ordinary_families = [family for family in _load_families(specs) if not family.device.base]
+    families = _load_families(specs)
+    special_families = [family for family in families if _has_special_code(family.device, text)]
+    ordinary_families = [family for family in families if not family.device.base]
     for family in (*special_families, *ordinary_families):
         try:
             match = find_code(family.device, text)
@@ -62,7 +63,8 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
         if not edition:
             return family.device, match
         report = ProblemReport()
-        family_in_edition = in_edition(family, revision_for(family.device, edition), report)
+        revision = revision_for(family.device, edition)
+        family_in_edition = in_edition(family, revision, report)
         if family_in_edition is None or report:
             raise ValueError("\n".join(problem.format() for problem in report.shown))
         return family_in_edition.device, find_code(family_in_edition.device, text)

@@ -17,7 +17,6 @@ from ..model import (
     Field,
     Flag,
     Layout,
-    PlacedField,
     PlacedLayout,
     PollStep,
     Procedure,
@@ -30,6 +29,7 @@ from ..model import (
 )
 from ..order_codes.parameters import after_write
 from ..reference import codec
+from ..reference.bits import bits_of_field, with_bits
 
 
 class Host(Protocol):
@@ -74,9 +74,11 @@ class Memory:
         Raises:
             ValueError: There is no such register, or it has a different length.
         """
-        if name not in self.registers or len(data) != self.registers[name].length:
-            sizes = ", ".join(f"{register.name} ({register.length})" for register in self.registers.values())
-            raise ValueError(f"no register '{name}' of {len(data)} bytes; the registers are: {sizes or 'none'}")
+        register = self.registers.get(name)
+        if register is None or len(data) != register.length:
+            names_and_lengths = [f"{known.name} ({known.length})" for known in self.registers.values()]
+            registers_text = ", ".join(names_and_lengths) or "none"
+            raise ValueError(f"no register '{name}' of {len(data)} bytes; the registers are: {registers_text}")
         self._bytes[name][:] = data
 
     def value(self, name: str) -> int:
@@ -240,7 +242,8 @@ class Memory:
         if placed_field is None:
             return False
         opening_value = opening_field.value_named(register.opened_by_value).value
-        return _bits_of_field(self.value(opener.name), placed_field) == opening_value
+        current_value = bits_of_field(placed_field, self.value(opener.name))
+        return current_value == opening_value
 
     def _react_to_write(self, register: Register) -> None:
         """Let a written register take effect: correct its value, execute it if it is a command, and save it."""
@@ -265,8 +268,9 @@ class Memory:
         """
         content = written_content
         for placed_field in self._encoder.place(register.layout).fields:
-            if isinstance(placed_field.field.kind, Constant):
-                content = _with_bits_of_field(content, placed_field, placed_field.field.kind.value)
+            kind = placed_field.field.kind
+            if isinstance(kind, Constant):
+                content = with_bits(content, placed_field, kind.value)
         if register.above_max == "default" and register.max is not None and register.default is not None:
             highest = register.max.value(self._encoder.variant.parameters)
             if content > highest:
@@ -332,7 +336,8 @@ class Memory:
             command_steps = _command_steps(procedure, command_register)
             activates = any("activate" in step.value_name for step in command_steps)
             if argument_steps and activates:
-                self._activate_argument(self.registers[argument_steps[-1].register])
+                last_step = argument_steps[-1]
+                self._activate_argument(self.registers[last_step.register])
                 return
 
     def _activate_argument(self, register: Register) -> None:
@@ -363,7 +368,7 @@ class Memory:
             placed_field = placed_layout.find_field(deciding_field)
             if placed_field is None:
                 continue
-            field_bits = _bits_of_field(self.value(deciding_register), placed_field)
+            field_bits = bits_of_field(placed_field, self.value(deciding_register))
             value_names = [value.name for value in placed_field.field.values if value.value == field_bits]
             if meaning.value in value_names:
                 return meaning.name
@@ -383,7 +388,8 @@ class Memory:
         """Store a value in a field of a register. A field that this order code lacks is ignored."""
         placed_field = self._encoder.place(register.layout).find_field(field_name)
         if placed_field is not None:
-            self._store_number(register, _with_bits_of_field(self.value(register.name), placed_field, value))
+            content = with_bits(self.value(register.name), placed_field, value)
+            self._store_number(register, content)
 
     def _refresh_register(self, register: Register) -> None:
         """Update the position and the alarms in a register before the master reads it.
@@ -398,15 +404,12 @@ class Memory:
         for placed_field in self._encoder.place(register.layout).fields:
             if placed_field.name in position_names:
                 position_bits = self._encoder.position_now() & placed_field.mask
-                content = _with_bits_of_field(content, placed_field, position_bits)
+                content = with_bits(content, placed_field, position_bits)
             elif placed_field.name in alarm_names:
                 is_active = placed_field.name in self._encoder.flags
                 is_active_low = getattr(placed_field.field.kind, "active_low", False)
-                alarm_bit = 1 << placed_field.low
-                if is_active != is_active_low:
-                    content |= alarm_bit
-                else:
-                    content &= ~alarm_bit
+                alarm_bit = int(is_active != is_active_low)
+                content = with_bits(content, placed_field, alarm_bit)
         self._bytes[register.name][:] = number_to_bytes(register.layout, content, 8 * register.length)
 
     def _react_to_read(self, register: Register) -> None:
@@ -422,21 +425,11 @@ class Memory:
             registers_to_read = [step.register for step in read_steps[:-1]]
             if not only_reads or not registers_to_read:
                 continue
-            last_reads = list(self._last_reads)[-len(registers_to_read) :]
+            read_count = len(registers_to_read)
+            last_reads = list(self._last_reads)[-read_count:]
             if last_reads == registers_to_read:
                 cleared_alarms = [alarm for alarm in self._encoder.device.alarms if procedure.name in alarm.cleared_by]
                 self._encoder.flags -= {alarm.name for alarm in cleared_alarms}
-
-
-def _bits_of_field(number: int, placed_field: PlacedField) -> int:
-    """Return the bits of a field in the number that a register holds."""
-    return (number >> placed_field.low) & placed_field.mask
-
-
-def _with_bits_of_field(number: int, placed_field: PlacedField, bits: int) -> int:
-    """Return the content of a register, ``number``, with the bits of one field replaced by ``bits``."""
-    other_bits = number & ~(placed_field.mask << placed_field.low)
-    return other_bits | (bits << placed_field.low)
 
 
 def _command_steps(procedure: Procedure, command_register: Register) -> list[WriteStep]:

@@ -54,6 +54,18 @@ class _ReceivedRequest(NamedTuple):
     reply: Layout | None
 
 
+class _SentResets(NamedTuple):
+    """The reset requests that came last: their first byte, their number, and the time of the last one in seconds."""
+
+    control: int
+    request_count: int
+    last_time: float
+
+
+#: No reset request has come. No request has the first byte -1.
+_NO_RESETS = _SentResets(control=-1, request_count=0, last_time=0.0)
+
+
 class Rs485Line:
     """RS-485 line with one encoder.
 
@@ -79,8 +91,7 @@ class Rs485Line:
         #: Replies with the times at which they arrive, in order, and the time of the last reply without extra replies.
         self._arrivals: list[tuple[float, bytes]] = []
         self._last_due = 0.0
-        #: The control byte of the reset requests that came last, their number, and the time of the last one.
-        self._reset_requests: tuple[int, int, float] = (-1, 0, 0.0)
+        self._sent_resets = _NO_RESETS
         self._eeprom: dict[int, int] = {}
         self._memory_busy_until = 0.0
 
@@ -108,11 +119,11 @@ class Rs485Line:
         """
         has_data_ids = bool(self._data_id_by_control)
         request_formats = self._formats_by_data_id() if has_data_ids else self._formats_of_exchanges()
-        longest = 0
+        longest_length = 0
         for request_format in request_formats:
             placed_layout = self.encoder.place(request_format.layout)
             length = placed_layout.bits // 8
-            longest = max(longest, length)
+            longest_length = max(longest_length, length)
             if len(self._received) < length:
                 continue
             decoded = codec.decode_placed(self.encoder.device, placed_layout, self._received[:length])
@@ -120,8 +131,8 @@ class Rs485Line:
             is_accepted = values is not None and self._is_for_this_encoder(request_format.layout, values)
             # The data ID alone identifies the request. An invalid request with a data ID is discarded as a whole.
             if has_data_ids or is_accepted:
-                return _ReceivedRequest(length, values, request_format.data_id, request_format.reply)
-        is_incomplete = len(self._received) < longest
+                return _ReceivedRequest(length, values, data_id=request_format.data_id, reply=request_format.reply)
+        is_incomplete = len(self._received) < longest_length
         if is_incomplete:
             return None
         return _ReceivedRequest(length=1, values=None, data_id=None, reply=None)
@@ -136,7 +147,8 @@ class Rs485Line:
         layout = self._layout_with(data_id, sender="master") if data_id is not None else None
         if data_id is None or layout is None or self.encoder.needs_answer(layout):
             return []
-        return [_RequestFormat(layout, data_id, reply=self._layout_with(data_id, sender="encoder"))]
+        reply = self._layout_with(data_id, sender="encoder")
+        return [_RequestFormat(layout, data_id, reply=reply)]
 
     def _formats_of_exchanges(self) -> list[_RequestFormat]:
         """Return the formats of all requests of the interface, which has no data IDs."""
@@ -237,12 +249,12 @@ class Rs485Line:
             if memory is None:
                 return b"", b""
             request_values |= memory
-        reply_number = self.encoder.frame(layout, request_values)
+        frame = self.encoder.frame(layout, request_values)
+        other_frame = self.encoder.frame_of_another(layout, request_values) if is_second else frame
         bits = self.encoder.place(layout).bits
-        other_number = self.encoder.frame_of_another(layout, request_values) if is_second else reply_number
         if data_id is not None:
             self._count_reset_request(data_id)
-        return number_to_bytes(layout, reply_number, bits), number_to_bytes(layout, other_number, bits)
+        return number_to_bytes(layout, frame, bits), number_to_bytes(layout, other_frame, bits)
 
     def _access_memory(
         self, data_id: DataId, layout: Layout, request_values: dict[str, int | str | bool]
@@ -278,7 +290,7 @@ class Rs485Line:
                     if is_complete:
                         self._execute_reset(data_id, procedure)
                     return
-        self._reset_requests = (-1, 0, 0.0)
+        self._sent_resets = _NO_RESETS
 
     def _count_and_compare(self, control: int, step: SendStep) -> bool:
         """Count a request of a reset, and return whether the master has sent it as many times as the reset needs.
@@ -286,11 +298,14 @@ class Rs485Line:
         A request that is sent too soon after the previous one restarts the count.
         """
         now = self.encoder.clock()
-        last_control, previous_count, last_time = self._reset_requests
-        is_too_soon = now - last_time < step.microseconds / 1e6 - _TOLERANCE_S
-        request_count = 1 if last_control != control or is_too_soon else previous_count + 1
+        earlier_resets = self._sent_resets
+        shortest_interval = step.microseconds / 1e6 - _TOLERANCE_S
+        is_too_soon = now - earlier_resets.last_time < shortest_interval
+        continues_count = earlier_resets.control == control and not is_too_soon
+        request_count = earlier_resets.request_count + 1 if continues_count else 1
         is_complete = request_count >= step.times
-        self._reset_requests = (control, 0 if is_complete else request_count, now)
+        remaining_count = 0 if is_complete else request_count
+        self._sent_resets = _SentResets(control, remaining_count, last_time=now)
         return is_complete
 
     def _execute_reset(self, data_id: DataId, procedure: Procedure) -> None:

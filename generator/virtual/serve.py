@@ -77,7 +77,8 @@ def terminal() -> _Port:
         deadline = monotonic() + PATIENCE_S
         unwritten = data
         while unwritten:
-            _, writable, _ = select([], [master], [], max(0.0, deadline - monotonic()))
+            remaining_s = max(0.0, deadline - monotonic())
+            _, writable, _ = select([], [master], [], remaining_s)
             if not writable:
                 return
             try:
@@ -102,7 +103,8 @@ def terminal() -> _Port:
 def listen_tcp(port: int = 0) -> _Port:
     """Listen for TCP connections from this computer. The name is a URL that pyserial opens."""
     server = socket.create_server(("127.0.0.1", port))
-    return listener(server, f"socket://127.0.0.1:{server.getsockname()[1]}")
+    host, actual_port = server.getsockname()
+    return listener(server, f"socket://{host}:{actual_port}")
 
 
 class _Clients:
@@ -196,8 +198,9 @@ def serving(encoder: VirtualEncoder, line: ByteLine | None = None, *, tcp: bool 
         The name of the device or the URL to open.
     """
     port = listen_tcp() if tcp or not has_terminals() else terminal()
+    served_line = line or line_of(encoder)
     stop = Event()
-    thread = Thread(target=serve, args=(encoder, line or line_of(encoder), port, stop), daemon=True)
+    thread = Thread(target=serve, args=(encoder, served_line, port, stop), daemon=True)
     thread.start()
     try:
         yield port.name

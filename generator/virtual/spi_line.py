@@ -78,7 +78,8 @@ class SpiLine:
             byte_count = (word_bits + 7) // 8
             word = _first_word(self._received, word_bits)
             self._received = self._received[byte_count:]
-            self._answers += self.exchange(word, word_bits).to_bytes(byte_count, "big")
+            answer = self.exchange(word, word_bits)
+            self._answers += answer.to_bytes(byte_count, "big")
 
     def send(self) -> bytes:
         """Return the words sent since the last call as bytes."""
@@ -95,13 +96,14 @@ class SpiLine:
         If words have several lengths, it is the longest with which the bytes are a valid request, or else
         ``word_bits``.
         """
+        received_bits = 8 * len(self._received)
         if len(self._lengths) > 1:
-            for length in self._lengths:
-                is_complete = 8 * len(self._received) >= length
-                if is_complete and self._find_request(_first_word(self._received, length), length) is not None:
+            complete_lengths = [length for length in self._lengths if length <= received_bits]
+            for length in complete_lengths:
+                word = _first_word(self._received, length)
+                if self._find_request(word, length) is not None:
                     return length
-        is_complete = 8 * len(self._received) >= self.word_bits
-        return self.word_bits if is_complete else None
+        return self.word_bits if self.word_bits <= received_bits else None
 
     def _answer_word(self, word: int, length: int) -> int:
         """Execute the request in a word of this length, and return the reply. A write may need several words."""
@@ -114,7 +116,8 @@ class SpiLine:
         exchange, values = request
         layout = self._find_layout(exchange.reply)
         # Fields with the same name in request and reply have the same value.
-        repeated_values = {field.name: values[field.name] for field in layout.data_fields if field.name in values}
+        names_in_reply = {field.name for field in layout.data_fields}
+        repeated_values = {name: value for name, value in values.items() if name in names_in_reply}
         if exchange.purpose not in ("read", "write"):
             return self.encoder.frame(layout, repeated_values)
         address_and_data: dict[str, int] = {name: int(values[name]) for name in ("address", "data") if name in values}

@@ -51,7 +51,8 @@ def disturbed_frames(draw: st.DrawFn, encoder: VirtualEncoder, layout: str = "")
     frame_layout = _frame_layout(encoder, layout)
     encoder.position = draw(positions(encoder))
     frame = _frame_or_bytes(encoder, frame_layout)
-    inverted_bit = 1 << draw(st.integers(0, encoder.place(frame_layout).bits - 1))
+    highest_bit = encoder.place(frame_layout).bits - 1
+    inverted_bit = 1 << draw(st.integers(0, highest_bit))
     if isinstance(frame, int):
         return frame ^ inverted_bit
     frame_number = int.from_bytes(frame, "big") ^ inverted_bit
@@ -68,7 +69,9 @@ def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
     measurement = encoder.device.measurement_of(encoder.variant.interface)
     position_name = measurement.of if measurement is not None else "position"
     for layout in layouts:
-        if layout.name == name or (not name and position_name in layout.member_names):
+        has_whole_position = position_name in layout.member_names
+        is_wanted = layout.name == name if name else has_whole_position
+        if is_wanted:
             return layout
     known_names = ", ".join(layout.name for layout in layouts)
     raise ValueError(f"{encoder.variant.code} has no frame '{name}'; it has: {known_names}")

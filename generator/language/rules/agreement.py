@@ -61,8 +61,10 @@ def check_misspelt_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     _compare_with_contents(spec, report)
     for alarm in spec.alarms:
-        owner = owner_of_alarm(spec, alarm)
-        flag = by_name(owner.fields).get(alarm.part.field) if owner is not None else None
+        group_or_register = owner_of_alarm(spec, alarm)
+        if group_or_register is None:
+            continue
+        flag = by_name(group_or_register.fields).get(alarm.part.field)
         if flag is None:
             continue
         # The names by their keys, such as ("names", "it"), so that each is compared with the name in its language.
@@ -86,7 +88,7 @@ def _compare_with_contents(spec: WrittenSpec, report: DocumentReport) -> None:
         titles |= {title.casefold(): title for title in section.names_in("entries")}
     if len(titles) > _MOST_ENTRIES:
         return
-    texts_of_errata = "\n".join(erratum.used for erratum in spec.errata).casefold()
+    texts_of_errata = "\n".join(erratum.used.casefold() for erratum in spec.errata)
     for path, name in leaves_of(spec.data, report):
         # A name in another language can differ by one letter too: temperature, temperatura.
         is_name = path[-1] == "printed_name" or path[-2:] == ("names", manual.language)
@@ -133,9 +135,9 @@ def check_printed_number(spec: WrittenSpec, report: DocumentReport) -> None:
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, value in field.values.items():
-                number = _printed_number(value.printed_name, constant_width(field))
-                if number is not None and number != value.value:
-                    problem = f"{quoted(name)} is printed as {value.printed_name}, which is {number}"
+                printed_number = _printed_number(value.printed_name, constant_width(field))
+                if printed_number is not None and printed_number != value.value:
+                    problem = f"{quoted(name)} is printed as {value.printed_name}, which is {printed_number}"
                     message = f"{problem}, but 'value' is {value.value}"
                     report.add("printed-number", value.place_of("value"), message)
 
@@ -166,10 +168,9 @@ def check_number_in_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
             if not fixed_numbers or _WORDS_BEFORE_A_PLACE.search(field.meaning):
                 continue
             key, fixed_number = fixed_numbers[0]
-            # Of the two groups of the expression, for 0x1F and for 1Fh, one is empty.
-            printed_numbers = {
-                int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX_IN_TEXT.findall(field.meaning)
-            }
+            printed_numbers = set()
+            for digits_after_0x, digits_before_h in _HEX_IN_TEXT.findall(field.meaning):  # One of the two is empty.
+                printed_numbers.add(int(digits_after_0x or digits_before_h, 16))
             if len(printed_numbers) == 1 and fixed_number not in printed_numbers:
                 message = (
                     f"the meaning has {printed_numbers.pop():#x}, but {quoted(key)} is {fixed_number:#x}; "
@@ -213,7 +214,8 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     top_bit = 1 << width
     if not _WORDS_BEFORE_A_PLACE.search(note):
         for match in _HEX_IN_TEXT.finditer(note):
-            number = int(match[1] or match[2], 16)  # The group for 0x1F or the group for 1Fh is empty.
+            digits_after_0x, digits_before_h = match.groups()  # One of the two is None.
+            number = int(digits_after_0x or digits_before_h, 16)
             is_odd = number & 1 == 1  # Every polynomial of a CRC ends in + 1.
             if is_odd and top_bit < number < 2 * top_bit:
                 polynomials[match[0]] = number
@@ -231,7 +233,7 @@ def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for field_list in field_lists(spec):
         unused_bits = set(_unused_bits_in(field_list.owner.note))
-        if field_list.kind is not FieldOwner.REGISTER or not unused_bits:
+        if field_list.owner_kind is not FieldOwner.REGISTER or not unused_bits:
             continue
         for field in field_list.fields:
             contradicting_bits = unused_bits.intersection(_bits_at(field.at))
@@ -244,22 +246,23 @@ def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("unused-bits", field.place_of("at"), message)
 
 
-def _bits_at(at: int | str | None) -> range:
+def _bits_at(place: int | str | None) -> range:
     """Return the bits of a place such as ``7:6`` or ``5``. Empty for None, and for text that is not a place."""
-    place = _FIELD_BITS.fullmatch(str(at))
-    if place is None:
+    match = _FIELD_BITS.fullmatch(str(place))
+    if match is None:
         return range(0)
-    high_text, low_text = place.groups()
-    high = int(high_text)
-    low = int(low_text) if low_text else high
-    return range(low, high + 1)
+    highest_text, lowest_text = match.groups()
+    highest_bit = int(highest_text)
+    lowest_bit = int(lowest_text) if lowest_text else highest_bit
+    return range(lowest_bit, highest_bit + 1)
 
 
 def _unused_bits_in(note: str) -> Iterator[int]:
     """Yield the bits that a note calls unused, such as 6, 7 and 2 for ``bits 7:6 and 2 are not used``."""
     for match in _CALLED_UNUSED.finditer(note):
-        for high, low in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", match[1]):
-            yield from range(int(low or high), int(high) + 1)
+        listed_bits = match[1]  # ``7:6 and 2``
+        for highest, lowest in re.findall(r"(\d{1,3})(?::(\d{1,3}))?", listed_bits):
+            yield from range(int(lowest or highest), int(highest) + 1)
 
 
 def check_repeated_access(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -268,8 +271,10 @@ def check_repeated_access(spec: WrittenSpec, report: DocumentReport) -> None:
     A note or an erratum can explain it. Also check that registers have the access that errata about them state.
     """
     for register in spec.registers:
-        is_fixed = bool(register.fields) and all(field.equals is not None for field in register.fields)
-        if not is_fixed or register.access != "read_write" or register.note:
+        fixed_fields = [field for field in register.fields if field.equals is not None]
+        has_only_fixed_fields = bool(fixed_fields) and len(fixed_fields) == len(register.fields)
+        is_explained_by_note = bool(register.note)
+        if not has_only_fixed_fields or register.access != "read_write" or is_explained_by_note:
             continue
         if not has_erratum_at(report.document, "registers", register.name, "access"):
             message = (
@@ -292,11 +297,14 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
     stated_accesses = set(_ACCESS_IN_WORDS.findall(erratum.used))
     if is_about_bits or len(stated_accesses) != 1:
         return
-    access = f"{stated_accesses.pop()}_only"
-    for affected in erratum.affects:
-        kind, _, name = affected.partition(".")
-        if kind == "registers" and name in registers and registers[name].access != access:
-            message = f"this says {access}, but {quoted(name)} is {registers[name].access}; one of the two is wrong"
+    stated_access = f"{stated_accesses.pop()}_only"
+    for affected_path in erratum.affects:
+        section, _, name = affected_path.partition(".")
+        if section != "registers" or name not in registers:
+            continue
+        access = registers[name].access
+        if access != stated_access:
+            message = f"this says {stated_access}, but {quoted(name)} is {access}; one of the two is wrong"
             report.add("access-mismatch", erratum.place_of("used"), message)
 
 
@@ -329,17 +337,17 @@ def check_repeated_requests(spec: WrittenSpec, report: DocumentReport) -> None:
         for text_path, text in leaves(procedure.data):
             if not isinstance(text, str):
                 continue
-            for printed_number in _COUNT_OF_REQUESTS.findall(text):
-                if _number_of(printed_number) != times:
-                    message = (
-                        f"the text says {printed_number} requests, but 'times' is {times}; one of the two is wrong"
-                    )
+            for stated_count in _COUNT_OF_REQUESTS.findall(text):
+                if _parse_count(stated_count) != times:
+                    message = f"the text says {stated_count} requests, but 'times' is {times}; one of the two is wrong"
                     report.add("quantity-repeated", (*procedure.path, *text_path), message)
 
 
-def _number_of(cell_text: str) -> int:
-    """Return a number in digits, or in words from two to twelve."""
-    return int(cell_text) if cell_text.isdigit() else _NUMBER_WORDS.index(cell_text.casefold()) + 2
+def _parse_count(count_text: str) -> int:
+    """Return a count in digits, or in words from two to twelve."""
+    if count_text.isdigit():
+        return int(count_text)
+    return _NUMBER_WORDS.index(count_text.casefold()) + 2  # The first word is "two".
 
 
 def check_repeated_tables(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -413,14 +421,8 @@ def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: s
     for row_number, row in enumerate(table.rows):
         key_cell = _text_of_cell(table, row, key_column)
         if key_cell in earlier_cells:
-            cell_pairs.append(
-                _CellPair(
-                    row=row_number,
-                    column=column,
-                    cell=_text_of_cell(table, row, column),
-                    earlier_cell=earlier_cells[key_cell],
-                )
-            )
+            cell = _text_of_cell(table, row, column)
+            cell_pairs.append(_CellPair(row_number, column, cell, earlier_cell=earlier_cells[key_cell]))
     return [pair for pair in cell_pairs if pair.is_numeric]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model import Biss, Crc
 from ..problems import DocumentReport, Path, quoted
@@ -12,25 +13,35 @@ from ..written_codes import WrittenRegister
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
 from .parts import (
-    bank_select,
+    bank_select_register,
     by_name,
     by_part_name,
     has_erratum_at,
-    interface_of,
+    interface_name_of,
     layouts_of_interfaces,
     position_names,
     with_groups_expanded,
 )
 
-#: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.
-_STANDARD_REGISTERS = {
-    "eds_bank": (0x41, 1, "at 41h"),
-    "profile_id": (0x42, 2, "at 42h and 43h"),
-    "serial_number": (0x44, 4, "at 44h to 47h"),
-    "device_id": (0x78, 6, "at 78h to 7Dh"),
-    "manufacturer_id": (0x7E, 2, "at 7Eh and 7Fh"),
+
+class _FixedPlace(NamedTuple):
+    """The address and the length in bytes of a register that BiSS fixes, and the place in words."""
+
+    address: int
+    length: int
+    text: str
+
+
+#: Registers with a fixed place in BiSS, by their usual name.
+_STANDARD_PLACES = {
+    "eds_bank": _FixedPlace(0x41, 1, "at 41h"),
+    "profile_id": _FixedPlace(0x42, 2, "at 42h and 43h"),
+    "serial_number": _FixedPlace(0x44, 4, "at 44h to 47h"),
+    "device_id": _FixedPlace(0x78, 6, "at 78h to 7Dh"),
+    "manufacturer_id": _FixedPlace(0x7E, 2, "at 7Eh and 7Fh"),
 }
-_BANK_SELECT = (0x40, 1, "at 40h")
+#: Place of the register that selects banks.
+_PLACE_OF_BANK_SELECT = _FixedPlace(0x40, 1, "at 40h")
 
 #: Names of nE and nW in specs.
 _ERROR_AND_WARNING = {"error", "warning"}
@@ -46,25 +57,27 @@ def check_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
 
     The register that selects banks has a fixed address under any name. Other registers in a bank are not checked.
     """
-    for register in spec.registers:
+    biss_registers = [register for register in spec.registers if interface_name_of(register) == Biss.name]
+    for register in biss_registers:
         name = register.name
-        selects_banks = name == bank_select(spec)
-        fixed_place = _BANK_SELECT if selects_banks else _STANDARD_REGISTERS.get(name)
+        selects_banks = name == bank_select_register(spec)
         is_in_bank = register.bank is not None
-        if fixed_place is None or interface_of(register) != Biss.name or (is_in_bank and not selects_banks):
+        if is_in_bank and not selects_banks:
             continue
-        address, length, place_text = fixed_place  # Such as 0x40, 1 and "at 40h".
-        if register.address != address or is_in_bank:
+        fixed_place = _PLACE_OF_BANK_SELECT if selects_banks else _STANDARD_PLACES.get(name)
+        if fixed_place is None:
+            continue
+        if register.address != fixed_place.address or is_in_bank:
             problem = f"{quoted(name)} is at {register.address:02X}h, but BiSS has"
             if selects_banks:
-                message = f"{problem} the register that selects banks {place_text}"
+                message = f"{problem} the register that selects banks {fixed_place.text}"
             else:
                 remedy = "correct the address, or rename the register if it is a different one"
-                message = f"{problem} it {place_text}; {remedy}"
+                message = f"{problem} it {fixed_place.text}; {remedy}"
             report.add("biss-protocol", register.place_of("address"), message)
-        elif register.length != length:
-            message = f"{quoted(name)} has {register.length} bytes; in BiSS it has {length}, {place_text}"
-            report.add("biss-protocol", register.place_of("length"), message)
+        elif register.length != fixed_place.length:
+            message = f"{quoted(name)} has {register.length} bytes; in BiSS it has {fixed_place.length}"
+            report.add("biss-protocol", register.place_of("length"), f"{message}, {fixed_place.text}")
 
 
 def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -75,8 +88,9 @@ def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for register in spec.registers:
         name = register.name
-        has_fixed_name = name in _STANDARD_REGISTERS or name == bank_select(spec)
-        if interface_of(register) != Biss.name or register.bank is not None or has_fixed_name:
+        has_fixed_name = name in _STANDARD_PLACES or name == bank_select_register(spec)
+        is_outside_banks = interface_name_of(register) == Biss.name and register.bank is None
+        if has_fixed_name or not is_outside_banks:
             continue
         fixed_name = _profile_register_at(register)
         if fixed_name is None or has_erratum_at(report.document, "registers", name, "address"):
@@ -85,8 +99,8 @@ def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
         last_address = register.address + register.length - 1
         is_one_byte = first_address == last_address
         address_text = f"at {first_address:02X}h" if is_one_byte else f"at {first_address:02X}h to {last_address:02X}h"
-        _, _, fixed_place_text = _STANDARD_REGISTERS[fixed_name]
-        problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {fixed_place_text}"
+        fixed_place = _STANDARD_PLACES[fixed_name]
+        problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {fixed_place.text}"
         remedy = (
             f"correct the address, or rename the register to {quoted(fixed_name)} if that is the one you mean. If"
             f" this is what the manual says, add an erratum that affects registers.{name}.address"
@@ -99,15 +113,13 @@ def _profile_register_at(register: WrittenRegister) -> str | None:
 
     The result is None if there is no such register, or if ``register`` may be there: as a part of it, or at 41h.
     """
-    first_address = register.address
-    end_address = register.address + register.length
-    for fixed_name, (fixed_first, length, _) in _STANDARD_REGISTERS.items():
-        fixed_end = fixed_first + length
-        overlaps = first_address < fixed_end and fixed_first < end_address
-        is_inside = fixed_first <= first_address and end_address <= fixed_end
-        is_part = is_inside and (register.access == "read_only" or register.name.startswith(fixed_name))
-        may_be_used = fixed_name == "eds_bank"  # At 41h. Without banks, manuals use it for other purposes.
-        if not may_be_used and overlaps and not is_part:
+    addresses = set(range(register.address, register.address + register.length))
+    for fixed_name, fixed_place in _STANDARD_PLACES.items():
+        fixed_addresses = set(range(fixed_place.address, fixed_place.address + fixed_place.length))
+        may_be_part = register.access == "read_only" or register.name.startswith(fixed_name)
+        is_part = may_be_part and addresses <= fixed_addresses
+        is_free = fixed_name == "eds_bank"  # At 41h. Without banks, manuals use it for other purposes.
+        if addresses & fixed_addresses and not is_part and not is_free:
             return fixed_name
     return None
 
@@ -116,7 +128,8 @@ def check_biss_byte_order(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of the BiSS profile have their highest byte first, unless an erratum explains it."""
     for register in spec.registers:
         name = register.name
-        if name not in _STANDARD_REGISTERS or interface_of(register) != Biss.name or register.bank is not None:
+        is_outside_banks = interface_name_of(register) == Biss.name and register.bank is None
+        if name not in _STANDARD_PLACES or not is_outside_banks:
             continue
         is_low_byte_first = register.byte_order == "low_byte_first"
         if is_low_byte_first and not has_erratum_at(report.document, "registers", name, "byte_order"):
@@ -143,10 +156,11 @@ def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
         if _ERROR_AND_WARNING.isdisjoint(field.name for _, field in sent_fields):
             continue
         frame_path = f"interfaces.{Biss.name}.{layout.name}"
+        names_of_position = position_names(spec, Biss.name)
         contradictions = [
             *_contradictions_of_fields(sent_fields, crcs, frame_path),
             *_contradictions_of_order(sent_fields, layout.place_of("name"), frame_path),
-            *_late_positions(sent_fields, position_names(spec, Biss.name), frame_path),
+            *_late_positions(sent_fields, names_of_position, frame_path),
         ]
         for contradiction in contradictions:
             affected_path = contradiction.path_for_erratum
@@ -164,6 +178,7 @@ class _Contradiction:
     problem: str
 
 
+#: The fields of a frame with their paths, in the order in which they are sent.
 SentFields = list[tuple[Path, WrittenField]]
 
 
@@ -186,7 +201,8 @@ def _contradictions_of_fields(
         if field.crc not in crcs:
             continue
         for key, problem in _contradictions_of_crc(crcs[field.crc]):
-            yield _Contradiction((*path, "crc"), f"crcs.{field.crc}.{key}", problem)
+            path_for_erratum = f"crcs.{field.crc}.{key}"
+            yield _Contradiction((*path, "crc"), path_for_erratum, problem)
 
 
 def _contradictions_of_order(sent_fields: SentFields, place_of_name: Path, frame_path: str) -> Iterator[_Contradiction]:
@@ -196,29 +212,29 @@ def _contradictions_of_order(sent_fields: SentFields, place_of_name: Path, frame
     """
     names = [field.name for _, field in sent_fields]
     has_both = "error" in names and "warning" in names
-    if has_both and names.index("error") > names.index("warning"):
+    is_warning_first = has_both and names.index("warning") < names.index("error")
+    if is_warning_first:
         path, _ = sent_fields[names.index("warning")]
         problem = "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
         yield _Contradiction(path, f"{frame_path}.warning", problem)
     has_crc = any(field.crc for _, field in sent_fields)
     if not has_crc:
-        correction = "add a last field such as {name: crc, crc: NAME}"
-        problem = f"the frame has no CRC, but a BiSS frame ends with one; {correction}"
+        remedy = "add a last field such as {name: crc, crc: NAME}"
+        problem = f"the frame has no CRC, but a BiSS frame ends with one; {remedy}"
         yield _Contradiction(place_of_name, f"{frame_path}.fields", problem)
 
 
-def _late_positions(sent_fields: SentFields, names: set[str], frame_path: str) -> Iterator[_Contradiction]:
+def _late_positions(sent_fields: SentFields, names_of_position: set[str], frame_path: str) -> Iterator[_Contradiction]:
     """Yield a contradiction to BiSS for the first field of the position that is sent after nE or nW, if there is one.
 
-    ``names`` are the names of the fields and joined numbers that form the position.
+    ``names_of_position`` are the names of the fields and joined numbers that form the position.
     """
     first_flag = ""
     for path, field in sent_fields:
         name = field.name
-        if not first_flag:
-            # The position may be before the first flag.
-            first_flag = name if name in _ERROR_AND_WARNING else ""
-        elif name in names and name not in _ERROR_AND_WARNING:
+        if name in _ERROR_AND_WARNING:
+            first_flag = first_flag or name
+        elif first_flag and name in names_of_position:
             problem = f"{quoted(name)} is after {quoted(first_flag)}, but BiSS sends the position before nE and nW"
             yield _Contradiction(path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(first_flag)}")
             return
@@ -228,9 +244,8 @@ def _message_on_inverted_bits(crc: Crc) -> str:
     """Return the message about a CRC whose ``xorout`` inverts 6 or 16 bits, as BiSS does, but has another width."""
     inverted_bits = _CRC_WIDTH_BY_XOROUT[crc.xorout]
     width = crc.width
-    problem = (
-        f"the CRC {quoted(crc.name)} has 'width' {width}, but its 'xorout' {crc.xorout:#x} inverts {inverted_bits} bits"
-    )
+    statement = f"the CRC {quoted(crc.name)} has 'width' {width}"
+    problem = f"{statement}, but its 'xorout' {crc.xorout:#x} inverts {inverted_bits} bits"
     other_remedy = f"'xorout: {_all_ones(width):#x}' if the manual has a CRC of {width} bits"
     return f"{problem}; write 'width: {inverted_bits}', or {other_remedy}"
 
@@ -252,8 +267,8 @@ def _contradictions_of_crc(located_crc: LocatedPart[Crc]) -> Iterator[tuple[str,
         if crc.xorout in _CRC_WIDTH_BY_XOROUT:
             yield "xorout", _message_on_inverted_bits(crc)
         else:
-            value = f"{crc.xorout:#x}" if crc.xorout else "0"
-            problem = f"the CRC {quoted(crc.name)} has 'xorout' {value}, but BiSS sends the CRC inverted"
+            xorout_text = f"{crc.xorout:#x}" if crc.xorout else "0"
+            problem = f"the CRC {quoted(crc.name)} has 'xorout' {xorout_text}, but BiSS sends the CRC inverted"
             yield "xorout", f"{problem}; write 'xorout: {_all_ones(crc.width):#x}'"
     for key, is_reflected in (("refin", crc.refin), ("refout", crc.refout)):
         if is_reflected:
@@ -271,7 +286,8 @@ def check_biss_control(spec: WrittenSpec, report: DocumentReport) -> None:
     crcs = by_part_name(spec.with_invalid_parts.crcs)
     interface = spec.interfaces.biss
     control_data = interface.control_data if interface is not None else None
-    for field in control_data.fields if control_data is not None else ():
+    fields = control_data.fields if control_data is not None else ()
+    for field in fields:
         width = _CONTROL_FRAME_WIDTHS.get(field.name)
         if width is not None and isinstance(field.bits, int) and field.bits != width:
             message = f"{quoted(field.name)} has {field.bits} bits; in the BiSS control frame it has {width}"
@@ -287,13 +303,13 @@ def check_biss_control(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("biss-protocol", field.place_of("crc"), problem)
 
 
-def _is_control_crc(crc: LocatedPart[Crc]) -> bool:
+def _is_control_crc(located_crc: LocatedPart[Crc]) -> bool:
     """Return True for the CRC of the BiSS control frame: x^4 + x + 1 (0x3), start value 0, not reflected, inverted."""
-    part = crc.part
-    numbers = (part.width, part.poly, part.init, part.xorout)
-    is_reflected = part.refin or part.refout
-    is_complete = all(map(crc.is_valid, ("init", "refin", "refout")))
-    return is_complete and not is_reflected and numbers == (4, 0x3, 0, 0xF)
+    crc = located_crc.part
+    is_complete = all(map(located_crc.is_valid, ("init", "refin", "refout")))
+    is_reflected = crc.refin or crc.refout
+    has_numbers_of_biss = (crc.width, crc.poly, crc.init, crc.xorout) == (4, 0x3, 0, 0xF)
+    return is_complete and not is_reflected and has_numbers_of_biss
 
 
 def _check_access_codes(field: WrittenField, report: DocumentReport) -> None:

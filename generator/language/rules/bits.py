@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from ...model import INTERFACES
 from ..problems import DocumentReport, quoted, suggest_word
-from ..schema_files import is_second
 from ..written_codes import WrittenCodeValue
 from ..written_interfaces import WrittenSsi
 from ..written_layouts import WrittenField, WrittenGray
@@ -17,8 +16,9 @@ from .parts import (
     FieldOwner,
     by_name,
     field_lists,
-    field_names,
+    fields_by_name,
     interfaces,
+    is_second_reading,
     layouts_of_interfaces,
     owner_of_alarm,
     position_names,
@@ -36,9 +36,9 @@ def check_missing_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
     That is, whether the position is usable. The verdicts of flags that the interface itself defines are known.
     """
     groups = by_name(spec.with_invalid_parts.field_groups)
-    positions = {interface: position_names(spec, interface) for interface, _ in interfaces(spec)}
     for frame in layouts_of_interfaces(spec):
-        has_position = not positions[frame.interface].isdisjoint(field_names(frame, groups))
+        names_of_position = position_names(spec, frame.interface)
+        has_position = not names_of_position.isdisjoint(fields_by_name(frame, groups))
         if not frame.is_from_encoder or not has_position:
             continue
         flags_with_known_verdict = INTERFACES[frame.interface].flags
@@ -117,9 +117,11 @@ def check_alarm_name(spec: WrittenSpec, report: DocumentReport) -> None:
         alarm = located_alarm.part
         name = alarm.name
         flag_name = alarm.field or alarm.name
-        owner = owner_of_alarm(spec, located_alarm)
-        flags = by_name(owner.fields) if owner is not None else {}
-        if name != flag_name and name in flags and flag_name in flags:
+        group_or_register = owner_of_alarm(spec, located_alarm)
+        if group_or_register is None or flag_name == name:
+            continue
+        flags = by_name(group_or_register.fields)
+        if name in flags and flag_name in flags:
             owner_name = alarm.group or alarm.register
             problem = (
                 f"the alarm {quoted(name)} has the same name as a flag of {quoted(owner_name)}, but describes"
@@ -152,14 +154,15 @@ def check_plain_bits(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Without that, it would be a plain number, which decoders do not check. A note can explain a bit that is neither.
     """
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for field_list in field_lists(spec):
-        if field_list.kind is not FieldOwner.GROUP and not field_list.is_from_encoder:
+        if field_list.owner_kind is not FieldOwner.GROUP and not field_list.is_from_encoder:
             continue
         for field in field_list.fields:
             name = field.name
-            is_plain_bit = _width_of_field(field) == 1 and _KEYS_OF_PLAIN_NUMBER.issuperset(field.data)
+            is_plain_number = _KEYS_OF_PLAIN_NUMBER.issuperset(field.data)
+            is_plain_bit = is_plain_number and _width_of_field(field) == 1
             if not is_plain_bit or _is_defined_by_interface(field_list, name):
                 continue
             problem = f"{quoted(name)} is a plain number, so decoders ignore it"
@@ -228,10 +231,12 @@ def _explain_contradiction(output_code: str, layout: FieldList, spec: WrittenSpe
     gray = _gray_of(layout)
     if gray is None:
         # With ``by_order_code``, it is enough if another layout has the key.
-        if output_code == "binary" or (output_code == "by_order_code" and has_gray):
+        is_by_order_code = output_code == "by_order_code"
+        if output_code == "binary" or (is_by_order_code and has_gray):
             return ""
-        condition = ", when: PARAMETER" if output_code == "by_order_code" else ""
-        example = f"'gray: {{of: {_find_position(layout, spec)}{condition}}}'"
+        position_name = _find_position(layout, spec)
+        condition = ", when: PARAMETER" if is_by_order_code else ""
+        example = f"'gray: {{of: {position_name}{condition}}}'"
         return f"has no 'gray', so decoders read the position as binary; add {example} to it"
     match output_code:
         case "binary":
@@ -259,7 +264,8 @@ def check_named_gray_code(spec: WrittenSpec, report: DocumentReport) -> None:
             # No layout has an empty interface name, so the result then contains no layouts.
             interface_name = value.interface or only_interface
             position_layouts = _layouts_with_position(spec, interface_name)
-            if position_layouts and all(_gray_of(frame) is None for frame in position_layouts):
+            has_gray = any(_gray_of(frame) is not None for frame in position_layouts)
+            if position_layouts and not has_gray:
                 message = (
                     f"the meaning of {quoted(label)} says Gray, but no layout of {interface_name} has 'gray', "
                     "so decoders read it as binary"
@@ -283,18 +289,18 @@ def _layouts_with_position(spec: WrittenSpec, interface_name: str) -> list[Field
 
     If no layout has a field with the name of the position, all layouts that the encoder sends are returned.
     """
-    sent_layouts = [
-        frame for frame in layouts_of_interfaces(spec) if frame.interface == interface_name and frame.is_from_encoder
-    ]
+    layouts = [frame for frame in layouts_of_interfaces(spec) if frame.interface == interface_name]
+    sent_layouts = [frame for frame in layouts if frame.is_from_encoder]
     with_position = [frame for frame in sent_layouts if _find_position(frame, spec) != _UNKNOWN_POSITION]
     return with_position or sent_layouts
 
 
 def _find_position(field_list: FieldList, spec: WrittenSpec) -> str:
     """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
-    known_names = position_names(spec, field_list.interface)
-    for name in (*field_list.joins, *field_names(field_list, by_name(spec.with_invalid_parts.field_groups))):
-        if name in known_names:
+    names_of_position = position_names(spec, field_list.interface)
+    groups = by_name(spec.with_invalid_parts.field_groups)
+    for name in (*field_list.joins, *fields_by_name(field_list, groups)):
+        if name in names_of_position:
             return name
     return _UNKNOWN_POSITION
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...model.expressions import Expression, ExpressionError
 from ..document import Path
@@ -18,7 +19,7 @@ from .parts import by_name, layouts_of_interfaces
 _INTERFACE_NAMES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
 _ANY_INTERFACE = re.compile(r"\bSSI\b|\bBiSS\b|\bRS-?485\b", re.IGNORECASE)
 
-#: A length, perhaps as a quotient, and a voltage: one with its tolerance, or two.
+#: A length such as ``20/1024 mm`` or ``50 µm``, and a voltage such as ``5 V ± 5 %`` or ``5 to 30 V DC``.
 _DECIMAL = r"[0-9]{1,3}(?:,[0-9]{3})+|[0-9]+(?:\.[0-9]+)?"
 _LENGTH_IN_TEXT = re.compile(rf"(?<![\d.,/])(?:({_DECIMAL}) ?/ ?)?({_DECIMAL}) ?(mm|[µμ]m|nm)\b(?!/)")
 _NANOMETRES_PER_UNIT = {
@@ -26,6 +27,7 @@ _NANOMETRES_PER_UNIT = {
     **dict.fromkeys(("µm", "μm", "um", "micrometres", "micrometers"), 1000),
     **dict.fromkeys(("mm", "millimetres", "millimeters"), 1_000_000),
 }
+_MILLIVOLTS_PER_VOLT = 1000
 _VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
 _ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
 _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
@@ -36,35 +38,42 @@ MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_dif
 def check_order_code_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the parameters, interfaces, parts and labels named by order code values exist."""
     resolver = NameResolver(spec, report)
-    parts = by_name(spec.with_invalid_parts.order_code.parts)
+    parts_by_name = by_name(spec.with_invalid_parts.order_code.parts)
     for part in spec.order_code.parts:
-        # A part cannot be combined with itself.
-        other_parts = [name for name in parts if name != part.name]
-        _check_combinations(resolver, part.place_of("open_only_with"), part.open_only_with, parts, other_parts)
+        open_only_with = _AllowedLabels(part.open_only_with, part.place_of("open_only_with"))
+        _check_allowed_labels(open_only_with, part.name, parts_by_name, resolver)
         for value in part.values.values():
-            for name in value.sets:
-                resolver.refer((*value.path, "sets", name), "parameter", name)
-            resolver.refer_if_given(value.place_of("interface"), "interface", value.interface)
-            _check_combinations(resolver, value.place_of("only_with"), value.only_with, parts, other_parts)
+            for parameter_name in value.sets:
+                resolver.check_name((*value.path, "sets", parameter_name), "parameter", parameter_name)
+            resolver.check_optional_name(value.place_of("interface"), "interface", value.interface)
+            only_with = _AllowedLabels(value.only_with, value.place_of("only_with"))
+            _check_allowed_labels(only_with, part.name, parts_by_name, resolver)
 
 
-def _check_combinations(
-    resolver: NameResolver,
-    path: Path,
-    labels_by_part: Mapping[str, Sequence[str]],
+class _AllowedLabels(NamedTuple):
+    """The labels of other parts with which a value of the order code can be combined, such as ``{"output": ["S"]}``."""
+
+    labels_by_part: Mapping[str, Sequence[str]]
+    path: Path
+
+
+def _check_allowed_labels(
+    allowed_labels: _AllowedLabels,
+    own_part: str,
     parts_by_name: Mapping[str, WrittenCodePart],
-    other_parts: Sequence[str],
+    resolver: NameResolver,
 ) -> None:
     """Check that the other parts with which a value of the order code can be combined exist, and have these labels.
 
-    ``labels_by_part`` is the map at ``path``, such as ``{"output": ["S", "B"]}`` under ``only_with``.
+    A part cannot be combined with itself, so the name of the value's own part is reported.
     """
-    for part_name, labels in labels_by_part.items():
-        labels_path = (*path, part_name)
-        resolver.refer(labels_path, "other part", part_name, known_names=other_parts)
+    other_parts = [name for name in parts_by_name if name != own_part]
+    for part_name, labels in allowed_labels.labels_by_part.items():
+        labels_path = (*allowed_labels.path, part_name)
+        resolver.check_name(labels_path, "other part", part_name, known_names=other_parts)
         if part_name in parts_by_name:
             known_labels = parts_by_name[part_name].names_in("values")
-            resolver.refer_to_each(labels_path, part_name, labels, known_labels)
+            resolver.check_each_name(labels_path, part_name, labels, known_names=known_labels)
 
 
 def check_value_words(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -75,48 +84,49 @@ def check_value_words(spec: WrittenSpec, report: DocumentReport) -> None:
     for part in spec.order_code.parts:
         for label, value in part.values.items():
             if not value.meaning_differs:
-                says = f"the meaning of {quoted(label)} says"
-                _check_code(value, says, spec, report)
-                _check_lengths(value, says, spec, report)
-                _check_supply(value, says, report)
+                _check_code(label, value, spec, report)
+                _check_lengths(label, value, spec, report)
+                _check_supply(label, value, report)
 
 
-def _check_code(code_value: WrittenCodeValue, says: str, spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a value whose meaning names Gray or binary code sets the parameters that decide the code.
-
-    ``says`` is the beginning of the message, also in the next two functions.
-    """
+def _check_code(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a value whose meaning names Gray or binary code sets the parameters that decide the code."""
     for name, required_number in _codes_named(spec, code_value).items():
         if code_value.sets[name] != required_number:
             code = "Gray" if required_number else "binary"
-            message = f"{says} {code}, so {quoted(name)} must be {required_number}{MEANING_DIFFERS}"
+            problem = f"the meaning of {quoted(label)} says {code}, so {quoted(name)} must be {required_number}"
+            message = f"{problem}{MEANING_DIFFERS}"
             report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
 
 
-def _check_lengths(code_value: WrittenCodeValue, says: str, spec: WrittenSpec, report: DocumentReport) -> None:
+def _check_lengths(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each length that a value sets is in its meaning, if this names any."""
-    lengths = _lengths_named(code_value.meaning)
-    if not lengths:
+    lengths_in_meaning = _lengths_named(code_value.meaning)
+    if not lengths_in_meaning:
         return
+    first_length_text, *_ = lengths_in_meaning.values()
     parameters = spec.with_invalid_parts.parameters
     for name, number in code_value.sets.items():
         unit = parameters[name].unit if name in parameters else ""
-        if unit in _NANOMETRES_PER_UNIT and number * _NANOMETRES_PER_UNIT[unit] not in lengths:
-            first_length, *_ = lengths.values()
-            message = f"{says} {first_length}, but {quoted(name)} is {number} {unit}{MEANING_DIFFERS}"
+        if unit not in _NANOMETRES_PER_UNIT:
+            continue
+        length_in_nanometres = number * _NANOMETRES_PER_UNIT[unit]
+        if length_in_nanometres not in lengths_in_meaning:
+            problem = f"the meaning of {quoted(label)} says {first_length_text}, but {quoted(name)} is {number} {unit}"
+            message = f"{problem}{MEANING_DIFFERS}"
             report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
 
 
-def _check_supply(code_value: WrittenCodeValue, says: str, report: DocumentReport) -> None:
+def _check_supply(label: str, code_value: WrittenCodeValue, report: DocumentReport) -> None:
     """Check that the supply of a value is the supply that its meaning names."""
     stated_range = supply_named(code_value.meaning)
     if stated_range is None or code_value.supply is None:
         return
     supply = code_value.supply.part
     if stated_range != (supply.min_mv, supply.max_mv):
-        low_mv, high_mv = stated_range
-        actual_range = f"{supply.min_mv} to {supply.max_mv}"
-        message = f"{says} {low_mv} to {high_mv} mV, but here it is {actual_range}{MEANING_DIFFERS}"
+        lowest_mv, highest_mv = stated_range
+        problem = f"the meaning of {quoted(label)} says {lowest_mv} to {highest_mv} mV"
+        message = f"{problem}, but here it is {supply.min_mv} to {supply.max_mv}{MEANING_DIFFERS}"
         report.add("meaning-mismatch", code_value.supply.path, message)
 
 
@@ -125,18 +135,18 @@ def _lengths_named(meaning: str) -> dict[Fraction, str]:
 
     A quotient such as ``20/1024 mm`` represents its result and also its dividend, 20 mm.
     """
-    lengths = {}
-    for dividend, number, unit in _LENGTH_IN_TEXT.findall(meaning):
-        plain_number = Fraction(number.replace(",", ""))
-        nanometres = _NANOMETRES_PER_UNIT[unit]
-        if dividend:
-            text = f"{dividend}/{number} {unit}"
-            whole_length = Fraction(dividend.replace(",", "")) * nanometres
-            lengths[whole_length] = text
-            lengths[whole_length / plain_number] = text
+    length_texts = {}
+    for dividend_text, number_text, unit in _LENGTH_IN_TEXT.findall(meaning):
+        number = Fraction(number_text.replace(",", ""))
+        nanometres_per_unit = _NANOMETRES_PER_UNIT[unit]
+        if dividend_text:
+            quotient_text = f"{dividend_text}/{number_text} {unit}"
+            dividend = Fraction(dividend_text.replace(",", "")) * nanometres_per_unit
+            length_texts[dividend] = quotient_text
+            length_texts[dividend / number] = quotient_text
         else:
-            lengths[plain_number * nanometres] = f"{number} {unit}"
-    return lengths
+            length_texts[number * nanometres_per_unit] = f"{number_text} {unit}"
+    return length_texts
 
 
 def _codes_named(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, int]:
@@ -166,19 +176,15 @@ def supply_named(meaning: str) -> tuple[int, int] | None:
     """
     two_voltages = _TWO_VOLTAGES.fullmatch(meaning)
     if two_voltages is not None:
-        low, high = two_voltages.groups()
-        return _to_millivolts(low, 100), _to_millivolts(high, 100)  # 100 % of each, as there is no tolerance.
+        lowest_text, highest_text = two_voltages.groups()
+        return int(Fraction(lowest_text) * _MILLIVOLTS_PER_VOLT), int(Fraction(highest_text) * _MILLIVOLTS_PER_VOLT)
     one_voltage = _ONE_VOLTAGE.fullmatch(meaning)
     if one_voltage is None:
         return None
-    volts, tolerance_text = one_voltage.groups()
-    tolerance = Fraction(tolerance_text or 0)
-    return _to_millivolts(volts, 100 - tolerance), _to_millivolts(volts, 100 + tolerance)
-
-
-def _to_millivolts(volts: str, per_cent: Fraction | int) -> int:
-    """Return a percentage of a voltage in millivolts."""
-    return int(Fraction(volts) * per_cent * 10)  # 1000 mV per V, and 1 / 100 for the percentage.
+    voltage_text, percentage_text = one_voltage.groups()
+    nominal_mv = Fraction(voltage_text) * _MILLIVOLTS_PER_VOLT
+    tolerance_mv = nominal_mv * Fraction(percentage_text or 0) / 100
+    return int(nominal_mv - tolerance_mv), int(nominal_mv + tolerance_mv)
 
 
 def check_named_interface(spec: WrittenSpec, report: DocumentReport) -> None:

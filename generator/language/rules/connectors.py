@@ -10,9 +10,9 @@ from itertools import pairwise
 from ...model import Connector
 from ..document import Path
 from ..problems import DocumentReport, join_words, quoted
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
+from .parts import is_second_reading
 
 #: Contacts without a signal.
 _UNCONNECTED_SIGNAL = re.compile(
@@ -48,8 +48,10 @@ class _Contact:
     @property
     def names(self) -> list[str]:
         """All names of the signal: ``A``, ``REQ+`` and ``SD+`` of ``A (REQ+ / SD+)``."""
-        inner_names = [name for inner in _IN_PARENTHESES.findall(self.signal) for name in _yield_names(inner)]
-        return [*_yield_names(_IN_PARENTHESES.sub("", self.signal)), *inner_names]
+        names = list(_yield_names(_IN_PARENTHESES.sub("", self.signal)))
+        for text_in_parentheses in _IN_PARENTHESES.findall(self.signal):
+            names += _yield_names(text_in_parentheses)
+        return names
 
     @property
     def is_shared(self) -> bool:
@@ -74,8 +76,9 @@ class _Connector:
     def names_in_note(self, signal: str) -> bool:
         """Return True if the note names a signal, which explains that it is missing."""
         note = _normalise_signal(self.part.note)
-        words = re.escape(_normalise_signal(signal))
-        return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
+        signal_expression = re.escape(_normalise_signal(signal))
+        # Neither ``clock`` nor ``a+`` counts as the signal A.
+        return re.search(rf"(?<![\w/]){signal_expression}(?![\w+-])", note) is not None
 
     def shares_interface(self, other_connector: _Connector) -> bool:
         """Return True if two connectors or cables have an interface in common.
@@ -100,23 +103,24 @@ def check_repeated_signals(spec: WrittenSpec, report: DocumentReport) -> None:
             contacts_with_signal = [earlier for earlier in earlier_contacts if _share_signal(contact, earlier)]
             earlier_contacts.append(contact)
             if contacts_with_signal:
+                earlier_name = quoted(contacts_with_signal[0].name)
                 message = (
-                    f"contact {quoted(contacts_with_signal[0].name)} has this signal too; correct one of the two, or"
+                    f"contact {earlier_name} has this signal too; correct one of the two, or"
                     " give each its order codes with 'only'"
                 )
                 report.add("signal-twice", (*contact.path, "signal"), message)
 
 
-def _share_signal(contact: _Contact, earlier: _Contact) -> bool:
+def _share_signal(contact: _Contact, earlier_contact: _Contact) -> bool:
     """Return True if two contacts have a signal in common, as a whole or by one of its names outside parentheses.
 
     The result is False if each contact is restricted to different order codes (``only``).
     """
-    if contact.only and earlier.only and contact.only != earlier.only:
+    if contact.only and earlier_contact.only and contact.only != earlier_contact.only:
         return False
-    contact_names = set(map(_normalise_signal, (*contact.main_names, contact.signal)))
-    earlier_names = set(map(_normalise_signal, (*earlier.main_names, earlier.signal)))
-    return not contact_names.isdisjoint(earlier_names)
+    names = set(map(_normalise_signal, (*contact.main_names, contact.signal)))
+    earlier_names = set(map(_normalise_signal, (*earlier_contact.main_names, earlier_contact.signal)))
+    return not names.isdisjoint(earlier_names)
 
 
 def check_incomplete_pair(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -124,15 +128,18 @@ def check_incomplete_pair(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A note of the connector that names the missing line explains it.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for connector in _collect_connectors(spec):
-        names = {name.casefold() for contact in connector.contacts for name in contact.names}
-        has_inverted = any(name.startswith("/") for name in names)
+        known_names: set[str] = set()
+        for contact in connector.contacts:
+            known_names.update(name.casefold() for name in contact.names)
+        has_inverted = any(name.startswith("/") for name in known_names)
         for contact in connector.contacts:
             for name in contact.names:
                 partner = partner_of(name, has_inverted)
-                if partner and partner.casefold() not in names and not connector.names_in_note(partner):
+                is_missing = bool(partner) and partner.casefold() not in known_names
+                if is_missing and not connector.names_in_note(partner):
                     message = (
                         f"{quoted(name)} is here, but {quoted(partner)} is not on {connector.label}; add it, or say in"
                         f" the 'note' of {connector.label} why {partner} is missing"
@@ -145,7 +152,7 @@ def check_connector_and_cable(spec: WrittenSpec, report: DocumentReport) -> None
 
     A note that names the missing signals explains a difference.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     connectors_and_cables = _collect_connectors(spec)
     connectors = [candidate for candidate in connectors_and_cables if candidate.part.kind == "connector"]
@@ -162,17 +169,18 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
 
     A signal with several names, such as ``CLOCK IN + / MA +``, is present if one of its names is.
     """
-    names: set[str] = set()
+    known_names: set[str] = set()
     for contact in incomplete.contacts:
-        names |= _normalised_names(contact)
+        known_names |= _normalised_names(contact)
     missing_signals: list[str] = []
     for contact in complete.contacts:
-        if names.isdisjoint(_normalised_names(contact)):
+        is_missing = known_names.isdisjoint(_normalised_names(contact))
+        if is_missing and not incomplete.names_in_note(contact.signal):
             missing_signals.append(contact.signal)
-    unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
-    if unexplained:
-        lacking = f"{incomplete.label} lacks {join_words(map(quoted, unexplained))}, which {complete.label} has"
-        message = f"{lacking}; correct one of the two, or name the missing signal in the 'note' of {incomplete.label}"
+    if missing_signals:
+        missing_text = join_words(map(quoted, dict.fromkeys(missing_signals)))
+        problem = f"{incomplete.label} lacks {missing_text}, which {complete.label} has"
+        message = f"{problem}; correct one of the two, or name the missing signal in the 'note' of {incomplete.label}"
         report.add("missing-signal", (*incomplete.located.path, "contacts"), message, at_key=True)
 
 
@@ -201,7 +209,8 @@ def _normalise_signal(signal: str) -> str:
 
 def _close_signs(signal: str) -> str:
     """Return a signal with plain minus signs, and without spaces before signs: ``MA-`` for ``MA −``."""
-    return re.sub(r"\s+(?=[+-])", "", " ".join(signal.replace("−", "-").split()))
+    signal_in_ascii = " ".join(signal.replace("−", "-").split())
+    return re.sub(r"\s+(?=[+-])", "", signal_in_ascii)
 
 
 def _yield_names(signal_text: str) -> Iterator[str]:
@@ -234,7 +243,8 @@ def signal_names(signal: str) -> list[str]:
     if _UNCONNECTED_SIGNAL.fullmatch(signal.strip()):
         return []
     # Only the names are needed, so the contact has no place, name or order codes.
-    return [name.casefold() for name in _Contact((), "", signal, "").names]
+    contact = _Contact(path=(), name="", signal=signal, only="")
+    return [name.casefold() for name in contact.names]
 
 
 def check_contact_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -243,22 +253,24 @@ def check_contact_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
     A cable whose wires all have numbers is also reported, because it is probably a connector, unless its note says that
     the wires are numbered.
     """
-    if is_second(report.document.file) or report.document.family:  # The note belongs to the newest edition.
+    if is_second_reading(report.document) or report.document.family:  # The note belongs to the newest edition.
         return
-    for connector in spec.connectors:
-        names = [contact.contact for contact in connector.part.contacts]
+    for located_connector in spec.connectors:
+        connector = located_connector.part
+        contact_names = [contact.contact for contact in connector.contacts]
         # With their index, because contacts such as the case have names.
-        numbered_contacts = [(index, int(name)) for index, name in enumerate(names) if name.isdecimal()]
+        numbered_contacts = [(index, int(name)) for index, name in enumerate(contact_names) if name.isdecimal()]
         if not numbered_contacts:
             continue
-        is_numbered_cable = connector.part.kind == "cable" and len(numbered_contacts) == len(names)
-        if is_numbered_cable and "number" not in connector.part.note:
+        are_all_numbered = len(numbered_contacts) == len(contact_names)
+        is_explained = "number" in connector.note
+        if connector.kind == "cable" and are_all_numbered and not is_explained:
             message = (
-                f"all wires of {quoted(connector.part.name)} have numbers, as the contacts of a connector; write 'kind:"
+                f"all wires of {quoted(connector.name)} have numbers, as the contacts of a connector; write 'kind:"
                 " connector', or say in a 'note' that the wires are numbered"
             )
-            report.add("contact-numbers", (*connector.path, "kind"), message)
-        _check_order(connector, numbered_contacts, report)
+            report.add("contact-numbers", (*located_connector.path, "kind"), message)
+        _check_order(located_connector, numbered_contacts, report)
 
 
 def _check_order(
@@ -269,15 +281,15 @@ def _check_order(
     A number may repeat, because a contact can have several signals, for different order codes. A note that contains the
     expected number explains a gap.
     """
-    # The first contact is compared with an imaginary one that has the number 0.
-    for (_, earlier_number), (index, number) in pairwise([(-1, 0), *numbered_contacts]):
+    imaginary_contact = (-1, 0)  # With the number 0, so that the first real contact must have the number 1.
+    for (_, earlier_number), (index, number) in pairwise([imaginary_contact, *numbered_contacts]):
         contact_text = connector.part.contacts[index].contact
         expected_number = earlier_number + 1
         is_explained = re.search(rf"\b{expected_number}\b", connector.part.note) is not None
         is_repeated = number == earlier_number > 0
-        is_in_order = number == expected_number or is_repeated
+        is_accepted = number == expected_number or is_repeated or is_explained
         has_leading_zero = contact_text != str(number)
-        if has_leading_zero or not (is_in_order or is_explained):
+        if has_leading_zero or not is_accepted:
             message = (
                 f"contact {quoted(contact_text)} is where {quoted(str(expected_number))}"
                 " should be; list all contacts in order, including unconnected contacts, or say in a 'note' of"

@@ -9,11 +9,10 @@ from typing import NamedTuple
 
 from ...model import Connector
 from ..problems import DocumentReport, quoted
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 from .connectors import partner_of, signal_names
-from .parts import has_erratum_at
+from .parts import has_erratum_at, is_second_reading
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
 #: A wire with one color or two: ``White``, ``Brown_Green``.
@@ -27,15 +26,15 @@ _Connection = tuple[LocatedPart[Connector], LocatedPart[Connector]]
 _MOST_CONNECTORS, _MOST_CONNECTIONS = 100, 10
 #: The statement of a note that explains the order of a pair.
 _PAIR_ORDER_NOTE = re.compile(
-    r"(?P<first>[\w/ ]+?(?: ?[+-])?) is on a lower(?:-numbered)? contact than (?P<second>[\w/ ]+(?: ?[+-])?)"
+    r"(?P<lower>[\w/ ]+?(?: ?[+-])?) is on a lower(?:-numbered)? contact than (?P<higher>[\w/ ]+(?: ?[+-])?)"
 )
 
 
 class _Pair(NamedTuple):
     """The two lines of a differential pair on a connector, and the indexes of their contacts."""
 
-    plain: str
-    inverted: str
+    plain_line: str
+    inverted_line: str
     plain_index: int
     inverted_index: int
 
@@ -48,26 +47,27 @@ class _Pair(NamedTuple):
         return abs(self.plain_index - self.inverted_index) > 1
 
     @property
-    def first(self) -> str:
-        return self.plain if self.is_plain_first else self.inverted
+    def first_line(self) -> str:
+        """The line on the contact that comes first in the list of contacts."""
+        return self.plain_line if self.is_plain_first else self.inverted_line
 
     @property
-    def second(self) -> str:
-        return self.inverted if self.is_plain_first else self.plain
+    def second_line(self) -> str:
+        return self.inverted_line if self.is_plain_first else self.plain_line
 
 
 def check_kinds_of_contacts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that only wires of a cable have colors as names, and that a contact named as a shield carries no signal."""
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
-            path = (*connector.path, "contacts", index)
-            if connector.part.kind == "connector" and _WIRE_COLOURS.fullmatch(contact.contact):
-                message = f"{quoted(contact.contact)} is the color of a wire, but the kind is 'connector'"
-                report.add("contact-kind", (*connector.path, "kind"), f"{message}; write 'kind: cable'")
+            name = contact.contact
+            if connector.part.kind == "connector" and _WIRE_COLOURS.fullmatch(name):
+                problem = f"{quoted(name)} is the color of a wire, but the kind is 'connector'"
+                report.add("contact-kind", (*connector.path, "kind"), f"{problem}; write 'kind: cable'")
                 break
-            if _SHIELD_WORDS.fullmatch(contact.contact) and not _SHIELD_WORDS.search(contact.signal):
+            if _SHIELD_WORDS.fullmatch(name) and not _SHIELD_WORDS.search(contact.signal):
                 message = f"the contact is a shield, but its signal is {quoted(contact.signal)}; correct one of the two"
-                report.add("contact-kind", (*path, "signal"), message)
+                report.add("contact-kind", (*connector.path, "contacts", index, "signal"), message)
 
 
 def check_numbered_cables(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -75,33 +75,39 @@ def check_numbered_cables(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Numbers are the names of the contacts of a connector. Another rule checks cables without a shield or case.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
-    for connector in spec.connectors:
-        wires = [wire.contact for wire in connector.part.contacts if not _is_case(wire.contact)]
-        is_numbered = bool(wires) and all(wire.isdecimal() for wire in wires)
-        has_case = len(wires) < len(connector.part.contacts)
-        if connector.part.kind == "cable" and is_numbered and has_case and "number" not in connector.part.note:
+    for cable in spec.connectors:
+        if cable.part.kind != "cable":
+            continue
+        contact_names = [contact.contact for contact in cable.part.contacts]
+        wire_names = [name for name in contact_names if not _is_shield_or_case(name)]
+        is_numbered = bool(wire_names) and all(name.isdecimal() for name in wire_names)
+        has_shield_or_case = len(wire_names) < len(contact_names)
+        is_explained = "number" in cable.part.note
+        if is_numbered and has_shield_or_case and not is_explained:
             message = "the wires have numbers, as the contacts of a connector; write 'kind: connector'"
-            report.add("contact-kind", (*connector.path, "kind"), message)
+            report.add("contact-kind", (*cable.path, "kind"), message)
 
 
-def _is_case(contact_name: str) -> bool:
-    return contact_name.casefold() in ("case", "housing", "shell") or _SHIELD_WORDS.fullmatch(contact_name) is not None
+def _is_shield_or_case(contact_name: str) -> bool:
+    is_shield = _SHIELD_WORDS.fullmatch(contact_name) is not None
+    return is_shield or contact_name.casefold() in ("case", "housing", "shell")
 
 
 def check_interfaces_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector with a line of only one interface, such as ``MA +`` of BiSS, lists this interface."""
     for connector in spec.connectors:
-        names = {name for contact in connector.part.contacts for name in signal_names(contact.signal)}
-        for interface, lines in _LINES_OF_INTERFACES.items():
+        lines_on_connector: set[str] = set()
+        for contact in connector.part.contacts:
+            lines_on_connector.update(signal_names(contact.signal))
+        for interface, lines_of_interface in _LINES_OF_INTERFACES.items():
             has_interface = getattr(spec.interfaces, interface) is not None
             # A connector that lists no interfaces is for all of them.
             is_missing = bool(connector.part.interfaces) and interface not in connector.part.interfaces
-            lines_of_interface = names & lines
-            if has_interface and is_missing and lines_of_interface:
-                line = min(lines_of_interface)
-                message = f"{quoted(line)} is a line of {interface}; add it, or correct the signals"
+            common_lines = lines_on_connector & lines_of_interface
+            if has_interface and is_missing and common_lines:
+                message = f"{quoted(min(common_lines))} is a line of {interface}; add it, or correct the signals"
                 report.add("contact-interface", (*connector.path, "interfaces"), message)
 
 
@@ -114,18 +120,18 @@ def check_wires_of_contacts(spec: WrittenSpec, report: DocumentReport) -> None:
     # A connector and a cable with the same titles occur once for each interface.
     for connections in _connections_by_titles(spec).values():
         for connector, cable in connections[:_MOST_CONNECTIONS]:
-            wires = _wires_by_contact(connector.part, cable.part)
+            wire_by_contact = _wires_by_contact(connector.part, cable.part)
             for other_connector, other_cable in connections[:_MOST_CONNECTIONS]:
                 if other_connector is not connector:
-                    _compare_signals(wires, other_connector, other_cable, report)
+                    _compare_signals(wire_by_contact, other_connector, other_cable, report)
 
 
 def _connections_by_titles(spec: WrittenSpec) -> dict[tuple[str, str], list[_Connection]]:
     """Return the pairs of a connector and a cable with an interface in common, by the titles of the two."""
     connections: dict[tuple[str, str], list[_Connection]] = {}
     connectors_and_cables = spec.connectors[:_MOST_CONNECTORS]
-    connectors = [located for located in connectors_and_cables if located.part.kind == "connector"]
-    cables = [located for located in connectors_and_cables if located.part.kind == "cable"]
+    connectors = [candidate for candidate in connectors_and_cables if candidate.part.kind == "connector"]
+    cables = [candidate for candidate in connectors_and_cables if candidate.part.kind == "cable"]
     for connector in connectors:
         for cable in cables:
             has_common_interface = not set(connector.part.interfaces).isdisjoint(cable.part.interfaces)
@@ -143,12 +149,13 @@ def _wires_by_contact(connector: Connector, cable: Connector) -> dict[str, str]:
     counts_of_contacts = Counter(_plain_signal(contact.signal) for contact in connector.contacts)
     counts_of_wires = Counter(_plain_signal(wire.signal) for wire in cable.contacts)
     wire_by_signal = {_plain_signal(wire.signal): wire.contact for wire in cable.contacts}
-    wires: dict[str, str] = {}
+    wire_by_contact: dict[str, str] = {}
     for contact in connector.contacts:
         signal = _plain_signal(contact.signal)
-        if counts_of_contacts[signal] == 1 and counts_of_wires[signal] == 1:
-            wires[contact.contact] = wire_by_signal[signal]
-    return wires
+        is_unique = counts_of_contacts[signal] == 1 and counts_of_wires[signal] == 1
+        if is_unique:
+            wire_by_contact[contact.contact] = wire_by_signal[signal]
+    return wire_by_contact
 
 
 def _plain_signal(signal: str) -> str:
@@ -156,17 +163,20 @@ def _plain_signal(signal: str) -> str:
 
 
 def _compare_signals(
-    wires: Mapping[str, str], connector: LocatedPart[Connector], cable: LocatedPart[Connector], report: DocumentReport
+    wire_by_contact: Mapping[str, str],
+    connector: LocatedPart[Connector],
+    cable: LocatedPart[Connector],
+    report: DocumentReport,
 ) -> None:
     """Report each contact that has another signal than its wire, unless an erratum explains it.
 
-    ``wires`` contains the wire for each contact, as it follows from the connector and cable for another interface.
+    ``wire_by_contact`` is the assignment that follows from the connector and cable for another interface.
     """
-    signals_of_wires = {wire.contact: wire.signal for wire in cable.part.contacts}
+    signal_by_wire = {wire.contact: wire.signal for wire in cable.part.contacts}
     for index, contact in enumerate(connector.part.contacts):
-        wire = wires.get(contact.contact, "")
-        signal = signals_of_wires.get(wire)
-        if signal is None or _plain_signal(signal) == _plain_signal(contact.signal):
+        wire = wire_by_contact.get(contact.contact, "")
+        signal_of_wire = signal_by_wire.get(wire)
+        if signal_of_wire is None or _plain_signal(signal_of_wire) == _plain_signal(contact.signal):
             continue
         is_explained = any(
             has_erratum_at(report.document, "connectors", name, "contacts")
@@ -175,7 +185,7 @@ def _compare_signals(
         if not is_explained:
             message = (
                 f"contact {quoted(contact.contact)} and wire {quoted(wire)} carry the same signal on another"
-                f" interface, but {quoted(contact.signal)} and {quoted(signal)} here; correct one of the tables"
+                f" interface, but {quoted(contact.signal)} and {quoted(signal_of_wire)} here; correct one of the tables"
             )
             report.add("contact-wire", (*connector.path, "contacts", index, "signal"), message)
 
@@ -187,7 +197,7 @@ def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
     required. A note such as "MA - is on a lower-numbered contact than MA +" explains an unusual pair. The note must be
     true.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for connector in spec.connectors:
         index_by_line = _index_lines(connector.part)
@@ -197,7 +207,7 @@ def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
             problem = _describe_unusual_order(pair, pairs)
             indices = {pair.plain_index, pair.inverted_index}
             if problem and indices not in explained_pairs:
-                statement = f"{pair.first} is on a lower-numbered contact than {pair.second}"
+                statement = f"{pair.first_line} is on a lower-numbered contact than {pair.second_line}"
                 message = f"{problem}; correct it, or say in a 'note' that {statement}"
                 path = (*connector.path, "contacts", min(indices), "signal")
                 report.add("pair-order", path, message)
@@ -208,24 +218,26 @@ def _describe_unusual_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
 
     ``pairs`` are all pairs of the connector. The result is empty if there is no problem.
     """
-    first_pair = pairs[0]
-    # If both pairs are apart, that is unusual as well.
-    is_apart_unusual = any(not other.is_apart for other in pairs) or len(pairs) == 2
+    usual_pair = pairs[0]
+    are_all_apart = all(other_pair.is_apart for other_pair in pairs)
+    # If both of two pairs are apart, that is unusual as well.
+    is_apart_unusual = not are_all_apart or len(pairs) == 2
+    lower_line, higher_line = quoted(pair.first_line), quoted(pair.second_line)
     if pair.is_apart and is_apart_unusual:
-        return f"{quoted(pair.first)} and {quoted(pair.second)} are not next to each other"
-    if pair.is_plain_first != first_pair.is_plain_first:
-        order_of_first_pair = f"{quoted(first_pair.first)} before {quoted(first_pair.second)}"
-        return f"{quoted(pair.first)} is before {quoted(pair.second)}, but {order_of_first_pair}"
+        return f"{lower_line} and {higher_line} are not next to each other"
+    if pair.is_plain_first != usual_pair.is_plain_first:
+        usual_order = f"{quoted(usual_pair.first_line)} before {quoted(usual_pair.second_line)}"
+        return f"{lower_line} is before {higher_line}, but {usual_order}"
     return ""
 
 
 def _index_lines(connector: Connector) -> dict[str, int]:
     """Return the index of the contact of each line. Lines on several contacts are left out."""
-    lines: list[tuple[str, int]] = []
+    lines_with_index: list[tuple[str, int]] = []
     for index, contact in enumerate(connector.contacts):
-        lines += [(line, index) for line in signal_names(contact.signal)]
-    counts = Counter(line for line, _ in lines)
-    return {line: index for line, index in lines if counts[line] == 1}
+        lines_with_index += [(line, index) for line in signal_names(contact.signal)]
+    contact_counts = Counter(line for line, _ in lines_with_index)
+    return {line: index for line, index in lines_with_index if contact_counts[line] == 1}
 
 
 def _yield_pairs(index_by_line: Mapping[str, int]) -> Iterator[_Pair]:
@@ -240,12 +252,11 @@ def _yield_pairs(index_by_line: Mapping[str, int]) -> Iterator[_Pair]:
         if partner not in index_by_line:
             continue
         is_inverted = line.endswith("-") or line.startswith("/")
-        plain, inverted = (partner, line) if is_inverted else (line, partner)
-        contact_pair = (index_by_line[plain], index_by_line[inverted])
-        if contact_pair not in contact_pairs:
-            contact_pairs.add(contact_pair)
-            plain_index, inverted_index = contact_pair
-            yield _Pair(plain=plain, inverted=inverted, plain_index=plain_index, inverted_index=inverted_index)
+        plain_line, inverted_line = (partner, line) if is_inverted else (line, partner)
+        plain_index, inverted_index = index_by_line[plain_line], index_by_line[inverted_line]
+        if (plain_index, inverted_index) not in contact_pairs:
+            contact_pairs.add((plain_index, inverted_index))
+            yield _Pair(plain_line, inverted_line, plain_index=plain_index, inverted_index=inverted_index)
 
 
 def _check_statements_of_note(
@@ -263,15 +274,19 @@ def _check_statements_of_note(
         higher_line = _find_line(higher_text, index_by_line)
         if not lower_line or not higher_line:
             continue
-        if index_by_line[lower_line] > index_by_line[higher_line]:
+        lower_index, higher_index = index_by_line[lower_line], index_by_line[higher_line]
+        if lower_index > higher_index:
             problem = f"the note says that {lower_line} is on a lower-numbered contact than {higher_line}"
             message = f"{problem}, but it is on a higher-numbered one; correct one of the two"
             report.add("pair-order", (*connector.path, "note"), message)
-        stated_pairs.append({index_by_line[lower_line], index_by_line[higher_line]})
+        stated_pairs.append({lower_index, higher_index})
     return stated_pairs
 
 
-def _find_line(text: str, lines: Iterable[str]) -> str:
+def _find_line(line_text: str, known_lines: Iterable[str]) -> str:
     """Return the line that a text names, perhaps after "but" or "and". Empty if it names none of the lines."""
-    plain_text = re.sub(r"\s+(?=[+-])", "", text.strip()).casefold()
-    return next((line for line in lines if plain_text in (line, f"but {line}", f"and {line}")), "")
+    plain_text = re.sub(r"\s+(?=[+-])", "", line_text.strip()).casefold()  # ``ma+`` for ``MA +``
+    for line in known_lines:
+        if plain_text in (line, f"but {line}", f"and {line}"):
+            return line
+    return ""

@@ -8,11 +8,19 @@ from collections.abc import Collection, Iterator
 
 from ...model import Alarm, Biss
 from ..problems import DocumentReport, quoted
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_layouts import WrittenField, WrittenFieldGroup
 from ..written_parts import WrittenSpec
-from .parts import FieldList, FieldOwner, by_name, field_lists, interface_of, owner_of_alarm, position_names
+from .parts import (
+    FieldList,
+    FieldOwner,
+    by_name,
+    field_lists,
+    interface_name_of,
+    is_second_reading,
+    owner_of_alarm,
+    position_names,
+)
 
 #: A level in a text of a flag.
 _LEVEL_IN_TEXT = re.compile(r"\b(?:[01]|low|high)\b", re.IGNORECASE)
@@ -27,7 +35,7 @@ def check_lone_levels(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A text of the flag that states its level explains it. Flags that only combine others (``sums_up``) do not count.
     """
-    if is_second(report.document.file):  # It has no texts.
+    if is_second_reading(report.document):  # Second readings have no such texts.
         return
     for field_list in field_lists(spec):
         flags = [field for field in field_list.fields if field.active and not field.sums_up]
@@ -65,14 +73,15 @@ def check_repeated_flags(spec: WrittenSpec, report: DocumentReport) -> None:
     for field_list in field_lists(spec):
         if field_list.interface == Biss.name:
             continue  # Another rule checks the flags of BiSS.
-        if field_list.kind not in (FieldOwner.GROUP, FieldOwner.LAYOUT):
+        if field_list.owner_kind not in (FieldOwner.GROUP, FieldOwner.LAYOUT):
             continue
         flags = [field for field in field_list.fields if field.active]
         for flag in flags:
             # Groups have an empty interface name.
             first_flag = first_flags.setdefault((field_list.interface, flag.name), flag)
-            for key, value, first_value in _yield_differences(flag, first_flag):
+            for key in _differing_keys(flag, first_flag):
                 line, _ = report.document.position(first_flag.path)
+                value, first_value = flag.data[key], first_flag.data[key]
                 message = (
                     f"{quoted(flag.name)} has {quoted(key)} {value} here, but {first_value} on line {line}; correct one"
                     " of the two, or rename the flag if it is a different flag"
@@ -80,12 +89,13 @@ def check_repeated_flags(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("flag-differs", flag.place_of(key), message)
 
 
-def _yield_differences(flag: WrittenField, first_flag: WrittenField) -> Iterator[tuple[str, str, str]]:
-    """Yield each key in which two flags differ, with both values: ``("active", "low", "high")``."""
+def _differing_keys(flag: WrittenField, first_flag: WrittenField) -> Iterator[str]:
+    """Yield ``active`` if two flags have different levels, and ``makes_position`` if they have different verdicts."""
     if flag.active != first_flag.active:
-        yield "active", flag.active, first_flag.active
-    if flag.makes_position and first_flag.makes_position and flag.makes_position != first_flag.makes_position:
-        yield "makes_position", flag.makes_position, first_flag.makes_position
+        yield "active"
+    have_verdicts = bool(flag.makes_position and first_flag.makes_position)
+    if have_verdicts and flag.makes_position != first_flag.makes_position:
+        yield "makes_position"
 
 
 def check_cleared_alarms(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -114,16 +124,18 @@ def check_implemented_alarms(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def _find_flag(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField | None:
     """Return the flag that an alarm names in its group or register, or None if the alarm names no existing flag."""
-    owner = owner_of_alarm(spec, alarm)
-    for field in owner.fields if owner is not None else ():
-        if alarm.part.field and field.name == alarm.part.field:
+    group_or_register = owner_of_alarm(spec, alarm)
+    if group_or_register is None or not alarm.part.field:
+        return None
+    for field in group_or_register.fields:
+        if field.name == alarm.part.field:
             return field
     return None
 
 
 def check_cleared_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a register that clears itself returns to 0, unless its note gives another number."""
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for register in spec.registers:
         default = register.default
@@ -147,17 +159,16 @@ def check_combined_flags(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     groups = by_name(spec.field_groups)
     for field_list in field_lists(spec):
-        combining_flags: dict[str, str] = {}  # For each combined flag, the first flag that combines it.
+        first_combining_flags: dict[str, str] = {}  # For each combined flag, the first flag that combines it.
         for flag in field_list.fields:
             for index, combined_name in enumerate(flag.sums_up):
-                combining_name = combining_flags.setdefault(combined_name, flag.name)
-                if flag.name != combining_name:
-                    message = (
-                        f"{quoted(combining_name)} also combines {quoted(combined_name)}; remove it from one of the two"
-                    )
-                    report.add("summed-twice", (*flag.place_of("sums_up"), index), message)
+                first_name = first_combining_flags.setdefault(combined_name, flag.name)
+                if flag.name != first_name:
+                    message = f"{quoted(first_name)} also combines {quoted(combined_name)}"
+                    path = (*flag.place_of("sums_up"), index)
+                    report.add("summed-twice", path, f"{message}; remove it from one of the two")
         for group in groups.values():
-            _report_flag_not_combined(group, combining_flags.keys(), field_list, report)
+            _report_flag_not_combined(group, first_combining_flags.keys(), field_list, report)
 
 
 def _report_flag_not_combined(
@@ -199,8 +210,9 @@ def check_combined_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
         single_flags |= {field.name: field for field in field_list.fields if field.active and not field.sums_up}
     for field_list in field_lists(spec):
         for flag in field_list.fields:
-            verdicts = [single_flags[name].makes_position for name in flag.sums_up if name in single_flags]
-            all_have_verdict = all(verdict in _MILDEST_FIRST for verdict in (flag.makes_position, *verdicts))
+            combined_flags = [single_flags[name] for name in flag.sums_up if name in single_flags]
+            verdicts = [combined_flag.makes_position for combined_flag in combined_flags]
+            all_have_verdict = {flag.makes_position, *verdicts} <= set(_MILDEST_FIRST)
             if not verdicts or not all_have_verdict:
                 continue
             most_severe = max(verdicts, key=_MILDEST_FIRST.index)
@@ -216,15 +228,14 @@ def check_combined_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
 def check_explained_flags(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no diagnostic bit is listed in ``explained_by`` of two flags of a register, whose details it gives."""
     for register in spec.registers:
-        flags_by_bit: dict[str, str] = {}  # For each diagnostic bit, the first flag that it explains.
+        explained_flags: dict[str, str] = {}  # For each diagnostic bit, the first flag that it explains.
         for flag in register.fields:
-            for index, bit in enumerate(flag.explained_by):
-                if bit in flags_by_bit:
-                    message = (
-                        f"{quoted(bit)} already explains {quoted(flags_by_bit[bit])}; remove it from one of the two"
-                    )
-                    report.add("explains-twice", (*flag.place_of("explained_by"), index), message)
-                flags_by_bit.setdefault(bit, flag.name)
+            for index, diagnostic_bit in enumerate(flag.explained_by):
+                if diagnostic_bit in explained_flags:
+                    problem = f"{quoted(diagnostic_bit)} already explains {quoted(explained_flags[diagnostic_bit])}"
+                    path = (*flag.place_of("explained_by"), index)
+                    report.add("explains-twice", path, f"{problem}; remove it from one of the two")
+                explained_flags.setdefault(diagnostic_bit, flag.name)
 
 
 def check_read_only_registers(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -232,23 +243,25 @@ def check_read_only_registers(spec: WrittenSpec, report: DocumentReport) -> None
 
     The reason is a named value, a procedure that writes it, a key that matters only for writing, or a text with "writ".
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     written_names: set[str] = set()
     for procedure in spec.procedures:
         written_names.update(step.register for step in procedure.steps if step.do == "write")
-    names_with_flags = {alarm.part.register for alarm in spec.alarms} | set(_explaining_registers(spec))
+    registers_of_alarms = {alarm.part.register for alarm in spec.alarms} | set(_explaining_registers(spec))
     for register in spec.registers:
         if register.access != "read_write":
             continue
         has_values = any(field.values for field in register.fields)
-        is_used = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
+        is_written = has_values or register.name in written_names or register.has(*_KEYS_OF_WRITABLE)
         is_explained = _mentions_word(register.meaning, "writ") or _mentions_word(register.note, "writ")
-        has_flag_of_alarm = register.name in names_with_flags or any(field.explained_by for field in register.fields)
+        if is_written or is_explained:
+            continue
+        has_explained_flag = any(field.explained_by for field in register.fields)
+        has_flag_of_alarm = has_explained_flag or register.name in registers_of_alarms
         has_only_flags = has_flag_of_alarm and all(map(_is_flag_or_fixed, register.fields))
-        has_position = register.name in position_names(spec, interface_of(register))
-        is_doubtful = has_only_flags or has_position
-        if is_doubtful and not is_used and not is_explained:
+        has_position = register.name in position_names(spec, interface_name_of(register))
+        if has_only_flags or has_position:
             content_text = "flags of alarms" if has_only_flags else "the position"
             message = (
                 f"{quoted(register.name)} has {content_text}, and nothing says what to write there; write 'access:"
@@ -277,6 +290,7 @@ def _explaining_registers(spec: WrittenSpec) -> Iterator[str]:
 _KEYS_OF_WRITABLE = ("default", "min", "max", "meanings", "opened_by", "clears_itself", "write_clears")
 
 
+#: A sentence such as "The register automatically returns to 0" or "It returns to 00h by itself".
 _RETURNS_BY_ITSELF = re.compile(
     r"\bautomatically returns to 0|\breturns to 0+h? (?:automatically|by itself)", re.IGNORECASE
 )

@@ -8,17 +8,25 @@ from collections.abc import Iterator, Sequence
 from ...model import Biss, Rs485, Ssi
 from ...model.interfaces import DataId
 from ..problems import DocumentReport, join_words, quoted
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
-from .parts import FieldList, FieldOwner, Groups, by_name, has_erratum_at, layouts_of_interfaces, with_groups_expanded
+from .parts import (
+    FieldList,
+    FieldOwner,
+    Groups,
+    by_name,
+    has_erratum_at,
+    is_second_reading,
+    layouts_of_interfaces,
+    with_groups_expanded,
+)
 
 #: Interfaces over which a master sends only a clock, or control data, which are not a layout.
 _WITHOUT_REQUESTS = frozenset((Biss.name, Ssi.name))
 #: Purposes of requests that carry an address.
-_OF_MEMORY = frozenset(("read", "write"))
+_PURPOSES_WITH_ADDRESS = frozenset(("read", "write"))
 
 
 def check_layouts_without_requests(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -35,7 +43,7 @@ def check_parities(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Frames over RS-485 and frames with a CRC for all order codes are skipped, because the CRC covers them.
     """
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that name the fields.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for frame in layouts_of_interfaces(spec):
         layout = frame.layout
@@ -111,13 +119,14 @@ def check_slaves(spec: WrittenSpec, report: DocumentReport) -> None:
     network = biss.network if biss is not None else None
     if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
         return
-    is_bus = network.part.topology == "bus"
-    is_consistent = is_bus == network.part.multiple_slaves
-    if not is_consistent and not has_erratum_at(report.document, *map(str, network.path)):
-        slaves_text = "several slaves" if network.part.multiple_slaves else "one slave"
+    topology, has_several_slaves = network.part.topology, network.part.multiple_slaves
+    is_consistent = has_several_slaves == (topology == "bus")
+    affected_path = ".".join(map(str, network.path))
+    if not is_consistent and not has_erratum_at(report.document, affected_path):
+        slaves_text = "several slaves" if has_several_slaves else "one slave"
         message = (
-            f"the topology is {quoted(network.part.topology)}, but the interface has {slaves_text}; correct one of"
-            f" them. If this is what the manual says, add an erratum that affects {'.'.join(map(str, network.path))}"
+            f"the topology is {quoted(topology)}, but the interface has {slaves_text}; correct one of"
+            f" them. If this is what the manual says, add an erratum that affects {affected_path}"
         )
         report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
 
@@ -156,14 +165,15 @@ def _report_missing_frame(
     ``requested_ids`` and ``replied_ids`` are the numbers of the data IDs that layouts of requests and replies list.
     """
     number = data_id.part.id
+    if not data_id.is_valid("id") or data_id.part.purpose in _PURPOSES_WITH_ADDRESS:
+        return
     has_request = number in requested_ids
     has_reply = number in replied_ids
-    is_complete = has_request == has_reply
-    if data_id.is_valid("id") and not is_complete and data_id.part.purpose not in _OF_MEMORY:
-        kind, other_kind = ("request", "reply") if has_request else ("reply", "request")
+    if has_request != has_reply:
+        listed_frame, missing_frame = ("request", "reply") if has_request else ("reply", "request")
         message = (
-            f"the data ID {number:#x} of {quoted(data_id.part.name)} has a {kind}, but no {other_kind}; add it to"
-            f" 'when' of the layout of its {other_kind}"
+            f"the data ID {number:#x} of {quoted(data_id.part.name)} has a {listed_frame}, but no {missing_frame}; add"
+            f" it to 'when' of the layout of its {missing_frame}"
         )
         report.add("data-id-frames", (*data_id.path, "id"), message)
 
@@ -176,7 +186,8 @@ def check_purposes(spec: WrittenSpec, report: DocumentReport) -> None:
     groups = by_name(spec.with_invalid_parts.field_groups)
     for data_id in rs485.data_ids:
         request = _find_request(data_id, rs485)
-        if request is None or data_id.part.purpose not in _OF_MEMORY:
+        accesses_memory = data_id.part.purpose in _PURPOSES_WITH_ADDRESS
+        if request is None or not accesses_memory:
             continue
         has_data = any(_carries_data(field) for field in _fields_of(request, groups))
         if not has_data:
@@ -190,15 +201,15 @@ def check_purposes(spec: WrittenSpec, report: DocumentReport) -> None:
 def _find_request(data_id: LocatedPart[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
     """Return the layout of the request that the master sends for a data ID, or None if no layout lists the data ID."""
     for layout in rs485.layouts:
-        selected_ids = [number for selected in layout.when.values() for number in selected]
-        if layout.from_ == "master" and data_id.part.id in selected_ids:
+        if layout.from_ == "master" and data_id.part.id in _selected_ids([layout]):
             return layout
     return None
 
 
 def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
     """Yield the fields of a layout, including the fields of its groups."""
-    for _, field in with_groups_expanded(FieldList(FieldOwner.LAYOUT, layout, ""), groups):
+    field_list = FieldList(FieldOwner.LAYOUT, layout, interface=Rs485.name)
+    for _, field in with_groups_expanded(field_list, groups):
         yield field
 
 
@@ -215,11 +226,12 @@ def check_sent_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     Such a request needs an address, which a step cannot contain.
     """
     rs485 = spec.interfaces.rs485
-    purpose_by_name = {data_id.part.name: data_id.part.purpose for data_id in rs485.data_ids} if rs485 else {}
+    data_ids = rs485.data_ids if rs485 is not None else ()
+    purpose_by_name = {data_id.part.name: data_id.part.purpose for data_id in data_ids}
     for procedure in spec.procedures:
         for step in procedure.steps:
             purpose = purpose_by_name.get(step.data_id, "")
-            if step.do == "send" and purpose in _OF_MEMORY:
+            if step.do == "send" and purpose in _PURPOSES_WITH_ADDRESS:
                 message = (
                     f"{quoted(step.data_id)} has the purpose {quoted(purpose)} and needs an address, which a step"
                     " cannot give; name the data ID of another request"
@@ -231,10 +243,10 @@ def check_memory_accesses(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two rows of ``memory_access`` describe the same reply: the same access with the same busy flag."""
     rs485 = spec.interfaces.rs485
     replies = [reply for reply in rs485.memory_access if reply.is_valid("busy")] if rs485 is not None else []
-    earlier_cases: set[tuple[str, int]] = set()
+    earlier_replies: set[tuple[str, int]] = set()  # By the access and the busy flag.
     for reply in replies:
-        access, busy = reply.part.access, reply.part.busy
-        if (access, busy) in earlier_cases:
-            message = f"there is already a row for {access} with 'busy' {busy}; correct one of the two"
+        access, busy_flag = reply.part.access, reply.part.busy
+        if (access, busy_flag) in earlier_replies:
+            message = f"there is already a row for {access} with 'busy' {busy_flag}; correct one of the two"
             report.add("memory-access-repeated", (*reply.path, "busy"), message)
-        earlier_cases.add((access, busy))
+        earlier_replies.add((access, busy_flag))

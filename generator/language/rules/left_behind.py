@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from itertools import takewhile
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from ..document import Path
 from ..problems import DocumentReport, quoted
@@ -16,6 +16,7 @@ from ..written_parts import WrittenErratum, WrittenExample, WrittenSpec
 from .parts import by_name
 from .walk import leaves_of
 
+#: A number such as ``0x3F``, ``3Fh`` or ``63``.
 _NUMBER = r"(?P<number>0[xX][0-9A-Fa-f]+|[0-9][0-9A-F]*h\b|[0-9]+(?![0-9A-Fa-f]*h\b|[.,]?[0-9A-Za-z]))"
 #: The start value of a CRC in words, unless the sentence restricts it.
 _START_VALUE = re.compile(rf"\bstart value (?:is |of |to )?{_NUMBER}(?! unless)", re.IGNORECASE)
@@ -23,7 +24,7 @@ _START_VALUE = re.compile(rf"\bstart value (?:is |of |to )?{_NUMBER}(?! unless)"
 _DEFAULT_IN_TEXT = re.compile(rf"\bdefault (?:value )?(?:is |of ){_NUMBER}(?! unless)", re.IGNORECASE)
 #: Words in the name of an example that shows the factory default of a register.
 _AS_DELIVERED = frozenset(("default", "defaults", "delivered"))
-#: Parts of an order code that a text leaves open, and its tail.
+#: Parts of an order code that a text leaves open, such as ``xxx`` or ``...``, and its tail.
 _LEFT_OPEN = re.compile(r"x+|\.{2,3}|…|_+|\*")
 _TAIL_OF_LABEL = re.compile(r"(?:[-/]?(?:\.{2,3}|…)|[-/])*")
 #: Least number of letters with which an order code begins to be found in a text.
@@ -31,20 +32,30 @@ _SHORTEST_START = 3
 _NAME_IN_BRACES = re.compile(r"\{(\w+)\}")
 
 
+class _KeyWithText(NamedTuple):
+    """A key of a part of a spec that contains a number, and a pattern that finds this number in a text."""
+
+    section: str
+    key: str
+    pattern: re.Pattern[str]
+
+
+_INIT_OF_CRC = _KeyWithText("crcs", "init", _START_VALUE)
+_DEFAULT_OF_REGISTER = _KeyWithText("registers", "default", _DEFAULT_IN_TEXT)
 #: Numbers by the names of their registers or CRCs. None if the spec does not give one.
-_Numbers = Mapping[str, int | None]
+_NumberByName = Mapping[str, int | None]
 
 
 def check_start_values(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a start value in the note of a CRC, or in an erratum about it, is the ``init`` of the CRC."""
-    for crc in spec.crcs:
-        start_value = {crc.part.name: crc.part.init}
-        _check_number_in_text((*crc.path, "note"), crc.part.note, _START_VALUE, "init", start_value, report)
+    for located_crc in spec.crcs:
+        crc = located_crc.part
+        path = (*located_crc.path, "note")
+        _check_number_in_text(crc.note, _INIT_OF_CRC, {crc.name: crc.init}, path=path, report=report)
     # Reversed, so that the first of several CRCs with one name counts.
-    start_values = {crc.part.name: crc.part.init for crc in reversed(spec.crcs)}
+    start_values = {located_crc.part.name: located_crc.part.init for located_crc in reversed(spec.crcs)}
     for erratum in spec.errata:
-        affected_values = _numbers_affected_by(erratum, "crcs", start_values, "init")
-        _check_number_in_text(erratum.place_of("used"), erratum.used, _START_VALUE, "init", affected_values, report)
+        _check_number_in_erratum(erratum, _INIT_OF_CRC, start_values, report)
 
 
 #: Several bytes in hexadecimal in a text, such as ``32h 10h 01h`` or ``32 10 01``.
@@ -80,10 +91,7 @@ def check_defaults(spec: WrittenSpec, report: DocumentReport) -> None:
     registers = by_name(spec.registers)
     defaults = {name: register.default for name, register in registers.items()}
     for erratum in spec.errata:
-        affected_defaults = _numbers_affected_by(erratum, "registers", defaults, "default")
-        _check_number_in_text(
-            erratum.place_of("used"), erratum.used, _DEFAULT_IN_TEXT, "default", affected_defaults, report
-        )
+        _check_number_in_erratum(erratum, _DEFAULT_OF_REGISTER, defaults, report)
     for example in spec.examples:
         register = registers.get(example.register)
         if register is not None and _shows_default(example):
@@ -95,8 +103,10 @@ def _shows_default(example: WrittenExample) -> bool:
 
     The result is False for an example with an erratum, which explains a difference.
     """
-    is_called_default = not _AS_DELIVERED.isdisjoint(example.name.split("_"))
-    return example.kind == "register" and bool(example.bytes) and is_called_default and not example.erratum
+    words_of_name = example.name.split("_")
+    is_called_default = not _AS_DELIVERED.isdisjoint(words_of_name)
+    shows_register = example.kind == "register" and bool(example.bytes)
+    return shows_register and is_called_default and not example.erratum
 
 
 def _check_shown_default(example: WrittenExample, register: WrittenRegister, report: DocumentReport) -> None:
@@ -114,52 +124,64 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
     report.add("left-behind", example.place_of("bytes"), message)
 
 
-def _numbers_affected_by(erratum: WrittenErratum, section: str, numbers: _Numbers, key: str) -> _Numbers:
-    """Return those of ``numbers`` that an erratum affects. They are the values of ``key`` in the parts of a section.
+def _check_number_in_erratum(
+    erratum: WrittenErratum, key: _KeyWithText, numbers: _NumberByName, report: DocumentReport
+) -> None:
+    """Check that the number in ``used``, an erratum's text about what applies, is that of the part that it affects.
+
+    ``numbers`` contains the number under the key for each part of the section, by name.
+    """
+    affected_numbers = _numbers_affected_by(erratum, key, numbers)
+    _check_number_in_text(erratum.used, key, affected_numbers, path=erratum.place_of("used"), report=report)
+
+
+def _numbers_affected_by(erratum: WrittenErratum, key: _KeyWithText, numbers: _NumberByName) -> _NumberByName:
+    """Return those of ``numbers`` that an erratum affects. They are the values of a key in the parts of a section.
 
     For the section ``crcs`` and the key ``init``, an erratum affects the number of the CRC ``word`` if it affects
     ``crcs.word`` or ``crcs.word.init``.
     """
     affected_numbers: dict[str, int | None] = {}
-    for affected in erratum.affects:
-        affected_section, *names = affected.split(".")
-        if affected_section != section or not names:
+    for affected_path in erratum.affects:
+        section, *names = affected_path.split(".")
+        if section != key.section or not names:
             continue
         part_name, *keys = names
-        affects_number = keys in ([], [key])
+        affects_number = keys in ([], [key.key])
         if affects_number and part_name in numbers:
             affected_numbers[part_name] = numbers[part_name]
     return affected_numbers
 
 
 def _check_number_in_text(
-    path: Path, text: str, pattern: re.Pattern[str], key: str, numbers: _Numbers, report: DocumentReport
+    text: str, key: _KeyWithText, numbers: _NumberByName, *, path: Path, report: DocumentReport
 ) -> None:
-    """Report a text whose number, found with ``pattern``, differs from one of ``numbers``, the values of ``key``.
+    """Report a text whose number, found with the pattern of ``key``, differs from one of ``numbers``.
 
     Only the first difference is reported. Numbers that are None are not compared.
     """
-    match = pattern.search(text)
+    match = key.pattern.search(text)
     if match is None:
         return
+    possible_numbers = _possible_numbers(match["number"])
     for name, number in numbers.items():
-        if number is not None and number not in _possible_numbers(match["number"]):
+        if number is not None and number not in possible_numbers:
             message = (
-                f"the text says {quoted(match[0])}, but {quoted(key)} of {quoted(name)} is {number:#x}; "
+                f"the text says {quoted(match[0])}, but {quoted(key.key)} of {quoted(name)} is {number:#x}; "
                 "correct one of the two"
             )
             report.add("left-behind", path, message)
             return
 
 
-def _possible_numbers(text: str) -> set[int]:
+def _possible_numbers(number_text: str) -> set[int]:
     """Return the numbers that a text can be: 63 for ``0x3F``, ``3Fh`` and ``63``, but 10 and 2 for ``10``."""
-    if text.endswith("h"):
-        return {int(text[:-1], 16)}
-    if text[:2].lower() == "0x":
-        return {int(text, 0)}
-    may_be_binary = len(text) > 1 and set(text) <= {"0", "1"}
-    return {int(text), int(text, 2)} if may_be_binary else {int(text)}
+    if number_text.endswith("h"):
+        return {int(number_text.removesuffix("h"), 16)}
+    if number_text.lower().startswith("0x"):
+        return {int(number_text, 16)}
+    may_be_binary = len(number_text) > 1 and set(number_text) <= {"0", "1"}
+    return {int(number_text), int(number_text, 2)} if may_be_binary else {int(number_text)}
 
 
 def _default_in_hexadecimal(register: WrittenRegister) -> str:
@@ -168,13 +190,13 @@ def _default_in_hexadecimal(register: WrittenRegister) -> str:
     The result is empty if there is no default, if there are several bytes without a byte order, or if the default does
     not fit.
     """
-    length = register.length
     default = register.default
-    if default is None or (length > 1 and not register.byte_order):
+    is_order_unknown = register.length > 1 and not register.byte_order
+    if default is None or is_order_unknown:
         return ""
     byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
     try:
-        return default.to_bytes(length, byte_order, signed=default < 0).hex()
+        return default.to_bytes(register.length, byte_order, signed=default < 0).hex()
     except OverflowError:
         return ""
 
@@ -192,15 +214,16 @@ def check_order_codes_in_texts(spec: WrittenSpec, report: DocumentReport) -> Non
     pieces = _split_pattern(spec.order_code)
     if pattern.startswith("{"):  # The start is a label of the first part, so it is already matched.
         pieces = pieces[1:]
-    code_in_text = re.compile(rf"(?<![\w-])({'|'.join(starts)})([\w.…/*-]+)")
+    any_start = "|".join(starts)
+    code_in_text = re.compile(rf"(?<![\w-])({any_start})([\w.…/*-]+)")  # ``TV62`` and ``-xxx-0050-...``
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or not _is_text_about_own_codes(path):
             continue
         for start, text_after_start in code_in_text.findall(text):
             unknown_label = _unknown_label(text_after_start.rstrip(".,"), pieces)
             if unknown_label:
-                names = f"{quoted(start + text_after_start)} names {quoted(unknown_label)}"
-                message = f"{names}, which is not in the order code; correct one of the two"
+                problem = f"{quoted(start + text_after_start)} names {quoted(unknown_label)}"
+                message = f"{problem}, which is not in the order code; correct one of the two"
                 report.add("left-behind", path, message)
                 break
 
@@ -212,11 +235,12 @@ def _list_starts(order_code: WrittenOrderCode) -> list[str]:
     begin and end with the same letters, an x may replace the letters between them: ENx10 for ENA10 and ENB10. The list
     is empty if a beginning is too short, or begins with a digit, because it would also match other words.
     """
-    start, _, from_first_name = order_code.pattern.partition("{")
-    if start:
-        return [re.escape(start)] if len(start) >= _SHORTEST_START else []
-    first_name, _, _ = from_first_name.partition("}")
-    first_part = by_name(order_code.parts).get(first_name)
+    # Of the pattern ``X-{bits}{output}``, these are ``X-`` and ``bits}{output}``.
+    fixed_start, _, text_from_first_name = order_code.pattern.partition("{")
+    if fixed_start:
+        return [re.escape(fixed_start)] if len(fixed_start) >= _SHORTEST_START else []
+    name_of_first_part, _, _ = text_from_first_name.partition("}")
+    first_part = by_name(order_code.parts).get(name_of_first_part)
     labels = list(first_part.values) if first_part is not None else []
     too_general_labels = [label for label in labels if len(label) < _SHORTEST_START or not label[0].isalpha()]
     if not labels or too_general_labels:
@@ -253,7 +277,14 @@ def _is_text_about_own_codes(path: Path) -> bool:
     return is_cell_of_table or is_value_of_characteristic or key in _TEXT_KEYS
 
 
-def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[str] | None]]:
+class _PatternPiece(NamedTuple):
+    """The literal text before a part in the pattern of the order code, and an expression that matches its labels."""
+
+    literal: str
+    label_expression: re.Pattern[str] | None
+
+
+def _split_pattern(order_code: WrittenOrderCode) -> list[_PatternPiece]:
     """Return the literal text before each part of the pattern, and the expression that matches a label of the part.
 
     For ``X-{bits}-{output}`` these are ``("", <bits>)`` and ``("-", <output>)``: the text before the first part is
@@ -263,7 +294,7 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
     parts = by_name(order_code.parts)
     # Literals are at even indices, names at odd indices.
     literals_and_names = _NAME_IN_BRACES.split(order_code.pattern)
-    pieces: list[tuple[str, re.Pattern[str] | None]] = []
+    pieces: list[_PatternPiece] = []
     for index in range(1, len(literals_and_names), 2):
         part = parts.get(literals_and_names[index])
         alternatives: list[str] = []
@@ -272,15 +303,16 @@ def _split_pattern(order_code: WrittenOrderCode) -> list[tuple[str, re.Pattern[s
             alternatives = sorted(map(re.escape, part.values), key=len, reverse=True)
             alternatives += [part.open] if part.open else []
         expression = None
-        with suppress(re.error, OverflowError):  # An invalid expression is reported elsewhere.
-            has_empty_label = not all(alternatives)
-            expression = re.compile("|".join(alternatives)) if alternatives and not has_empty_label else None
+        has_empty_label = not all(alternatives)
+        if alternatives and not has_empty_label:
+            with suppress(re.error, OverflowError):  # An invalid expression is reported elsewhere.
+                expression = re.compile("|".join(alternatives))
         literal_before = "" if index == 1 else literals_and_names[index - 1]
-        pieces.append((literal_before, expression))
+        pieces.append(_PatternPiece(literal_before, expression))
     return pieces
 
 
-def _unknown_label(order_code_text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None]]) -> str:
+def _unknown_label(order_code_text: str, pieces: Sequence[_PatternPiece]) -> str:
     """Return the first word of a text where a label is expected and none of the part's labels matches.
 
     ``order_code_text`` is the rest of an order code after its start. The result is empty if all labels match, or if the

@@ -29,7 +29,8 @@ from ..written_masters import (
 
 #: Names of all items of a record, which describes an encoder for a master.
 _ITEM_NAMES = (*WORDS, *NUMBERS)
-_KINDS_OF_SETTINGS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
+#: Keys for the value of a setting, which has exactly one of them.
+_VALUE_KEYS_OF_SETTINGS = ("value", "choice", "clocks", "any_clock", "text", "string", "unknown")
 _KEYS_OF_WRITING = ("needs", "after", "then", "takes_effect")
 _KEYS_OF_PLACES = ("index", "symbol", "register", "address", "where")
 #: Keys of a place whose values can be lists, with one entry for each channel.
@@ -37,6 +38,7 @@ _PER_CHANNEL = ("index", "subindex", "symbol", "register", "address")
 _FOR_NUMBERS = ("one_of", "none_of", "at_least", "at_most")
 #: A bit number, or the highest and the lowest bit of a range, such as 7:6.
 _BIT_RANGE = re.compile(r"[0-9]{1,3}(:[0-9]{1,3})?")
+#: An item that is replaced by its value, such as ``{bits}``.
 _ITEM_IN_BRACES = re.compile(r"\{([^{}]*)\}")
 
 
@@ -62,7 +64,7 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
             _check_source(cited_part.source, cited_part.place_of("source"), master, report)
         is_condition_or_limit = bool(condition.item)
         if is_condition_or_limit:
-            _check_limit(condition, report)
+            _check_condition(condition, report)
         for place in cited_part.places:
             _check_place(place, master, report)
     for note in master.notes:
@@ -88,10 +90,10 @@ def _with_invalid_keys(index: int, report: DocumentReport) -> WrittenSetting:
 
     ``index`` is its index in the list of valid settings.
     """
-    original_indices = report.document.kept_indices.get(("settings",))
-    if original_indices is not None:
-        index = original_indices[index]
-    return WrittenSetting(report.document.data["settings"][index])
+    indices_in_file = report.document.kept_indices.get(("settings",))
+    index_in_file = index if indices_in_file is None else indices_in_file[index]
+    all_settings = report.document.data["settings"]
+    return WrittenSetting(all_settings[index_in_file])
 
 
 def _check_name(master: WrittenMaster, report: DocumentReport) -> None:
@@ -141,24 +143,26 @@ def _check_item_name(name: str, path: Path, report: DocumentReport, valid_names:
     return False
 
 
-def _check_limit(condition: WrittenCondition, report: DocumentReport) -> None:
+def _check_condition(condition: WrittenCondition, report: DocumentReport) -> None:
     """Check that a condition lists the words that an item can be, or for a number its bounds or possible numbers."""
-    name = condition.item
+    item_name = condition.item
     path = condition.path
-    if not _check_item_name(name, condition.place_of("item"), report):
+    if not _check_item_name(item_name, condition.place_of("item"), report):
         return
-    is_word = name in WORDS
-    kind, allowed_keys = ("word", ("is",)) if is_word else ("number", _FOR_NUMBERS)
+    is_word = item_name in WORDS
+    noun = "word" if is_word else "number"
+    allowed_keys = ("is",) if is_word else _FOR_NUMBERS
     used_keys = [key for key in ("is", *_FOR_NUMBERS) if condition.has(key)]
     allowed_text = join_words(map(quoted, allowed_keys), "or")
     for key in used_keys:
         if key not in allowed_keys:
-            report.add("not-allowed", (*path, key), f"'{name}' is a {kind}; use {allowed_text}", at_key=True)
+            message = f"'{item_name}' is a {noun}; use {allowed_text}"
+            report.add("not-allowed", (*path, key), message, at_key=True)
     if not used_keys:
-        report.add("missing-key", path, f"no condition for '{name}'; add {allowed_text}")
+        report.add("missing-key", path, f"no condition for '{item_name}'; add {allowed_text}")
     if is_word:
         for index, word in enumerate(condition.is_ or ()):
-            _check_word(word, name, (*path, "is", index), report)
+            _check_word(word, item_name, (*path, "is", index), report)
     lowest = _Bound("at_least", condition.at_least)
     highest = _Bound("at_most", condition.at_most)
     _check_bounds(lowest, highest, path, report)
@@ -173,19 +177,20 @@ class _Bound(NamedTuple):
 
 def _check_bounds(lowest: _Bound, highest: _Bound, path: Path, report: DocumentReport) -> None:
     """Check that the highest number is at least the lowest one, or at least 0 if there is no lowest number."""
-    low = lowest.number if lowest.number is not None else 0
-    if highest.number is not None and highest.number < low:
-        message = f"'{highest.key}' is less than '{lowest.key}', which is {low}"
+    lowest_number = lowest.number if lowest.number is not None else 0
+    if highest.number is not None and highest.number < lowest_number:
+        message = f"'{highest.key}' is less than '{lowest.key}', which is {lowest_number}"
         report.add("value-clash", (*path, highest.key), message)
 
 
 def _check_word(word: int | str, item_name: str, path: Path, report: DocumentReport) -> bool:
     """Return True if this item of a record can be this word, and report the word otherwise."""
-    words = WORDS[item_name]
-    if word not in words:
-        message = f"'{item_name}' cannot be {quoted(word)}{suggest_word(str(word), words, 'use one of')}"
-        report.add("undefined-reference", path, message)
-    return word in words
+    possible_words = WORDS[item_name]
+    if word in possible_words:
+        return True
+    hint = suggest_word(str(word), possible_words, otherwise="use one of")
+    report.add("undefined-reference", path, f"'{item_name}' cannot be {quoted(word)}{hint}")
+    return False
 
 
 def _check_setting(setting: WrittenSetting, with_invalid_keys: WrittenSetting, report: DocumentReport) -> None:
@@ -195,24 +200,24 @@ def _check_setting(setting: WrittenSetting, with_invalid_keys: WrittenSetting, r
     """
     _check_braces(setting.name, _ITEM_NAMES, setting.place_of("name"), report)
     _check_braces(setting.at, _ITEM_NAMES, setting.place_of("at"), report)
-    kinds = [kind for kind in _KINDS_OF_SETTINGS if with_invalid_keys.has(kind)]
-    if len(kinds) > 1:
-        message = f"{quoted(setting.name)} has {join_words(map(quoted, kinds))}; keep one of them"
+    value_keys = [key for key in _VALUE_KEYS_OF_SETTINGS if with_invalid_keys.has(key)]
+    if len(value_keys) > 1:
+        message = f"{quoted(setting.name)} has {join_words(map(quoted, value_keys))}; keep one of them"
         report.add("setting-shape", setting.path, message)
-    elif not kinds:
-        message = f"{quoted(setting.name)} has no value; add one of {', '.join(map(quoted, _KINDS_OF_SETTINGS))}"
-        report.add("setting-shape", setting.path, message)
+    elif not value_keys:
+        possible_keys = ", ".join(map(quoted, _VALUE_KEYS_OF_SETTINGS))
+        report.add("setting-shape", setting.path, f"{quoted(setting.name)} has no value; add one of {possible_keys}")
     else:
-        _check_setting_value(setting, kinds[0], report)
+        _check_setting_value(setting, value_keys[0], report)
 
 
-def _check_setting_value(setting: WrittenSetting, value_type: str, report: DocumentReport) -> None:
+def _check_setting_value(setting: WrittenSetting, value_key: str, report: DocumentReport) -> None:
     """Check the value of a setting, and that ``as`` and ``bound`` are used only with the key ``value``.
 
-    ``value_type`` is the key of the value, such as ``value`` or ``choice``.
+    ``value_key`` is the key of the value, such as ``value`` or ``choice``.
     """
     for key, text in (("as", setting.as_), ("bound", setting.bound)):
-        if text and value_type != "value":
+        if text and value_key != "value":
             report.add("setting-shape", setting.place_of(key), f"'{key}' needs 'value'", at_key=True)
     if setting.as_ == "boolean" and setting.bound:
         report.add("setting-shape", setting.place_of("bound"), "a boolean cannot be a bound", at_key=True)
@@ -242,7 +247,8 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
     path = place.path
     place_keys = [key for key in _KEYS_OF_PLACES if place.has(key)]
     if not place_keys:
-        report.add("setting-shape", path, f"a place is missing; add {join_words(map(quoted, _KEYS_OF_PLACES), 'or')}")
+        possible_keys = join_words(map(quoted, _KEYS_OF_PLACES), "or")
+        report.add("setting-shape", path, f"a place is missing; add {possible_keys}")
     if place.has("where") and len(place_keys) > 1:
         message = f"'where' says that no place is given, but {quoted(place_keys[0])} gives one; keep one of the two"
         report.add("setting-shape", (*path, "where"), message, at_key=True)
@@ -270,41 +276,40 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
 
 def _check_channels(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that the devices of a place exist, and that a list in it has one element for each of their channels."""
-    channel_counts: dict[str, int] = {}
+    channel_counts: dict[str, int] = {}  # By the name of the device.
     for device in master.devices:
         channel_counts[device.name] = 1 if device.channels is None else len(device.channels)
     if not channel_counts:  # A master without devices counts as a device.
         channel_counts = {master.title: 1}
     _check_devices(place.on or (), place.place_of("on"), list(channel_counts), report)
-    used_devices = [name for name in channel_counts if place.on is None or name in place.on]
+    devices_of_place = [name for name in channel_counts if place.on is None or name in place.on]
     for key in _PER_CHANNEL:
         values_by_channel = place.data.get(key)
         if not isinstance(values_by_channel, list):
             continue
-        for name in used_devices:
-            count = channel_counts[name]
-            if len(values_by_channel) != count:
-                message = (
-                    f"'{key}' needs one entry for each channel of {name}, which has {count_with_unit(count, 'channel')}"
-                )
+        for device_name in devices_of_place:
+            channel_count = channel_counts[device_name]
+            if len(values_by_channel) != channel_count:
+                count_text = count_with_unit(channel_count, "channel")
+                message = f"'{key}' needs one entry for each channel of {device_name}, which has {count_text}"
                 report.add("setting-shape", place.place_of(key), message, at_key=True)
 
 
-def _check_devices(names: Sequence[str], path: Path, devices: Sequence[str], report: DocumentReport) -> None:
+def _check_devices(names: Sequence[str], path: Path, known_devices: Sequence[str], report: DocumentReport) -> None:
     """Check that devices of these names exist."""
     for index, name in enumerate(names):
-        if name not in devices:
-            message = f"there is no device {quoted(name)}{suggest_word(name, devices)}"
+        if name not in known_devices:
+            message = f"there is no device {quoted(name)}{suggest_word(name, known_devices)}"
             report.add("undefined-reference", (*path, index), message)
 
 
 def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a file names existing devices and settings, and that it has ``names`` if its format needs them."""
-    devices = [device.name for device in master.devices] or [master.title]  # A master without devices is one.
-    _check_devices(file.on, file.place_of("on"), devices, report)
-    for key, names in (("names", file.names), ("words", file.words)):
-        for name in names:
-            _check_setting_name(name, (*file.path, key, name), master, report, at_key=True)
+    known_devices = [device.name for device in master.devices] or [master.title]  # A master without devices is one.
+    _check_devices(file.on, file.place_of("on"), known_devices, report)
+    for key, keyed_by_setting in (("names", file.names), ("words", file.words)):
+        for setting_name in keyed_by_setting:
+            _check_setting_name(setting_name, (*file.path, key, setting_name), master, report, at_key=True)
     needs_names = FILE_FORMATS[file.format].needs == "name"
     has_names = file.has("names")
     if needs_names and not has_names:
@@ -312,16 +317,17 @@ def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: Document
     elif has_names and not needs_names:
         message = f"the format {quoted(file.format)} has no names of its own; remove 'names'"
         report.add("setting-shape", file.path, message)
-    _check_braces(file.line, tuple(file.names.values()), file.place_of("line"), report)
+    names_in_file = tuple(file.names.values())
+    _check_braces(file.line, names_in_file, file.place_of("line"), report)
 
 
 def _check_setting_name(
     setting_name: str, path: Path, master: WrittenMaster, report: DocumentReport, *, at_key: bool = False
 ) -> None:
     """Check that there is a setting of this name."""
-    names = [setting.name for setting in master.settings]
-    if setting_name not in names:
-        message = f"there is no setting {quoted(setting_name)}{suggest_word(setting_name, names)}"
+    known_names = [setting.name for setting in master.settings]
+    if setting_name not in known_names:
+        message = f"there is no setting {quoted(setting_name)}{suggest_word(setting_name, known_names)}"
         report.add("undefined-reference", path, message, at_key=at_key)
 
 
@@ -333,8 +339,8 @@ def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
     earlier_settings: dict[str, set[str]] = {}  # For each setting, the settings that are written before it.
     for condition in master.writing:
         _check_write_condition(condition, master, report)
-        for name in condition.of:
-            earlier_settings.setdefault(name, set()).update(condition.after)
+        for later_setting in condition.of:
+            earlier_settings.setdefault(later_setting, set()).update(condition.after)
         try:
             # The order is not needed. The call raises an exception if there is a cycle.
             TopologicalSorter(earlier_settings).prepare()
@@ -348,17 +354,19 @@ def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
 
 def _check_write_condition(condition: WrittenWriting, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a write condition has one kind and names existing settings, and that ``after`` has its ``of``."""
-    kinds = [key for key in _KEYS_OF_WRITING if condition.has(key)]
-    if not kinds:
-        message = f"a write condition is empty; add {join_words(map(quoted, _KEYS_OF_WRITING), 'or')}"
+    used_keys = [key for key in _KEYS_OF_WRITING if condition.has(key)]
+    if not used_keys:
+        possible_keys = join_words(map(quoted, _KEYS_OF_WRITING), "or")
+        report.add("writing-shape", condition.path, f"a write condition is empty; add {possible_keys}")
+    elif len(used_keys) > 1:
+        message = f"a write condition has {join_words(map(quoted, used_keys))}; keep one of them"
         report.add("writing-shape", condition.path, message)
-    elif len(kinds) > 1:
-        message = f"a write condition has {join_words(map(quoted, kinds))}; keep one of them"
-        report.add("writing-shape", condition.path, message)
-    for key, names in (("of", condition.of), ("after", condition.after)):
-        for index, name in enumerate(names):
-            _check_setting_name(name, (*condition.path, key, index), master, report)
-    if condition.after and not condition.of:
+    later_settings = condition.of
+    earlier_settings = condition.after
+    for key, setting_names in (("of", later_settings), ("after", earlier_settings)):
+        for index, setting_name in enumerate(setting_names):
+            _check_setting_name(setting_name, (*condition.path, key, index), master, report)
+    if earlier_settings and not later_settings:
         report.add("writing-shape", condition.path, "'after' also needs 'of', the settings to write later")
 
 
@@ -375,45 +383,49 @@ def _check_expression(expression_text: int | str, path: Path, report: DocumentRe
 
 def _check_choice(choice: WrittenChoice, report: DocumentReport) -> None:
     """Check that a choice by an item of the record has only values that the item can have, and each only once."""
-    name = choice.of
-    if not _check_item_name(name, choice.place_of("of"), report):
+    item_name = choice.of
+    if not _check_item_name(item_name, choice.place_of("of"), report):
         return
     earlier_values: set[int | str] = set()
     for case in choice.cases:
-        is_valid = _check_case_value(name, case.is_, case.place_of("is"), report)
-        if is_valid and case.is_ in earlier_values:
-            report.add("duplicate-name", case.place_of("is"), f"{quoted(case.is_)} already has a case")
-        earlier_values.add(case.is_)
+        case_value = case.is_
+        is_possible = _check_case_value(item_name, case_value, case.place_of("is"), report)
+        if is_possible and case_value in earlier_values:
+            report.add("duplicate-name", case.place_of("is"), f"{quoted(case_value)} already has a case")
+        earlier_values.add(case_value)
 
 
-def _check_case_value(name: str, case_value: int | str, path: Path, report: DocumentReport) -> bool:
+def _check_case_value(item_name: str, case_value: int | str, path: Path, report: DocumentReport) -> bool:
     """Return True if an item of a record can have this value, and report the value otherwise."""
-    if name in WORDS:
-        return _check_word(case_value, name, path, report)
+    if item_name in WORDS:
+        return _check_word(case_value, item_name, path, report)
     if not isinstance(case_value, int):
-        report.add("wrong-type", path, f"'{name}' must be a number; {quoted(case_value)} is not one")
+        report.add("wrong-type", path, f"'{item_name}' must be a number; {quoted(case_value)} is not one")
         return False
     return True
 
 
-def _check_string(rule: WrittenString, report: DocumentReport) -> None:
+def _check_string(string_rule: WrittenString, report: DocumentReport) -> None:
     """Check the rule for a text that describes the fields of a frame to a master.
 
     It must contain the position, as one field or as the fields multiturn and singleturn, and only known names in
     braces.
     """
-    _check_braces(rule.start, _ITEM_NAMES, rule.place_of("start"), report)
-    field_kinds = {field.of for field in rule.fields}
-    has_position = "position" in field_kinds or field_kinds >= {"multiturn", "singleturn"}
-    if not has_position:
+    _check_braces(string_rule.start, _ITEM_NAMES, string_rule.place_of("start"), report)
+    described_fields = {field.of for field in string_rule.fields}
+    has_both_parts = {"multiturn", "singleturn"} <= described_fields
+    if "position" not in described_fields and not has_both_parts:
         message = "there is no entry for the position; add one for position, or for multiturn and singleturn"
-        report.add("missing-key", rule.place_of("fields"), message)
-    for field in rule.fields:
-        _check_braces(field.text, ("bits", "name", *_ITEM_NAMES), field.place_of("text"), report)
+        report.add("missing-key", string_rule.place_of("fields"), message)
+    names_of_fields = ("bits", "name", *_ITEM_NAMES)
+    for field in string_rule.fields:
+        _check_braces(field.text, names_of_fields, field.place_of("text"), report)
 
 
 def _check_braces(text_with_items: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
     """Report each name in braces in a text, such as ``{bits}``, that is not among the known names."""
     for name in _ITEM_IN_BRACES.findall(text_with_items):
         if name not in known_names:
-            report.add("undefined-reference", path, f"there is no {{{name}}}{suggest_word(name, known_names)}")
+            name_in_braces = f"{{{name}}}"
+            message = f"there is no {name_in_braces}{suggest_word(name, known_names)}"
+            report.add("undefined-reference", path, message)

@@ -9,8 +9,8 @@ from ..written_parts import WrittenSpec
 from .parts import by_name, interfaces, layouts_of_interfaces, measurements, readable_names
 
 #: Keys of the measurement of an angle, and of a length.
-_KEYS_OF_ANGLE = ("counts_per_turn", "turns")
-_KEYS_OF_LENGTH = ("step_um", "step_nm", "per_counts", "modulus")
+_KEYS_OF_ANGLE: tuple[str, ...] = ("counts_per_turn", "turns")
+_KEYS_OF_LENGTH: tuple[str, ...] = ("step_um", "step_nm", "per_counts", "modulus")
 
 
 def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -22,17 +22,18 @@ def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     movement = spec.movement
     if not movement:
         return
-    keys_of_movement, foreign_keys = (
-        (_KEYS_OF_ANGLE, _KEYS_OF_LENGTH) if movement == "rotary" else (_KEYS_OF_LENGTH, _KEYS_OF_ANGLE)
-    )
-    unit_key = keys_of_movement[0]  # 'counts_per_turn' or 'step_um', the size of a count.
-    total_key = keys_of_movement[-1]  # 'turns' or 'modulus', after which the position wraps around.
+    # ``unit_key`` gives the size of a count. After ``total_key``, the position wraps around.
+    if movement == "rotary":
+        unit_key, total_key, foreign_keys = "counts_per_turn", "turns", _KEYS_OF_LENGTH
+    else:
+        unit_key, total_key, foreign_keys = "step_um", "modulus", _KEYS_OF_ANGLE
     raw_measurements = {measurement.path: measurement for measurement in measurements(spec.with_invalid_parts)}
     for measurement in measurements(spec):
         raw_measurement = raw_measurements[measurement.path]
         # A key rejected by the schema was removed. It must not be reported as missing, too.
         is_complete = measurement.data.keys() == raw_measurement.data.keys()
-        if is_complete and not measurement.has(unit_key) and measurement.part.step_nm is None:
+        has_unit = measurement.has(unit_key) or measurement.part.step_nm is not None
+        if is_complete and not has_unit:
             unit_text = "'step_um', or 'step_nm' with 'per_counts'," if movement == "linear" else quoted(unit_key)
             message = f"{unit_text} is missing; the measurement of a {movement} encoder needs it"
             report.add("measurement-shape", measurement.path, message, at_key=True)
@@ -64,13 +65,13 @@ def check_position_range_shape(spec: WrittenSpec, report: DocumentReport) -> Non
         measurement = own_measurement if has_own_measurement else spec.with_invalid_parts.measurement
         # The path in the file differs if invalid layouts before this one were removed.
         raw_frame = raw_frames[report.document.original(frame.owner.path)]
-        name = quoted(raw_frame.name)
         if measurement is None or not measurement.is_given:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"
             message = f"{problem}; add it to the interface or the encoder"
             report.add("measurement-shape", own_range.path, message, at_key=True)
         elif not raw_frame.is_from_encoder or measurement.part.of not in readable_names(raw_frame, groups):
-            problem = f"{name} does not carry the position, {quoted(measurement.part.of)}, to the master"
+            position_name = quoted(measurement.part.of)
+            problem = f"{quoted(raw_frame.name)} does not carry the position, {position_name}, to the master"
             report.add("measurement-shape", own_range.path, f"{problem}; remove 'position_range'", at_key=True)
         _check_range_keys(own_range, measurement, spec.movement, report)
 
@@ -86,15 +87,17 @@ def _check_range_keys(
     ``highest`` needs a number of turns or a modulus, in the range or in the measurement.
     """
     path = own_range.path
-    total_key, foreign_key = ("turns", "modulus") if movement == "rotary" else ("modulus", "turns")
+    total_key = "turns" if movement == "rotary" else "modulus"
+    foreign_key = "modulus" if movement == "rotary" else "turns"
     if own_range.has(foreign_key) and movement in ("rotary", "linear"):
         problem = f"{quoted(foreign_key)} does not apply to a {movement} encoder; write {quoted(total_key)}"
         report.add("measurement-shape", (*path, foreign_key), problem, at_key=True)
     if not own_range.part.wraps:
-        contradictions = [key for key in ("turns", "modulus", "highest") if own_range.has(key)]
-        if contradictions:
-            problem = f"{quoted(contradictions[0])} contradicts 'wraps: false'; remove one of the two"
-            report.add("measurement-shape", (*path, contradictions[0]), problem, at_key=True)
+        contradicting_keys = [key for key in ("turns", "modulus", "highest") if own_range.has(key)]
+        if contradicting_keys:
+            key = contradicting_keys[0]
+            problem = f"{quoted(key)} contradicts 'wraps: false'; remove one of the two"
+            report.add("measurement-shape", (*path, key), problem, at_key=True)
         return
     has_total = own_range.has(total_key) or own_range.has("modulus")
     if measurement is not None and not has_total:
@@ -104,12 +107,15 @@ def _check_range_keys(
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 
-def _check_step(measurement: LocatedPart[Measurement], report: DocumentReport) -> None:
+def _check_step(located_measurement: LocatedPart[Measurement], report: DocumentReport) -> None:
     """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
-    has_step_nm = measurement.part.step_nm is not None
-    if measurement.part.step_um is not None and has_step_nm:
+    measurement = located_measurement.part
+    path = located_measurement.path
+    has_step_um = measurement.step_um is not None
+    has_step_nm = measurement.step_nm is not None
+    if has_step_um and has_step_nm:
         problem = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
-        report.add("measurement-shape", (*measurement.path, "step_nm"), problem, at_key=True)
-    elif measurement.part.per_counts is not None and not has_step_nm:
+        report.add("measurement-shape", (*path, "step_nm"), problem, at_key=True)
+    elif measurement.per_counts is not None and not has_step_nm:
         problem = "'per_counts' is only for 'step_nm', the number of nanometres for that many counts"
-        report.add("measurement-shape", (*measurement.path, "per_counts"), problem, at_key=True)
+        report.add("measurement-shape", (*path, "per_counts"), problem, at_key=True)

@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import combinations
+from typing import NamedTuple
 
 from ..document import Path
 from ..problems import DocumentReport, is_typo, quoted
@@ -27,43 +28,52 @@ _SHORTEST_COMPARED_WORD, _MOST_NAMES = 6, 300
 
 def check_names_and_meanings(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no meaning begins with the opposite of a word in the name, such as "Write a byte" for ``read``."""
-    for name, path, text in _named_texts(spec):
-        first_word, _, _ = text.partition(" ")
-        words = set(name.split("_"))
-        has_both_opposites = {"read", "write"} <= words or {"singleturn", "multiturn"} <= words
+    for named_text in _named_texts(spec):
+        first_word, _, _ = named_text.text.partition(" ")
+        words_of_name = set(named_text.name.split("_"))
+        has_both_opposites = {"read", "write"} <= words_of_name or {"singleturn", "multiturn"} <= words_of_name
         if has_both_opposites:
             continue
-        opposites = [word for word in words if word in _OPPOSITE_WORDS and _OPPOSITE_WORDS[word].fullmatch(first_word)]
-        if opposites:
-            message = f"the text begins with {quoted(first_word)}, but the name has {quoted(opposites[0])}"
-            report.add("words-contradict", path, f"{message}; correct one of the two")
+        for word, opposite in _OPPOSITE_WORDS.items():
+            if word in words_of_name and opposite.fullmatch(first_word):
+                problem = f"the text begins with {quoted(first_word)}, but the name has {quoted(word)}"
+                report.add("words-contradict", named_text.path, f"{problem}; correct one of the two")
 
 
 def check_numbers_of_leds(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the number of an LED in its name, such as ``led_1``, is the number in its title, as in "LED 1"."""
     for led in spec.leds:
-        numbers_of_name, numbers_of_title = _LED_NUMBER.findall(led.part.name), _LED_NUMBER.findall(led.part.title)
-        if numbers_of_name and numbers_of_title and numbers_of_name != numbers_of_title:
-            message = f"the title has {numbers_of_title[0]}, but the name is {quoted(led.part.name)}"
+        numbers_in_name = _LED_NUMBER.findall(led.part.name)
+        numbers_in_title = _LED_NUMBER.findall(led.part.title)
+        if numbers_in_name and numbers_in_title and numbers_in_name != numbers_in_title:
+            message = f"the title has {numbers_in_title[0]}, but the name is {quoted(led.part.name)}"
             report.add("words-contradict", (*led.path, "title"), f"{message}; correct one of the two")
 
 
-def _named_texts(spec: WrittenSpec) -> Iterator[tuple[str, Path, str]]:
-    """Yield the name of each parameter, part of an order code, data ID, field and value, with its texts."""
+class _NamedText(NamedTuple):
+    """A text about a part of a spec, with the name of the part and the path of the text."""
+
+    name: str
+    text: str
+    path: Path
+
+
+def _named_texts(spec: WrittenSpec) -> Iterator[_NamedText]:
+    """Yield the texts about each parameter, part of an order code, data ID, field and value."""
     for name, parameter in spec.parameters.items():
-        yield name, parameter.place_of("meaning"), parameter.meaning
-    for part in spec.order_code.parts:
-        yield part.name, part.place_of("meaning"), part.meaning
+        yield _NamedText(name, parameter.meaning, parameter.place_of("meaning"))
+    for code_part in spec.order_code.parts:
+        yield _NamedText(code_part.name, code_part.meaning, code_part.place_of("meaning"))
     rs485 = spec.interfaces.rs485
     if rs485 is not None:
         for data_id in rs485.data_ids:
-            yield data_id.part.name, (*data_id.path, "meaning"), data_id.part.meaning
+            yield _NamedText(data_id.part.name, data_id.part.meaning, (*data_id.path, "meaning"))
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            yield field.name, field.place_of("meaning"), field.meaning
-            yield field.name, field.place_of("when_active"), field.when_active
-            for name, value in field.values.items():
-                yield name, value.place_of("meaning"), value.meaning
+            yield _NamedText(field.name, field.meaning, field.place_of("meaning"))
+            yield _NamedText(field.name, field.when_active, field.place_of("when_active"))
+            for value_name, value in field.values.items():
+                yield _NamedText(value_name, value.meaning, value.place_of("meaning"))
 
 
 def check_misspelt_fields(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -77,8 +87,10 @@ def check_misspelt_fields(spec: WrittenSpec, report: DocumentReport) -> None:
         for field in field_list.fields:
             path_by_name.setdefault(field.name, field.place_of("name"))
             counts[field.name] += 1
-    for pair in combinations(list(counts)[:_MOST_NAMES], 2):
-        rarer, common = sorted(pair, key=lambda name: counts[name])  # Of equally common names, the first one is rarer.
+    compared_names = list(counts)[:_MOST_NAMES]
+    for pair_of_names in combinations(compared_names, 2):
+        # Of equally common names, the first one counts as rarer.
+        rarer, common = sorted(pair_of_names, key=lambda name: counts[name])
         if _lacks_a_letter(rarer.split("_"), common.split("_")):
             message = f"another field is {quoted(common)}; correct one of the two, or give them names that differ more"
             report.add("misspelt-name", path_by_name[rarer], message)

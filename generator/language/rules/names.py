@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from operator import attrgetter
 
 from ..problems import MISSING_PROSE, DocumentReport, Path, quoted
 from ..schema_files import family_of
@@ -13,7 +14,7 @@ from .parts import (
     PlacedPart,
     by_name,
     field_lists,
-    interface_of,
+    interface_name_of,
     interfaces,
     last_address,
     layouts_of_interfaces,
@@ -61,26 +62,30 @@ def check_device_name(spec: WrittenSpec, report: DocumentReport) -> None:
 def check_duplicate_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that parts of one kind, such as registers or the arguments of a procedure, have different names."""
     for noun, parts in _named_parts(spec).items():
-        _check_unique(_values_of_key(parts, "name"), noun, report)
-    for noun, facts in (("a timing", spec.timings), ("a characteristic", spec.characteristics)):
-        _check_unique(_names_for_all_codes(facts), noun, report)
+        _check_unique_key(parts, "name", noun, report)
+    _check_unique(_names_for_all_order_codes(spec.timings), "a timing", report)
+    _check_unique(_names_for_all_order_codes(spec.characteristics), "a characteristic", report)
     for _, interface in interfaces(spec):
-        _check_unique(_names_for_all_codes(interface.timings), "a timing", report)
+        _check_unique(_names_for_all_order_codes(interface.timings), "a timing", report)
         data_ids = interface.data_ids if isinstance(interface, WrittenRs485) else ()
         for key, noun in _UNIQUE_KEYS_OF_DATA_IDS:
-            _check_unique(_values_of_key(data_ids, key), noun, report)
-    _check_unique(_values_of_key(spec.manual.editions, "language"), "a language", report)
-    _check_unique(_values_of_key(spec.manual.history, "revision"), "a revision", report)
+            _check_unique_key(data_ids, key, noun, report)
+    _check_unique_key(spec.manual.editions, "language", "a language", report)
+    _check_unique_key(spec.manual.history, "revision", "a revision", report)
     for register in spec.registers:
-        _check_unique(_values_of_key(register.meanings, "name"), "a meaning", report)
+        _check_unique_key(register.meanings, "name", "a meaning", report)
     for procedure in spec.procedures:
-        _check_unique(_values_of_key(procedure.arguments, "name"), "an argument", report)
+        _check_unique_key(procedure.arguments, "name", "an argument", report)
     for connector in spec.connectors:
-        contact_names = [contact.contact for contact in connector.part.contacts]
-        _check_unique(_values_in_list(connector.path, "contacts", "contact", contact_names), "a contact", report)
+        located_contacts: list[LocatedValue] = []
+        for index, contact in enumerate(connector.part.contacts):
+            located_contacts.append(((*connector.path, "contacts", index, "contact"), contact.contact))
+        _check_unique(located_contacts, "a contact", report)
     for led in spec.leds:
-        state_names = [state.state for state in led.part.states]
-        _check_unique(_values_in_list(led.path, "states", "state", state_names), "a state", report)
+        located_states: list[LocatedValue] = []
+        for index, led_state in enumerate(led.part.states):
+            located_states.append(((*led.path, "states", index, "state"), led_state.state))
+        _check_unique(located_states, "a state", report)
 
 
 def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
@@ -128,9 +133,10 @@ def check_duplicate_field(spec: WrittenSpec, report: DocumentReport) -> None:
             # A name in a group is reported at its use, because that is what makes it occur twice.
             name_path = path if path in use_paths else (*path, "name")
             located_names.append((name_path, field.name or None))  # _check_unique ignores None.
-            for index, run in enumerate(field.digits):
-                located_names.append(((*path, "digits", index, "name"), run.part.name))
-        located_names += [((*field_list.owner.path, "join", name), name) for name in field_list.joins]
+            for index, digit_group in enumerate(field.digits):
+                located_names.append(((*path, "digits", index, "name"), digit_group.part.name))
+        for joined_number in field_list.joins:
+            located_names.append(((*field_list.owner.path, "join", joined_number), joined_number))
         _check_unique(located_names, "a field", report)
 
 
@@ -160,18 +166,18 @@ def check_duplicate_address(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A read-only and a write-only register may begin at the same address.
     """
-    registers_by_address = sorted(spec.registers, key=lambda register: register.address)
+    registers_by_address = sorted(spec.registers, key=attrgetter("address"))
     for index, register in enumerate(registers_by_address):
         # Registers are short, so only the nearest ones can overlap. The limit bounds the time for long lists.
         nearest_lower_registers = registers_by_address[max(0, index - 128) : index]
         for lower_register in reversed(nearest_lower_registers):
             if not _share_a_byte(lower_register, register):
                 continue
-            # The one that comes later in the file is reported.
             if register.path < lower_register.path:
-                _report_overlap(lower_register, register, report)
+                earlier_in_file, later_in_file = register, lower_register
             else:
-                _report_overlap(register, lower_register, report)
+                earlier_in_file, later_in_file = lower_register, register
+            _report_overlap(later_in_file, earlier_in_file, report)
             break
 
 
@@ -214,24 +220,20 @@ def check_value_clash(spec: WrittenSpec, report: DocumentReport) -> None:
                     report.add("value-clash", value.place_of("value"), message)
 
 
-def _values_of_key(parts: Sequence[PlacedPart], key: str) -> Iterator[LocatedValue]:
-    """Yield the value under a key of each part, with its path."""
-    for part in parts:
-        yield (*part.path, key), part.data[key]
-
-
-def _names_for_all_codes(parts: Sequence[PlacedPart]) -> Iterator[LocatedValue]:
+def _names_for_all_order_codes(parts: Sequence[PlacedPart]) -> Iterator[LocatedValue]:
     """Yield the names of the parts that apply to all order codes: those without the key ``only``.
 
     Parts for only some order codes may have the same name. Another rule compares them.
     """
-    return _values_of_key([part for part in parts if not part.has("only")], "name")
+    for part in parts:
+        if not part.has("only"):
+            yield (*part.path, "name"), part.data["name"]
 
 
-def _values_in_list(path: Path, list_key: str, key: str, values: Iterable[str]) -> Iterator[LocatedValue]:
-    """Yield each of the values with its path: the path of ``key`` in the same element of the list at ``list_key``."""
-    for index, value in enumerate(values):
-        yield (*path, list_key, index, key), value
+def _check_unique_key(parts: Sequence[PlacedPart], key: str, noun: str, report: DocumentReport) -> None:
+    """Report every part whose value under a key, such as its name, is equal to that of an earlier part."""
+    located_values = [((*part.path, key), part.data[key]) for part in parts]
+    _check_unique(located_values, noun, report)
 
 
 def _check_unique(located_values: Iterable[LocatedValue], noun: str, report: DocumentReport) -> None:
@@ -255,11 +257,11 @@ def _check_unique(located_values: Iterable[LocatedValue], noun: str, report: Doc
 
 def _address_space(register: WrittenRegister) -> tuple[str, int | None]:
     """Return the interface and the bank of a register, in which addresses are unique. The bank can be None."""
-    return interface_of(register), register.bank
+    return interface_name_of(register), register.bank
 
 
 def _address_range(register: WrittenRegister) -> str:
     """Return the addresses of a register as text, such as ``addresses 0x10 to 0x13``."""
-    first = register.address
-    last = last_address(register)
-    return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"
+    lowest = register.address
+    highest = last_address(register)
+    return f"address {lowest:#04x}" if lowest == highest else f"addresses {lowest:#04x} to {highest:#04x}"

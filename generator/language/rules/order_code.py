@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..document import Path
 from ..problems import WORDS_ONLY, DocumentReport, quoted
@@ -31,23 +32,31 @@ _REPETITION = re.compile(r"[*+?{]")
 _PATH_OF_PARTS: tuple[str, str] = ("order_code", "parts")
 
 
+class _Choice(NamedTuple):
+    """A label that is chosen for a part of an order code, with the meaning of this label: its value."""
+
+    part_name: str
+    label: str
+    value: WrittenCodeValue
+
+
 @dataclass(frozen=True, slots=True)
 class _Code:
-    """A complete order code: its text, and for each part its name, the chosen label and the value of this label."""
+    """A complete order code: its text, and for each part the chosen label."""
 
     text: str
-    chosen: tuple[tuple[str, str, WrittenCodeValue], ...]
+    choices: tuple[_Choice, ...]
 
     @property
     def interfaces(self) -> list[str]:
-        return [value.interface for _, _, value in self.chosen if value.interface is not None]
+        return [choice.value.interface for choice in self.choices if choice.value.interface is not None]
 
     @property
     def set_parameters(self) -> list[str]:
         """Names of the parameters that its parts set. A name that several parts set is repeated."""
         names: list[str] = []
-        for _, _, value in self.chosen:
-            names += value.sets
+        for choice in self.choices:
+            names += choice.value.sets
         return names
 
 
@@ -93,7 +102,8 @@ def check_ambiguous_order_codes(spec: WrittenSpec, report: DocumentReport) -> No
 def _find_ambiguity(spec: WrittenSpec) -> str:
     """Return a message about the first order code that occurs twice or can be read in two ways, or an empty string."""
     parts = spec.order_code.parts
-    # Literal text is at even indices, and names of parts are at odd indices. Blanks on a label are ignored.
+    # The pieces of ``X-{bits}{output}`` are ``X-``, ``bits``, an empty text, ``output`` and an empty text: literal text
+    # at even indices, and names of parts at odd indices. Blanks on a label are ignored.
     pieces = _PART_IN_BRACES.split(spec.order_code.pattern)
     names_of_parts = pieces[1::2]
     pieces[::2] = map(_without_blanks, pieces[::2])
@@ -105,20 +115,23 @@ def _find_ambiguity(spec: WrittenSpec) -> str:
         code_text = _without_blanks(code.text)
         first_code = first_codes.setdefault(code_text, code)
         if first_code is not code:
-            occurrences = f"as {_parts_text(first_code)}, and as {_parts_text(code)}"
-            return f"the code {quoted(code.text)} occurs twice: {occurrences}"
+            choices_text = f"as {_choices_text(first_code)}, and as {_choices_text(code)}"
+            return f"the code {quoted(code.text)} occurs twice: {choices_text}"
         if has_fixed_lengths:
             continue
-        two_readings = list(itertools.islice(_yield_readings(code_text, pieces, label_tests), 2))
+        readings = _yield_readings(code_text, pieces, label_tests)
+        two_readings = list(itertools.islice(readings, 2))
         if len(two_readings) == 2:
-            first, second = (_reading_text(names_of_parts, labels) for labels in two_readings)
-            return f"the code {quoted(code.text)} can be read as {first}, and as {second}"
+            reading, other_reading = (_reading_text(names_of_parts, labels) for labels in two_readings)
+            return f"the code {quoted(code.text)} can be read as {reading}, and as {other_reading}"
     return ""
 
 
 def _has_fixed_length(part: WrittenCodePart) -> bool:
     """Return True if a part of the order code has only listed labels, all of the same length."""
-    return not part.open and len(set(map(len, part.values))) == 1
+    has_only_listed_labels = not part.open
+    lengths_of_labels = set(map(len, part.values))
+    return has_only_listed_labels and len(lengths_of_labels) == 1
 
 
 def _reading_text(names_of_parts: Sequence[str], labels: Sequence[str]) -> str:
@@ -138,9 +151,10 @@ def check_also_written(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         noun = "part" if len(used_parts) == 1 else "parts"
         used_text = f"the {noun} {', '.join(used_parts)}" if used_parts else "no parts"
+        names_of_parts = ", ".join(parts)
         message = (
             f"{quoted(spelling.pattern)} has {used_text}; "
-            f"each part ({', '.join(parts)}) must occur exactly once, as in {quoted(spec.order_code.pattern)}"
+            f"each part ({names_of_parts}) must occur exactly once, as in {quoted(spec.order_code.pattern)}"
         )
         report.add("also-written", spelling.place_of("pattern"), message)
 
@@ -149,18 +163,19 @@ def _check_spelling(
     spelling: WrittenSpelling, parts_by_name: Mapping[str, WrittenCodePart], report: DocumentReport
 ) -> None:
     """Check that the texts of an alternative spelling represent listed labels, and that its expression is valid."""
-    for name, texts_to_labels in spelling.values.items():
-        if name not in parts_by_name:
-            message = f"there is no part {quoted(name)}; known: {', '.join(parts_by_name)}"
-            report.add("also-written", (*spelling.path, "values", name), message, at_key=True)
+    for part_name, label_by_text in spelling.values.items():
+        path: Path = (*spelling.path, "values", part_name)
+        if part_name not in parts_by_name:
+            known_names = ", ".join(parts_by_name)
+            message = f"there is no part {quoted(part_name)}; known: {known_names}"
+            report.add("also-written", path, message, at_key=True)
             continue
-        listed_labels = parts_by_name[name].values
-        for printed_text, label in texts_to_labels.items():
+        listed_labels = parts_by_name[part_name].values
+        for printed_text, label in label_by_text.items():
             if label not in listed_labels:
-                message = f"{quoted(label)} is not a value of {name}; known: {', '.join(listed_labels)}"
-                report.add(
-                    "also-written", (*spelling.path, "values", name, printed_text), message, cause=f"{name} {label}"
-                )
+                known_labels = ", ".join(listed_labels)
+                message = f"{quoted(label)} is not a value of {part_name}; known: {known_labels}"
+                report.add("also-written", (*path, printed_text), message, cause=f"{part_name} {label}")
     problem = _problem_of_expression(spelling.then)
     if problem:
         message = f"{quoted(spelling.then)} is not a valid regular expression: {problem}"
@@ -178,7 +193,10 @@ def are_codes_complete(valid_data: dict[str, object], all_data: dict[str, object
     ``all_data`` is the spec, and ``valid_data`` its copy without the invalid parts.
     """
     for key in ("order_code", "parameters"):
-        if key not in valid_data or _without_prose(valid_data[key]) != _without_prose(all_data[key]):
+        if key not in valid_data:
+            return False
+        has_all_facts = _without_prose(valid_data[key]) == _without_prose(all_data[key])
+        if not has_all_facts:
             return False
     return True
 
@@ -197,18 +215,20 @@ def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
     pattern = spec.order_code.pattern
     path = spec.order_code.place_of("pattern")
     used_parts = _PART_IN_BRACES.findall(pattern)
-    names = [part.name for part in spec.order_code.parts]
-    literals = "".join(_PART_IN_BRACES.split(pattern)[0::2])  # The split pieces alternate: literal, name, literal.
-    forbidden = [character for character in literals if not _LITERAL_TEXT.fullmatch(character)]
-    if forbidden:
+    known_parts = [part.name for part in spec.order_code.parts]
+    literals_and_names = _PART_IN_BRACES.split(pattern)  # In turn, beginning and ending with literal text.
+    literal_text = "".join(literals_and_names[::2])
+    forbidden_characters = [character for character in literal_text if not _LITERAL_TEXT.fullmatch(character)]
+    if forbidden_characters:
         message = (
-            f"{quoted(forbidden[0])} is not allowed outside braces; "
+            f"{quoted(forbidden_characters[0])} is not allowed outside braces; "
             "a code contains only letters, digits, '/', '-', '_', '.' and spaces"
         )
         report.add("order-code-pattern", path, message)
     for name in dict.fromkeys(used_parts):
-        if name not in names:
-            report.add("order-code-pattern", path, f"there is no part {{{name}}}; known parts: {', '.join(names)}")
+        if name not in known_parts:
+            message = f"there is no part {{{name}}}; known parts: {', '.join(known_parts)}"
+            report.add("order-code-pattern", path, message)
         count = used_parts.count(name)
         if count > 1:
             report.add("order-code-pattern", path, f"the part {{{name}}} occurs {count} times in the pattern")
@@ -226,9 +246,11 @@ def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
     for part in spec.order_code.parts:
         for value in part.values.values():
             for name in value.sets:
-                origin = _other_origin(spec, spec.parameters[name]) if name in spec.parameters else None
-                if origin is not None:
-                    message = f"{quoted(name)} {_OTHER_ORIGINS[origin]}, so an order code cannot set it too"
+                if name not in spec.parameters:
+                    continue  # Another rule reports it.
+                other_origin = _other_origin(spec, spec.parameters[name])
+                if other_origin is not None:
+                    message = f"{quoted(name)} {_OTHER_ORIGINS[other_origin]}, so an order code cannot set it too"
                     report.add("order-code-pattern", (*value.path, "sets", name), message)
         problem = _problem_of_expression(part.open)
         if problem:
@@ -274,8 +296,7 @@ def _check_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentRepo
     first_problems: dict[str, tuple[Path, str]] = {}
     required_parameters = _required_parameters(spec, codes)
     for code in codes:
-        interfaces = code.interfaces
-        if len(interfaces) != 1:
+        if len(code.interfaces) != 1:
             first_problems.setdefault("interface", (_PATH_OF_PARTS, _message_on_interfaces(spec, code)))
         for name in required_parameters:
             message = _message_on_parameter(name, code, spec.parameters)
@@ -291,7 +312,8 @@ def _message_on_interfaces(spec: WrittenSpec, code: _Code) -> str:
     """Return the message about an order code that selects no interface, or several."""
     rule = "each code must select one interface"
     if code.interfaces:
-        selected = f"{len(code.interfaces)} ({', '.join(code.interfaces)})"
+        interface_names = ", ".join(code.interfaces)
+        selected = f"{len(code.interfaces)} ({interface_names})"
         return f"{rule}, but {code.text} selects {selected}; keep 'interface' in the values of one part"
     first_interface, *others = spec.interfaces.data or ["ssi"]
     choice = "or another one" if others else "the only one of this spec"
@@ -352,29 +374,28 @@ def _compose_codes(spec: WrittenSpec) -> list[_Code] | None:
     parts = spec.order_code.parts
     if math.prod(len(part.values) for part in parts) > MAX_CODES:
         return None
-    choices = []  # For each part, its name with each of its labels and values.
-    for part in parts:
-        choices.append([(part.name, label, value) for label, value in part.values.items()])
+    choices_by_part = [[_Choice(part.name, label, value) for label, value in part.values.items()] for part in parts]
     codes = []
-    for chosen in itertools.product(*choices):
-        labels = {name: label for name, label, _ in chosen}
-        if _is_allowed(chosen, labels):
-            codes.append(_Code(_fill_pattern(spec.order_code.pattern, labels), chosen))
+    for choices in itertools.product(*choices_by_part):
+        label_by_part = {choice.part_name: choice.label for choice in choices}
+        if _is_allowed(choices, label_by_part):
+            code_text = _fill_pattern(spec.order_code.pattern, label_by_part)
+            codes.append(_Code(code_text, choices))
     return codes
 
 
-def _is_allowed(chosen: Sequence[tuple[str, str, WrittenCodeValue]], labels: Mapping[str, str]) -> bool:
+def _is_allowed(choices: Sequence[_Choice], label_by_part: Mapping[str, str]) -> bool:
     """Return True if the ``only_with`` of each chosen value allows the labels of the other parts."""
-    for _, _, value in chosen:
-        for name, allowed_labels in value.only_with.items():
-            if labels.get(name) not in allowed_labels:
+    for choice in choices:
+        for part_name, allowed_labels in choice.value.only_with.items():
+            if label_by_part.get(part_name) not in allowed_labels:
                 return False
     return True
 
 
-def _fill_pattern(pattern: str, labels: dict[str, str]) -> str:
+def _fill_pattern(pattern: str, label_by_part: dict[str, str]) -> str:
     """Return a pattern such as ``X-{bits}`` with the name of each part in braces replaced by the part's label."""
-    return _PART_IN_BRACES.sub(lambda braces: labels.get(braces[1], ""), pattern)
+    return _PART_IN_BRACES.sub(lambda name_in_braces: label_by_part.get(name_in_braces[1], ""), pattern)
 
 
 def _label_test(part: WrittenCodePart) -> Callable[[str], bool]:
@@ -419,6 +440,6 @@ def _yield_readings(
                 yield (label, *later_labels)
 
 
-def _parts_text(code: _Code) -> str:
+def _choices_text(code: _Code) -> str:
     """Return the parts of an order code as text, such as ``bits 24, output S``."""
-    return ", ".join(f"{name} {label}" for name, label, _ in code.chosen)
+    return ", ".join(f"{choice.part_name} {choice.label}" for choice in code.choices)

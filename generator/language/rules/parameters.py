@@ -19,7 +19,7 @@ from .parts import (
     WrittenInterface,
     by_name,
     field_lists,
-    interface_of,
+    interface_name_of,
     interfaces,
     layouts_of_interfaces,
     measurements,
@@ -110,9 +110,10 @@ def parameter_uses(spec: WrittenSpec) -> Iterator[ParameterUse]:
     A field of a group is yielded for each layout or register that uses the group.
     """
     groups = by_name(spec.with_invalid_parts.field_groups)
-    field_owners = list(layouts_of_interfaces(spec))
-    field_owners += [FieldList(FieldOwner.REGISTER, register, interface_of(register)) for register in spec.registers]
-    for field_list in field_owners:
+    layouts_and_registers = list(layouts_of_interfaces(spec))
+    for register in spec.registers:
+        layouts_and_registers.append(FieldList(FieldOwner.REGISTER, register, interface_name_of(register)))
+    for field_list in layouts_and_registers:
         for path, field in with_groups_expanded(field_list, groups):
             yield from _with_interface(field_list.interface, _expressions_of_field(field, path))
         yield from _with_interface(field_list.interface, _expressions_of_owner(field_list))
@@ -214,7 +215,10 @@ def _list_factors(expression_text: object) -> list[Factor]:
         terms = Expression.parse(expression_text).terms
     except ExpressionError:  # Reported by the rule on expressions.
         return []
-    return [factor for term in terms for factor in term.factors * abs(term.multiple)]
+    factors: list[Factor] = []
+    for term in terms:
+        factors += term.factors * abs(term.multiple)  # ``2 * bits`` counts as ``bits + bits``.
+    return factors
 
 
 def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -244,7 +248,8 @@ def _count_terms(name: str, parameters: Mapping[str, WrittenParameter], count_by
     count_by_name[name] = 1  # This ends the recursion for a circular definition, which another rule reports.
     factors = _list_factors(parameters[name].equals) if name in parameters else []
     if factors:
-        count_by_name[name] = sum(_count_terms(factor.parameter, parameters, count_by_name) for factor in factors)
+        term_counts = [_count_terms(factor.parameter, parameters, count_by_name) for factor in factors]
+        count_by_name[name] = sum(term_counts)
     return count_by_name[name]
 
 
@@ -257,8 +262,9 @@ def check_parameter_origin(spec: WrittenSpec, report: DocumentReport) -> None:
     for name, parameter in spec.parameters.items():
         origins = origins_of(parameter)
         if len(origins) > 1:
+            second_origin = origins[1]
             problem = f"{join_words(map(quoted, origins))} each define {quoted(name)}; keep one"
-            report.add("parameter-origin", parameter.place_of(origins[1]), problem, at_key=True)
+            report.add("parameter-origin", parameter.place_of(second_origin), problem, at_key=True)
         if not parameter.by_code:
             continue
         limit_keys = [key for key in ("min", "max") if parameter.has(key)]
@@ -266,8 +272,9 @@ def check_parameter_origin(spec: WrittenSpec, report: DocumentReport) -> None:
             problem = "'by_code' needs 'read_from', the register field that holds the code"
             report.add("parameter-origin", parameter.place_of("by_code"), problem, at_key=True)
         elif limit_keys:
-            problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit_keys[0])}"
-            report.add("parameter-origin", parameter.place_of(limit_keys[0]), problem, at_key=True)
+            limit_key = limit_keys[0]
+            problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit_key)}"
+            report.add("parameter-origin", parameter.place_of(limit_key), problem, at_key=True)
 
 
 def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -283,7 +290,7 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
         _check_answers(alternative, own_parameters, resolver)
     for name, parameter in spec.parameters.items():
         path = parameter.place_of("alternative")
-        resolver.refer_if_given(path, "alternative", parameter.alternative, alternatives)
+        resolver.check_optional_name(path, "alternative", parameter.alternative, known_names=alternatives)
         alternative_of_parameter = alternatives.get(parameter.alternative)
         if alternative_of_parameter is not None and not _sets_parameter(alternative_of_parameter, name):
             problem = f"no answer of {quoted(parameter.alternative)} sets {quoted(name)}"
@@ -291,10 +298,11 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
     for example in spec.examples:
         for name, answer in example.alternatives.items():
             answer_path = (*example.path, "alternatives", name)
-            resolver.refer(answer_path, "alternative", name, alternatives)
+            resolver.check_name(answer_path, "alternative", name, known_names=alternatives)
             if name in alternatives:
-                answers = alternatives[name].names_in("values")
-                resolver.refer(answer_path, f"answer of {quoted(name)} called", answer, answers)
+                known_answers = alternatives[name].names_in("values")
+                noun = f"answer of {quoted(name)} called"
+                resolver.check_name(answer_path, noun, answer, known_names=known_answers)
 
 
 def _sets_parameter(alternative: WrittenAlternative, parameter_name: str) -> bool:
@@ -315,7 +323,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
     for answer_name, answer in alternative.values.items():
         sets_path = answer.place_of("sets")
         for name in answer.sets:
-            resolver.refer((*sets_path, name), "parameter", name)
+            resolver.check_name((*sets_path, name), "parameter", name)
             if name in resolver.parameter_names and name not in own_parameters:
                 problem = f"{quoted(name)} is not a parameter of {quoted(question)}; give it 'alternative: {question}'"
                 resolver.report_problem((*sets_path, name), problem)
@@ -341,12 +349,14 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
     # The parameter under 'when', which turns Gray code on, is not an expression.
     used_texts += [(use.path, use.text) for use in parameter_uses(spec) if use.path[-1] == "when"]
     for path, text in used_texts:
-        names = [factor.parameter for factor in _list_factors(text) if factor.parameter in parameters_set_by_answers]
-        if not names:
+        used_names = [factor.parameter for factor in _list_factors(text)]
+        names_set_by_answers = [name for name in used_names if name in parameters_set_by_answers]
+        if not names_set_by_answers:
             continue
-        alternative_name = parameters_set_by_answers[names[0]].alternative
+        first_name = names_set_by_answers[0]
+        alternative_name = parameters_set_by_answers[first_name].alternative
         alternative = alternatives.get(alternative_name)
-        problem = f"{quoted(names[0])} is set by the alternative {quoted(alternative_name)}"
+        problem = f"{quoted(first_name)} is set by the alternative {quoted(alternative_name)}"
         if path[-1] not in _KEYS_IN_BITS:
             remedy = "use it only in 'bits' or 'low_bit' of a field"
             message = f"{problem}, so only frames and registers can depend on it; {remedy}"
@@ -369,14 +379,17 @@ def check_units(spec: WrittenSpec, report: DocumentReport) -> None:
             # None unless ``equals`` is only the name of a parameter.
             parameter = parameters.get(str(field.equals))
             parameter_unit = parameter.unit if parameter is not None else ""
-            if field.unit and parameter_unit and kind_of_unit(field.unit) != kind_of_unit(parameter_unit):
+            if not field.unit or not parameter_unit:
+                continue
+            if kind_of_unit(field.unit) != kind_of_unit(parameter_unit):
                 problem = f"field {quoted(field.name)} is in {field.unit}, but the parameter {quoted(field.equals)}"
                 message = f"{problem}, which it equals, is in {parameter_unit}"
                 report.add("unit-mismatch", field.place_of("unit"), message)
     for path, text in expressions(spec):
         for factor in _list_factors(text):
             if factor.parameter in parameters:
-                _check_unit_of_factor(path, factor, parameters[factor.parameter].unit, report)
+                unit = parameters[factor.parameter].unit
+                _check_unit_of_factor(path, factor, unit, report)
 
 
 def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
@@ -398,19 +411,20 @@ def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: Documen
 
 def check_parameter_cycle(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself, directly or through other parameters."""
-    definitions: dict[str, tuple[str, ...]] = {}
+    definitions: dict[str, list[str]] = {}
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:
-            definitions[name] = _parameters_in(parameter.equals)
+            definitions[name] = [factor.parameter for factor in _list_factors(parameter.equals)]
     searched_names: set[str] = set()
     for name in definitions:
         cycle = _find_cycle(name, definitions, searched_names)
         if cycle:
-            message = f"circular definition of parameter: {' -> '.join(cycle)}"
+            cycle_text = " -> ".join(cycle)
+            message = f"circular definition of parameter: {cycle_text}"
             report.add("parameter-cycle", ("parameters", cycle[0], "equals"), message)
 
 
-def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], searched_names: set[str]) -> list[str]:
+def _find_cycle(start: str, definitions: Mapping[str, list[str]], searched_names: set[str]) -> list[str]:
     """Return a circular definition that is reached from the parameter ``start``, or an empty list.
 
     If a needs b, b needs c and c needs b, the cycle reached from a is ``["b", "c", "b"]``. Parameters in
@@ -434,11 +448,3 @@ def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], searched
             trail.append(name)
             pending.append(iter(definitions[name]))
     return []
-
-
-def _parameters_in(expression_text: int | str) -> tuple[str, ...]:
-    """Return the names of the parameters in an expression, or an empty tuple if it is not valid."""
-    try:
-        return Expression.parse(expression_text).parameters
-    except ExpressionError:  # Reported by the rule on expressions.
-        return ()

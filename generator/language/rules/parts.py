@@ -39,6 +39,7 @@ _INTERFACE_CLASSES: Mapping[str, type[WrittenInterface]] = MappingProxyType(
 #: Largest number of fields of a layout or register, including the fields of its groups. Without groups, the schema
 #: limits it.
 MAX_FIELDS = 512
+#: The place of a field with several bits, such as ``7:6``.
 _BIT_RANGE_TEXT = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 
 
@@ -97,7 +98,8 @@ def by_part_name(parts: Iterable[LocatedPart[_NamedModelPart]]) -> dict[str, Loc
 def interfaces(spec: WrittenSpec) -> Iterator[tuple[str, WrittenInterface]]:
     """Yield the name of each interface of a spec with the interface, in the order of the spec."""
     for name, data in spec.interfaces.data.items():
-        yield name, _INTERFACE_CLASSES.get(name, WrittenSsi)(data, ("interfaces", name))
+        interface_class = _INTERFACE_CLASSES.get(name, WrittenSsi)
+        yield name, interface_class(data, ("interfaces", name))
 
 
 class FieldOwner(Enum):
@@ -111,9 +113,9 @@ class FieldOwner(Enum):
 
 @dataclass(frozen=True, slots=True)
 class FieldList:
-    """A list of fields with its owner, its kind and its interface, which is empty for groups."""
+    """A list of fields with its owner, the kind of its owner and its interface, which is empty for groups."""
 
-    kind: FieldOwner
+    owner_kind: FieldOwner
     owner: Owner
     interface: str
 
@@ -165,7 +167,7 @@ def layouts_of_interfaces(spec: WrittenSpec) -> Iterator[FieldList]:
 def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
     """Yield every list of fields: of groups, layouts, control data and registers, in the order of the language."""
     for group in spec.field_groups:
-        yield FieldList(FieldOwner.GROUP, group, "")
+        yield FieldList(FieldOwner.GROUP, group, interface="")
     yield from layouts_of_interfaces(spec)
     for name, interface in interfaces(spec):
         # Only BiSS has control data. An interface with an unknown name, which is reported, may be BiSS.
@@ -174,17 +176,17 @@ def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
             yield FieldList(FieldOwner.CONTROL, control_data, name)
     for register in spec.registers:
         if register.has("fields"):
-            yield FieldList(FieldOwner.REGISTER, register, interface_of(register))
+            yield FieldList(FieldOwner.REGISTER, register, interface_name_of(register))
 
 
-def interface_of(register: WrittenRegister | None) -> str:
+def interface_name_of(register: WrittenRegister | None) -> str:
     """Return the name of the interface of a register. It is BiSS for a register without one, and for None."""
     return Biss.name if register is None else str(register.data.get("interface", Biss.name))
 
 
 def last_address(register: WrittenRegister) -> int:
     """Return the last address of a register, or its only one if the interface has no address for each byte."""
-    interface = INTERFACES.get(interface_of(register))
+    interface = INTERFACES.get(interface_name_of(register))
     if interface is not None and not interface.byte_addresses:
         return register.address
     return register.address + register.length - 1
@@ -206,12 +208,14 @@ def _expand_groups(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path
         if group is None:
             yield field.path, field
         else:
-            yield from ((field.path, inner_field) for inner_field in group.fields)
+            for group_field in group.fields:
+                yield field.path, group_field
 
 
-def field_names(field_list: FieldList, groups: Groups) -> dict[str, WrittenField]:
+def fields_by_name(field_list: FieldList, groups: Groups) -> dict[str, WrittenField]:
     """Return the fields of a layout, register or group by name, including the fields of groups that it uses."""
-    return {field.name: field for _, field in with_groups_expanded(field_list, groups) if field.name}
+    located_fields = with_groups_expanded(field_list, groups)
+    return {field.name: field for _, field in located_fields if field.name}
 
 
 def readable_names(field_list: FieldList, groups: Groups) -> list[str]:
@@ -219,13 +223,13 @@ def readable_names(field_list: FieldList, groups: Groups) -> list[str]:
 
     A register without fields is one number with its own name.
     """
-    if field_list.kind is FieldOwner.REGISTER and not field_list.owner.has("fields"):
+    if field_list.owner_kind is FieldOwner.REGISTER and not field_list.owner.has("fields"):
         return [field_list.name]
-    fields_by_name = field_names(field_list, groups)
+    fields = fields_by_name(field_list, groups)
     # A join with a wrong value is reported, but its name is known.
-    names = [*fields_by_name, *field_list.owner.names_in("join")]
-    for field in fields_by_name.values():
-        names += [run.part.name for run in field.digits if run.part.name]
+    names = [*fields, *field_list.owner.names_in("join")]
+    for field in fields.values():
+        names += [digit_group.part.name for digit_group in field.digits if digit_group.part.name]
     return names
 
 
@@ -250,12 +254,13 @@ class RestrictedPart(Protocol):
     def only(self) -> str: ...
 
 
-def share_codes(first: RestrictedPart, second: RestrictedPart) -> bool:
+def share_order_codes(fact: RestrictedPart, other_fact: RestrictedPart) -> bool:
     """Return True if two facts certainly apply to a common order code.
 
     This is the case if they have the same patterns of order codes (``only``), or if one of them applies to all codes.
     """
-    return not first.only or not second.only or first.only == second.only
+    applies_to_all_codes = not fact.only or not other_fact.only
+    return applies_to_all_codes or fact.only == other_fact.only
 
 
 def timings(spec: WrittenSpec) -> Iterator[LocatedPart[Timing]]:
@@ -277,7 +282,8 @@ def measurements(spec: WrittenSpec) -> Iterator[LocatedPart[Measurement]]:
 def measurement_of(spec: WrittenSpec, interface: str) -> LocatedPart[Measurement] | None:
     """Return the measurement of an interface or, if it has none, of the device. None if there is neither."""
     if interface in spec.interfaces.data:
-        own_measurement = dict(interfaces(spec))[interface].measurement
+        interfaces_by_name = dict(interfaces(spec))
+        own_measurement = interfaces_by_name[interface].measurement
         if own_measurement is not None and own_measurement.is_given:
             return own_measurement
     return spec.measurement
@@ -307,15 +313,17 @@ def constant_width(field: WrittenField) -> int | None:
         return field.bits if isinstance(field.bits, int) and field.bits > 0 else None
     bit_range = _BIT_RANGE_TEXT.fullmatch(str(field.at))
     if bit_range is not None:
-        width = int(bit_range[1]) - int(bit_range[2]) + 1
+        highest_bit, lowest_bit = map(int, bit_range.groups())
+        width = highest_bit - lowest_bit + 1
         return width if width > 0 else None
     return 1 if field.is_flag or isinstance(field.at, int) else None
 
 
-def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
+def bit_names(register: WrittenRegister, groups: Groups) -> list[str]:
     """Return the names allowed after the dot in ``register.field``: the fields of a register, or its own name."""
     if register.has("fields"):
-        return list(field_names(FieldList(FieldOwner.REGISTER, register, ""), groups))
+        field_list = FieldList(FieldOwner.REGISTER, register, interface="")
+        return list(fields_by_name(field_list, groups))
     return [register.name]
 
 
@@ -328,7 +336,8 @@ def owner_of_alarm(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField
 
 def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
     """Return True if a register has several fields, or bits outside its fields."""
-    return len(bits_of(register, groups)) > 1 or register.has("other_bits")
+    has_several_fields = len(bit_names(register, groups)) > 1
+    return has_several_fields or register.has("other_bits")
 
 
 def value_names(field: WrittenField) -> list[str]:
@@ -338,11 +347,12 @@ def value_names(field: WrittenField) -> list[str]:
 
 def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenField]:
     """Yield the fields of a register, with groups included."""
-    for _, field in with_groups_expanded(FieldList(FieldOwner.REGISTER, register, ""), groups):
+    field_list = FieldList(FieldOwner.REGISTER, register, interface="")
+    for _, field in with_groups_expanded(field_list, groups):
         yield field
 
 
-def named_values(register: WrittenRegister, groups: Groups, field_name: str = "") -> list[str]:
+def value_names_of_register(register: WrittenRegister, groups: Groups, field_name: str = "") -> list[str]:
     """Return the names of values of all fields of a register, or only of the field of this name."""
     names: list[str] = []
     for field in fields_of(register, groups):
@@ -351,7 +361,7 @@ def named_values(register: WrittenRegister, groups: Groups, field_name: str = ""
     return names
 
 
-def bank_select(spec: WrittenSpec) -> str:
+def bank_select_register(spec: WrittenSpec) -> str:
     """Return the name of the register that selects banks. Empty if there is none."""
     return spec.interfaces.biss.bank_select if spec.interfaces.biss is not None else ""
 
@@ -362,9 +372,17 @@ def as_affected_name(path: str) -> str:
     The path of a timing is ``interfaces.ssi.monoflop`` instead of ``interfaces.ssi.timings.monoflop``. The last name is
     always kept.
     """
-    *steps, last_step = path.split(".")
-    named_steps = [step for step in steps if step not in LEFT_OUT]
-    return ".".join((*named_steps, last_step))
+    *names, last_name = path.split(".")
+    kept_names = [name for name in names if name not in LEFT_OUT]
+    return ".".join((*kept_names, last_name))
+
+
+def is_second_reading(document: Document) -> bool:
+    """Return True for a second reading of a manual, which repeats printed facts without notes and other explanations.
+
+    A second reading is compared with the spec of the same encoder.
+    """
+    return is_second(document.file)
 
 
 def has_erratum_at(document: Document, *keys: str) -> bool:
@@ -373,7 +391,9 @@ def has_erratum_at(document: Document, *keys: str) -> bool:
     A second reading has no errata, so everything counts as explained there. It repeats the printed values, and its
     spec must agree or explain the difference.
     """
-    return is_second(document.file) or bool(errata_at(document, *keys))
+    if is_second_reading(document):
+        return True
+    return bool(errata_at(document, *keys))
 
 
 def errata_at(document: Document, *keys: str) -> frozenset[str]:

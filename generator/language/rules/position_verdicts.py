@@ -18,7 +18,7 @@ from .parts import (
     by_name,
     constant_width,
     field_lists,
-    field_names,
+    fields_by_name,
     layouts_of_interfaces,
     position_names,
     readable_names,
@@ -27,10 +27,10 @@ from .parts import (
 )
 from .shapes import MOST_RESERVED_BITS, RESERVED
 
-#: Verdicts, worst first.
+#: Verdicts, the most severe first.
 _WORST_FIRST = [verdict.value for verdict in Verdict]
 _FLAG_WORDS = ("active", "inactive")
-Fields = Mapping[str, WrittenField]
+FieldsByName = Mapping[str, WrittenField]
 
 
 def check_value_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -47,7 +47,7 @@ def check_value_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
             paths_with_position.add(frame.owner.path)
             groups_with_position.update(field.use for field in frame.fields)
     for field_list in field_lists(spec):
-        if field_list.kind is FieldOwner.GROUP:
+        if field_list.owner_kind is FieldOwner.GROUP:
             is_with_position = field_list.name in groups_with_position
         else:
             is_with_position = field_list.owner.path in paths_with_position
@@ -94,7 +94,7 @@ def _obstacle_to_verdict(field_list: FieldList, field: WrittenField, is_with_pos
 def _reason_without_verdict(field_list: FieldList) -> str:
     """Return the reason that fields of a register, group or layout without a position have no verdict on a position."""
     owner = quoted(field_list.name or FieldOwner.CONTROL.value)  # Only the control data are unnamed.
-    match field_list.kind:
+    match field_list.owner_kind:
         case FieldOwner.REGISTER | FieldOwner.CONTROL:
             return f"{owner} is not a frame, so no value in it has a verdict on the position"
         case FieldOwner.GROUP:
@@ -112,7 +112,7 @@ def _has_position(spec: WrittenSpec, field_list: FieldList, groups: Groups) -> b
     """
     if not field_list.is_from_encoder:
         return False
-    names = {*field_names(field_list, groups), *field_list.joins}
+    names = {*fields_by_name(field_list, groups), *field_list.joins}
     return not names.isdisjoint(position_names(spec, field_list.interface))
 
 
@@ -129,17 +129,18 @@ def check_combinations(spec: WrittenSpec, report: DocumentReport) -> None:
             problem = f"{_reason_without_verdict(frame)}; remove 'combinations'"
             report.add("combination", frame.owner.place_of("combinations"), problem, at_key=True)
             continue
-        fields_by_name = field_names(frame, groups)
+        fields = fields_by_name(frame, groups)
         for index, combination in enumerate(listed_combinations):
-            if not _check_conditions(frame, fields_by_name, combination, report):
+            is_valid = _check_conditions(frame, fields, combination, report)
+            if not is_valid:
                 continue  # Its conditions are reported, and there may be no verdicts to compare.
             earlier_combinations = listed_combinations[:index]
             later_combinations = listed_combinations[index + 1 :]
-            verdicts_of_parts = [
-                *_verdicts_of_conditions(frame, fields_by_name, combination),
+            verdicts_of_conditions = [
+                *_verdicts_of_conditions(frame, fields, combination),
                 *_verdicts_of_smaller_combinations(combination, earlier_combinations, later_combinations),
             ]
-            _check_can_decide(combination, verdicts_of_parts, report)
+            _check_can_decide(combination, verdicts_of_conditions, report)
 
 
 def check_report_names(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -172,12 +173,13 @@ def _report_names(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path,
                 # A value in a group is reported at the use of the group.
                 path = field_path if field_path in use_paths else value.path
                 yield path, f"{field.name}_{name}"
-    for combination in field_list.layout.combinations if field_list.layout is not None else ():
-        yield combination.place_of("name"), combination.name
+    if field_list.layout is not None:
+        for combination in field_list.layout.combinations:
+            yield combination.place_of("name"), combination.name
 
 
 def _check_conditions(
-    field_list: FieldList, fields_by_name: Fields, combination: WrittenCombination, report: DocumentReport
+    field_list: FieldList, fields: FieldsByName, combination: WrittenCombination, report: DocumentReport
 ) -> bool:
     """Return True if all fields and values in the conditions of a combination exist and can be combined.
 
@@ -187,21 +189,23 @@ def _check_conditions(
     problems_before = len(report)
     for field_name, value in combination.when.items():
         condition_path = (*combination.place_of("when"), field_name)
-        if field_name not in fields_by_name:
-            problem = f"there is no field {quoted(field_name)} in this frame{suggest_word(field_name, fields_by_name)}"
+        if field_name not in fields:
+            hint = suggest_word(field_name, fields)
+            problem = f"there is no field {quoted(field_name)} in this frame{hint}"
             report.add("undefined-reference", condition_path, problem, at_key=True)
             continue
-        field = fields_by_name[field_name]
-        problem = _obstacle_to_combination(field_list, field_name, field)
+        field = fields[field_name]
+        obstacle = _obstacle_to_combination(field_list, field_name, field)
         known_values = _values_in_conditions(field)
-        if problem:
-            report.add("combination", condition_path, problem, at_key=True)
+        if obstacle:
+            report.add("combination", condition_path, obstacle, at_key=True)
         elif value not in known_values:
             problem = f"{quoted(field_name)} has no value {quoted(value)}{suggest_word(value, known_values)}"
             report.add("undefined-reference", condition_path, problem)
-    if len(combination.when) == 1 and len(report) == problems_before:
+    are_conditions_valid = len(report) == problems_before
+    if are_conditions_valid and len(combination.when) == 1:
         (field_name,) = combination.when
-        is_flag = fields_by_name[field_name].is_flag
+        is_flag = fields[field_name].is_flag
         verdict_place = f"the flag {quoted(field_name)}" if is_flag else f"the value of {quoted(field_name)}"
         problem = (
             f"{quoted(combination.name)} has only one condition; write 'makes_position' at {verdict_place} instead"
@@ -242,39 +246,44 @@ def _values_in_conditions(field: WrittenField) -> list[str]:
 
 
 def _check_can_decide(
-    combination: WrittenCombination, verdicts_of_parts: Iterable[tuple[str, str]], report: DocumentReport
+    combination: WrittenCombination, verdicts_of_conditions: Iterable[tuple[str, str]], report: DocumentReport
 ) -> None:
     """Report a combination of values if some of its values already have the same verdict or a more severe one.
 
-    ``verdicts_of_parts`` contains a text that names these values, and their verdict or an empty string:
+    ``verdicts_of_conditions`` contains a text that names these values, and their verdict or an empty string:
     ``("'battery' alone", "not_usable")``.
     """
-    severity = _WORST_FIRST.index(combination.makes_position)
-    for part_text, verdict in verdicts_of_parts:
-        is_at_least_as_severe = bool(verdict) and _WORST_FIRST.index(verdict) <= severity
-        if is_at_least_as_severe:
+    for condition_text, verdict in verdicts_of_conditions:
+        if verdict and _is_at_least_as_severe(verdict, combination.makes_position):
             problem = (
-                f"{quoted(combination.name)} never decides, since {part_text} already makes the position {verdict}"
+                f"{quoted(combination.name)} never decides, since {condition_text} already makes the position {verdict}"
             )
             report.add("combination", combination.place_of("makes_position"), f"{problem}; remove the combination")
             return
 
 
+def _is_at_least_as_severe(verdict: str, other_verdict: str) -> bool:
+    """Return True if the first verdict on a position is the same as the second, or more severe."""
+    return _WORST_FIRST.index(verdict) <= _WORST_FIRST.index(other_verdict)
+
+
 def _verdicts_of_conditions(
-    field_list: FieldList, fields_by_name: Fields, combination: WrittenCombination
+    field_list: FieldList, fields: FieldsByName, combination: WrittenCombination
 ) -> Iterator[tuple[str, str]]:
     """Yield a text that names each flag or value of a combination, with the verdict that it has by itself.
 
     The verdict is empty if there is none. An inactive flag has no verdict and is omitted.
     """
     for name, value_name in combination.when.items():
-        field = fields_by_name[name]
+        field = fields[name]
+        condition_text = f"{quoted(name)} alone"
         if not field.is_flag:
             value = field.values.get(value_name)
-            yield f"{quoted(name)} alone", value.makes_position if value is not None else ""
+            verdict_of_value = value.makes_position if value is not None else ""
+            yield condition_text, verdict_of_value
         elif value_name == "active":
             default_verdict = INTERFACES[field_list.interface].flags.get(name, "")
-            yield f"{quoted(name)} alone", field.makes_position or default_verdict
+            yield condition_text, field.makes_position or default_verdict
 
 
 def _verdicts_of_smaller_combinations(
@@ -287,13 +296,14 @@ def _verdicts_of_smaller_combinations(
     The other combinations of the frame are listed before or after this one. A later combination that is equal is
     omitted, so that only the second of two equal ones is reported.
     """
-    for earlier in earlier_combinations:
-        if _applies_whenever(earlier, combination):
-            yield quoted(earlier.name), earlier.makes_position
-    for later in later_combinations:
-        is_equal = later.when == combination.when and later.makes_position == combination.makes_position
-        if _applies_whenever(later, combination) and not is_equal:
-            yield quoted(later.name), later.makes_position
+    for earlier_combination in earlier_combinations:
+        if _applies_whenever(earlier_combination, combination):
+            yield quoted(earlier_combination.name), earlier_combination.makes_position
+    for later_combination in later_combinations:
+        has_same_verdict = later_combination.makes_position == combination.makes_position
+        is_equal = has_same_verdict and later_combination.when == combination.when
+        if _applies_whenever(later_combination, combination) and not is_equal:
+            yield quoted(later_combination.name), later_combination.makes_position
 
 
 def _applies_whenever(other_combination: WrittenCombination, combination: WrittenCombination) -> bool:
@@ -308,10 +318,10 @@ def check_default_answers(spec: WrittenSpec, report: DocumentReport) -> None:
     The default answer sets the parameter to 0, and each other answer to 1. At least one flag must list the parameter in
     ``makes_position_if``, with the verdict on the position that applies while the parameter is 1.
     """
-    used_by_flags: set[str] = set()
+    parameters_of_verdicts: set[str] = set()
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            used_by_flags.update(field.makes_position_if)
+            parameters_of_verdicts.update(field.makes_position_if)
     for alternative in spec.alternatives:
         default = alternative.default
         if not default:
@@ -325,7 +335,7 @@ def check_default_answers(spec: WrittenSpec, report: DocumentReport) -> None:
         _check_settings(alternative, report)
         # If there are several parameters, which are already reported, only the first one is checked.
         parameter, *_ = alternative.values[first_answer].sets
-        if parameter not in used_by_flags:
+        if parameter not in parameters_of_verdicts:
             problem = f"no flag has {quoted(parameter)} in 'makes_position_if', so the answer changes nothing"
             report.add("alternative-default", default_path, f"{problem}; add it to a flag, or remove 'default'")
 
@@ -342,8 +352,8 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
             problem = f"{quoted(alternative.name)} has a default, so its answers set one parameter"
             report.add("alternative-default", sets_path, f"{problem}; keep one, or remove 'default'")
             return
+        expected = 0 if is_default else 1
         for parameter, value in answer.sets.items():
-            expected = 0 if is_default else 1
             if value != expected:
                 problem = f"{quoted(name)} sets {quoted(parameter)} to {value}; the default answer must set it to 0"
                 message = f"{problem} and every other answer to 1, so write {expected}"
@@ -356,11 +366,8 @@ def check_verdicts_by_answer(spec: WrittenSpec, report: DocumentReport) -> None:
     The answer is named by its parameter, which must belong to a question with a default answer. The verdict must differ
     from ``makes_position``, the verdict for the default answer.
     """
-    alternatives_with_default = {
-        name
-        for name, alternative in by_name(spec.with_invalid_parts.alternatives).items()
-        if alternative.has("default")
-    }
+    alternatives = by_name(spec.with_invalid_parts.alternatives)
+    alternatives_with_default = {name for name, alternative in alternatives.items() if alternative.has("default")}
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, verdict in field.makes_position_if.items():
@@ -368,11 +375,8 @@ def check_verdicts_by_answer(spec: WrittenSpec, report: DocumentReport) -> None:
                 parameter = spec.with_invalid_parts.parameters.get(name)
                 if parameter is None or parameter.alternative not in alternatives_with_default:
                     reason = f"{quoted(name)} is not a parameter of an alternative with a default"
-                    report.add(
-                        "verdict-choice",
-                        verdict_path,
-                        f"{reason}; set its 'alternative' to the name of such an alternative",
-                    )
+                    message = f"{reason}; set its 'alternative' to the name of such an alternative"
+                    report.add("verdict-choice", verdict_path, message)
                     continue
                 obstacle = _obstacle_to_other_verdict(field_list, field, verdict)
                 if obstacle:
@@ -385,7 +389,7 @@ def _obstacle_to_other_verdict(field_list: FieldList, field: WrittenField, other
     The result is empty if it can: if it is in a frame and has a different verdict that decoders report.
     """
     name = quoted(field.name)
-    if field_list.kind in (FieldOwner.REGISTER, FieldOwner.CONTROL):
+    if field_list.owner_kind in (FieldOwner.REGISTER, FieldOwner.CONTROL):
         return f"{name} is not in a frame, so it has no verdict on a position; remove 'makes_position_if'"
     interface = INTERFACES.get(field_list.interface)
     verdict_of_interface = interface.flags.get(field.name, "") if interface is not None else ""

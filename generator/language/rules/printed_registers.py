@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
 
 from ..problems import DocumentReport, quoted
 from ..written_codes import WrittenPrintedDefault, WrittenRegister
@@ -25,21 +25,21 @@ def check_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
     for register in spec.registers:
         if register.addresses is None:
             continue
-        first_text, _, last_text = str(register.addresses).partition("-")
-        # A single address is the first and the last one. Base 0 reads 0x4B as hexadecimal.
-        printed_range = (int(first_text, 0), int(last_text or first_text, 0))
-        actual_range = (register.address, last_address(register))
-        if printed_range != actual_range:
+        lowest_text, _, highest_text = str(register.addresses).partition("-")  # ``0x4B`` or ``0x4B-0x4E``
+        printed_lowest = int(lowest_text, 0)  # Base 0 reads 0x4B as hexadecimal.
+        printed_highest = int(highest_text, 0) if highest_text else printed_lowest
+        highest_address = last_address(register)
+        if (printed_lowest, printed_highest) != (register.address, highest_address):
             message = (
-                f"{quoted(register.name)} is printed at {_address_text(*printed_range)}; "
+                f"{quoted(register.name)} is printed at {_address_text(printed_lowest, printed_highest)}; "
                 f"'address' {register.address:#04x} and 'length' {register.length} "
-                f"result in {_address_text(*actual_range)}"
+                f"result in {_address_text(register.address, highest_address)}"
             )
             report.add("addresses-mismatch", register.place_of("addresses"), message)
 
 
-def _address_text(first: int, last: int) -> str:
-    return f"{first:#04x}" if first == last else f"{first:#04x} to {last:#04x}"
+def _address_text(lowest: int, highest: int) -> str:
+    return f"{lowest:#04x}" if lowest == highest else f"{lowest:#04x} to {highest:#04x}"
 
 
 def check_default_lists(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -71,94 +71,106 @@ def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: Do
     """
     differences = list(_differences_of_bytes(row, register) if row.bytes else _differences_of_bits(row, register))
     if differences and not row.erratum:
-        key, message = differences[0]
-        report.add("default-mismatch", row.place_of(key), message)
+        difference = differences[0]
+        report.add("default-mismatch", row.place_of(difference.key), difference.message)
     elif not differences and row.erratum:
         message = f"the row is correct, so {quoted(row.erratum)} explains nothing; remove 'erratum'"
         report.add("default-mismatch", row.place_of("erratum"), message)
 
 
-def _differences_of_bytes(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
-    """Yield the key and the message of a difference between the printed bytes and the default of a register.
+class _Difference(NamedTuple):
+    """A message about a row of the manual's defaults that differs from its register, and the differing key."""
 
-    Nothing is yielded if they are equal.
-    """
+    key: str
+    message: str
+
+
+def _differences_of_bytes(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[_Difference]:
+    """Yield the difference between the printed bytes and the default of a register. Nothing if they are equal."""
     name = quoted(register.name)
     default = register.default
     printed_bytes = bytes.fromhex(row.bytes)
     byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
     number = int.from_bytes(printed_bytes, byte_order)
     if len(printed_bytes) != register.length:
-        yield "bytes", f"{name} has {register.length} bytes, but {len(printed_bytes)} are printed"
+        yield _Difference("bytes", f"{name} has {register.length} bytes, but {len(printed_bytes)} are printed")
     elif default is None:
-        yield "bytes", f"{name} has no 'default', but the printed bytes are {number:#x}"
+        yield _Difference("bytes", f"{name} has no 'default', but the printed bytes are {number:#x}")
     elif default != number:
-        yield "bytes", f"the 'default' of {name} is {default:#x}, but the printed bytes are {number:#x}"
+        message = f"the 'default' of {name} is {default:#x}, but the printed bytes are {number:#x}"
+        yield _Difference("bytes", message)
 
 
-def _differences_of_bits(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[tuple[str, str]]:
-    """Yield the key and the message of each difference between a row about some bits and a register."""
+def _differences_of_bits(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[_Difference]:
+    """Yield each difference between a row about some bits and a register."""
     name = quoted(register.name)
-    bounds = _parse_bit_range(row.at)
-    if bounds is None:
-        yield "at", f"{quoted(row.at)} is not a position; write a bit number, or a range such as 7:6"
+    bit_range = _parse_bit_range(row.at)
+    if bit_range is None:
+        message = f"{quoted(row.at)} is not a position; write a bit number, or a range such as 7:6"
+        yield _Difference("at", message)
         return
     if register.default is None:
-        yield "value", f"{name} has no 'default' that contains these bits"
+        yield _Difference("value", f"{name} has no 'default' that contains these bits")
     else:
-        high, low = bounds
-        mask = (1 << (high - low + 1)) - 1
-        default_bits = (register.default >> low) & mask
+        width = bit_range.highest - bit_range.lowest + 1
+        mask = (1 << width) - 1
+        default_bits = (register.default >> bit_range.lowest) & mask
         if default_bits != row.value:
             problem = f"the 'default' of {name} is {register.default:#x}, which gives {default_bits} in these bits"
-            yield "value", f"{problem}, but the manual prints {row.value}"
-    yield from _differences_of_field(row, register, bounds)
+            yield _Difference("value", f"{problem}, but the manual prints {row.value}")
+    yield from _differences_of_field(row, register, bit_range)
+
+
+class _BitRange(NamedTuple):
+    """The highest and the lowest bit of a place in a register."""
+
+    highest: int
+    lowest: int
 
 
 def _differences_of_field(
-    row: WrittenPrintedDefault, register: WrittenRegister, bounds: tuple[int, int]
-) -> Iterator[tuple[str, str]]:
-    """Yield the key and the message if a row has other bits than its field, or another name for the number.
-
-    ``bounds`` are the highest and the lowest bit of the row.
-    """
+    row: WrittenPrintedDefault, register: WrittenRegister, bits_of_row: _BitRange
+) -> Iterator[_Difference]:
+    """Yield the difference if a row has other bits than its field, or another name for the number."""
     field = by_name(register.fields).get(row.field)
     if field is None:  # Reported by the rule on references, or the field is in a group.
         return
-    if field.at is not None and _parse_bit_range(field.at) != bounds:
-        yield "at", f"{quoted(row.field)} is at {field.at}, but {row.at} is printed"
-    names = [name for name, value in field.values.items() if value.value == row.value]
-    if row.is_ and row.is_ not in names:
-        actual = f"is {quoted(names[0])}" if names else "has no name"
-        yield "is", f"{row.value} {actual} in {quoted(row.field)}, but {quoted(row.is_)} is printed"
+    if field.at is not None and _parse_bit_range(field.at) != bits_of_row:
+        yield _Difference("at", f"{quoted(row.field)} is at {field.at}, but {row.at} is printed")
+    names_of_number = [name for name, value in field.values.items() if value.value == row.value]
+    printed_name = row.is_
+    if printed_name and printed_name not in names_of_number:
+        actual_name = f"is {quoted(names_of_number[0])}" if names_of_number else "has no name"
+        message = f"{row.value} {actual_name} in {quoted(row.field)}, but {quoted(printed_name)} is printed"
+        yield _Difference("is", message)
 
 
-def _parse_bit_range(at: int | str | None) -> tuple[int, int] | None:
-    """Return the highest and the lowest bit of a place such as ``7:6`` or 5, or None if it is not a place."""
-    if isinstance(at, int):
-        is_bit_of_register = 0 <= at < 1024  # No register has more bits.
-        return (at, at) if is_bit_of_register else None
-    bit_range = _BIT_RANGE_TEXT.fullmatch(str(at))
-    if bit_range is None:
+def _parse_bit_range(place: int | str | None) -> _BitRange | None:
+    """Return the bits of a place such as ``7:6`` or 5, or None if it is not a place."""
+    if isinstance(place, int):
+        is_bit_of_register = 0 <= place < 1024  # No register has more bits.
+        return _BitRange(place, place) if is_bit_of_register else None
+    match = _BIT_RANGE_TEXT.fullmatch(str(place))
+    if match is None:
         return None
-    high, low = int(bit_range[1]), int(bit_range[2])
-    return (high, low) if high >= low else None
+    bit_range = _BitRange(*map(int, match.groups()))
+    return bit_range if bit_range.highest >= bit_range.lowest else None
 
 
 @dataclass(frozen=True)
 class _Write:
     """A write: the addresses, the bit if it is a single one, and the number, or None if the caller supplies it."""
 
-    first: int
-    last: int
+    first_address: int
+    last_address: int
     bit: int | None
     value: int | None
 
     def __str__(self) -> str:
         """Return the write as text, such as ``0x48 = 0x01``, ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
-        text = f"{self.first:#04x}"
-        if self.last > self.first:
-            text += f"-{self.last:#04x}"
+        text = f"{self.first_address:#04x}"
+        if self.last_address > self.first_address:
+            text += f"-{self.last_address:#04x}"
         if self.bit is not None:
             text += f" bit {self.bit}"
         if self.value is not None:
@@ -174,29 +186,31 @@ def check_writes(spec: WrittenSpec, report: DocumentReport) -> None:
     registers = by_name(spec.registers)
     groups = by_name(spec.field_groups)
     for procedure in spec.procedures:
-        steps = [step for step in procedure.steps if step.do == "write"]
-        step_writes = [_write_of_step(step, registers, groups) for step in steps]
-        if procedure.printed_writes and None not in step_writes:
-            _compare_writes(procedure, steps, step_writes, report)
+        write_steps = [step for step in procedure.steps if step.do == "write"]
+        writes = [_write_of_step(step, registers, groups) for step in write_steps]
+        are_all_known = None not in writes
+        if procedure.printed_writes and are_all_known:
+            _compare_writes(procedure, write_steps, writes, report)
 
 
 def _compare_writes(
-    procedure: WrittenProcedure,
-    steps: list[WrittenStep],
-    step_writes: list[_Write | None],
-    report: DocumentReport,
+    procedure: WrittenProcedure, write_steps: list[WrittenStep], writes: list[_Write | None], report: DocumentReport
 ) -> None:
-    """Report each printed write that differs from the step at the same place, and each step without a printed write."""
-    for index, text in enumerate(procedure.printed_writes):
-        printed_write = _parse_write(text)
+    """Report each printed write that differs from the step at the same place, and each step without a printed write.
+
+    ``writes`` contains the write that each of the ``write_steps`` carries out.
+    """
+    for index, printed_text in enumerate(procedure.printed_writes):
+        printed_write = _parse_write(printed_text)
         printed_path = (*procedure.path, "printed_writes", index)
-        if index >= len(steps):
+        if index >= len(write_steps):
             report.add("writes-mismatch", printed_path, f"{printed_write} is printed, but no step writes it")
-        elif printed_write != step_writes[index]:
-            line, _ = report.document.position(steps[index].path)
-            message = f"{printed_write} is printed, but the step on line {line} writes {step_writes[index]}"
+        elif printed_write != writes[index]:
+            line, _ = report.document.position(write_steps[index].path)
+            message = f"{printed_write} is printed, but the step on line {line} writes {writes[index]}"
             report.add("writes-mismatch", printed_path, message)
-    for step in steps[len(procedure.printed_writes) :]:
+    steps_without_print = write_steps[len(procedure.printed_writes) :]
+    for step in steps_without_print:
         report.add("writes-mismatch", step.path, "this write is not among the 'printed_writes'")
 
 
@@ -204,12 +218,12 @@ def _parse_write(write_text: str) -> _Write:
     """Return the write that a text of ``printed_writes`` describes, such as ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
     match = _PRINTED_WRITE.fullmatch(write_text)
     assert match is not None  # The schema uses the same pattern.
-    first, last, bit, value = match.group("first", "last", "bit", "value")
+    first_text, last_text, bit_text, value_text = match.group("first", "last", "bit", "value")
     return _Write(
-        first=int(first, 16),
-        last=int(first if last is None else last, 16),
-        bit=None if bit is None else int(bit),
-        value=None if value is None else int(value, 0),
+        first_address=int(first_text, 16),
+        last_address=int(last_text or first_text, 16),
+        bit=int(bit_text) if bit_text else None,
+        value=int(value_text, 0) if value_text else None,
     )
 
 
@@ -229,16 +243,14 @@ def _write_of_step(step: WrittenStep, registers: Mapping[str, WrittenRegister], 
     number = None
     if fields_with_value:
         number = fields_with_value[0].values[step.value].value
-    first = register.address
-    last = last_address(register)
-    writes_whole_register = not step.field and (not fields_with_value or len(register_fields) == 1)
-    if writes_whole_register:
-        return _Write(first=first, last=last, bit=None, value=number)
+    write_of_register = _Write(register.address, last_address(register), bit=None, value=number)
+    is_value_of_register = not fields_with_value or len(register_fields) == 1
+    if not step.field and is_value_of_register:
+        return write_of_register
     written_fields = fields_with_value or possible_fields
-    bounds = _parse_bit_range(written_fields[0].at) if written_fields else None
-    if bounds is None:
+    bit_range = _parse_bit_range(written_fields[0].at) if written_fields else None
+    if bit_range is None:
         return None
-    _, low_bit = bounds
-    if not step.field:
-        return _Write(first=first, last=last, bit=None, value=(number or 0) << low_bit)
-    return _Write(first=first, last=last, bit=low_bit, value=number)
+    if step.field:
+        return replace(write_of_register, bit=bit_range.lowest)
+    return replace(write_of_register, value=(number or 0) << bit_range.lowest)

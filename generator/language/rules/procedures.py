@@ -1,4 +1,7 @@
-"""Rules for procedures and register banks: each step is possible, and parameters are written before they are saved."""
+"""Rules for procedures and register banks: each step is possible, and parameters are written before they are saved.
+
+All registers, fields and values that procedures name must exist.
+"""
 
 from __future__ import annotations
 
@@ -9,17 +12,20 @@ from itertools import takewhile
 from ...model import INTERFACES, Biss
 from ..document import Path
 from ..problems import DocumentReport, quoted
-from ..schema_files import is_second
 from ..written_codes import WrittenOpenedBy, WrittenRegister
-from ..written_parts import WrittenSpec, WrittenStep
+from ..written_interfaces import WrittenRs485
+from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
+from .name_resolver import NameResolver
 from .parts import (
-    bank_select,
+    bank_select_register,
     by_name,
+    by_part_name,
     fields_of,
     has_other_bits,
-    interface_of,
-    named_values,
+    interface_name_of,
+    is_second_reading,
     value_names,
+    value_names_of_register,
 )
 from .shapes import check_keys
 
@@ -30,6 +36,63 @@ Registers = Mapping[str, WrittenRegister]
 _IMPOSSIBLE_ACCESS = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 
 
+def check_procedure_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the interfaces, registers, values and data IDs that procedures name exist."""
+    resolver = NameResolver(spec, report)
+    for procedure in spec.procedures:
+        resolver.check_optional_name(procedure.place_of("interface"), "interface", procedure.interface)
+        for argument in procedure.arguments:
+            resolver.check_optional_name(argument.place_of("of"), "register", argument.of)
+            register = resolver.registers.get(argument.of)
+            if register is not None:
+                noun = f"meaning of {quoted(argument.of)} called"
+                known_meanings = by_name(register.meanings)
+                resolver.check_optional_name(argument.place_of("as"), noun, argument.as_, known_names=known_meanings)
+        interface_data = spec.with_invalid_parts.interfaces.data.get(procedure.interface)
+        data_ids = by_part_name(WrittenRs485(interface_data).data_ids)
+        for step in procedure.steps:
+            _check_names_in_step(step, procedure, resolver)
+            resolver.check_optional_name(step.place_of("data_id"), "data ID", step.data_id, known_names=data_ids)
+
+
+def _check_names_in_step(step: WrittenStep, procedure: WrittenProcedure, resolver: NameResolver) -> None:
+    """Check that the register, the field and the value that a step of a procedure names exist."""
+    name = step.register
+    resolver.check_optional_name(step.place_of("register"), "register", name)
+    register = resolver.registers.get(name)
+    if register is None:
+        return
+    known_fields = resolver.bit_names(name)
+    noun = f"field of {quoted(name)} called"
+    resolver.check_optional_name(step.place_of("field"), noun, step.field, known_names=known_fields)
+    has_unknown_field = bool(step.field) and step.field not in known_fields
+    if not has_unknown_field:
+        argument_names = [argument.name for argument in procedure.arguments]
+        _check_written_value(step, register, argument_names, resolver)
+
+
+def _check_written_value(
+    step: WrittenStep, register: WrittenRegister, argument_names: Sequence[str], resolver: NameResolver
+) -> None:
+    """Check that a step writes an argument of its procedure or a named value, without changing other bits.
+
+    A step without a field writes the whole register. If it writes the named value of one of several fields, this is
+    reported, because it would change the other fields.
+    """
+    name = step.register
+    path = step.place_of("value")
+    possible_values = [*resolver.value_names(name, step.field), *argument_names]
+    noun = f"argument, or value of {quoted(name)}, called"
+    resolver.check_optional_name(path, noun, step.value, known_names=possible_values)
+    is_named_value = step.value in resolver.value_names(name) and step.value not in argument_names
+    writes_whole_register = not step.field
+    if writes_whole_register and is_named_value and has_other_bits(register, resolver.groups):
+        remedy = f"add 'field' with the name of the field that must hold {quoted(step.value)}"
+        if register.access == "write_only":
+            remedy = "describe it as one field with all its bits, because it is write_only"
+        resolver.report_problem(path, f"{quoted(name)} has other bits, too; {remedy}")
+
+
 def check_step_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each step of a procedure has the keys of its kind.
 
@@ -37,23 +100,22 @@ def check_step_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for procedure in spec.procedures:
         for step in procedure.steps:
-            check_keys("step-shape", step, step.do, f"a {step.do} step", report)
+            check_keys(step, step.do, rule="step-shape", subject=f"a {step.do} step", report=report)
             _check_conditions_between_requests(step, report)
 
 
 def _check_conditions_between_requests(step: WrittenStep, report: DocumentReport) -> None:
     """Check that a step has no condition between requests, such as a time, if it sends only one request."""
-    if step.do != "send" or step.times not in (None, 1):
+    sends_one_request = step.do == "send" and step.times in (None, 1)
+    if not sends_one_request:
         return
     request_count = "has no 'times'" if step.times is None else "sends one"
-    for condition, is_given in (
-        ("in_succession", step.in_succession),
-        ("every_at_least_us", step.every_at_least_us),
-    ):
-        if is_given:
-            key = quoted(condition)
-            problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
-            report.add("step-shape", step.place_of(condition), problem, at_key=True)
+    values_by_key = {"in_succession": step.in_succession, "every_at_least_us": step.every_at_least_us}
+    for key, value in values_by_key.items():
+        if value:
+            key_text = quoted(key)
+            problem = f"{key_text} applies to several requests, but the step {request_count}"
+            report.add("step-shape", step.place_of(key), f"{problem}; add 'times', or remove {key_text}", at_key=True)
             return
 
 
@@ -67,14 +129,16 @@ def check_step_access(spec: WrittenSpec, report: DocumentReport) -> None:
     for procedure in spec.procedures:
         for step in procedure.steps:
             register = _register_of(step, registers)
-            writes_one_field = step.do == "write" and step.field
-            if writes_one_field and register.access == "write_only" and has_other_bits(register, groups):
+            writes_one_field = step.do == "write" and bool(step.field)
+            keeps_other_bits = writes_one_field and has_other_bits(register, groups)
+            if keeps_other_bits and register.access == "write_only":
                 message = (
                     f"{quoted(step.register)} is write_only, so a step cannot keep its other bits; "
                     "describe it as one field with all its bits, and remove 'field'"
                 )
                 report.add("access-mismatch", step.place_of("field"), message)
-            if register.access and _IMPOSSIBLE_ACCESS.get(step.do) == register.access:
+            is_impossible = bool(register.access) and _IMPOSSIBLE_ACCESS.get(step.do) == register.access
+            if is_impossible:
                 message = f"{quoted(step.register)} is {register.access}, so a step cannot {step.do} it"
                 report.add("access-mismatch", step.place_of("register"), message)
     _check_written_registers(spec, _names_with_access(registers, "read_only"), report)
@@ -90,31 +154,31 @@ def _names_with_access(registers: Registers, access: str) -> set[str]:
     return {name for name, register in registers.items() if register.access == access}
 
 
-def _check_written_registers(spec: WrittenSpec, read_only: Collection[str], report: DocumentReport) -> None:
+def _check_written_registers(spec: WrittenSpec, read_only_names: Collection[str], report: DocumentReport) -> None:
     """Check that no register that unlocks another one for writing, or selects a bank, is among the read-only ones."""
     for register in spec.registers:
-        opener = register.opened_by.register if register.opened_by is not None else ""
-        if opener in read_only:
-            message = f"{quoted(opener)} is read_only, so it cannot unlock {quoted(register.name)}"
+        unlocking_register = register.opened_by.register if register.opened_by is not None else ""
+        if unlocking_register in read_only_names:
+            message = f"{quoted(unlocking_register)} is read_only, so it cannot unlock {quoted(register.name)}"
             report.add("access-mismatch", (*register.place_of("opened_by"), "register"), message)
-    select = bank_select(spec)
-    if select in read_only:
-        message = f"{quoted(select)} is read_only, so it cannot select a bank"
+    bank_register = bank_select_register(spec)
+    if bank_register in read_only_names:
+        message = f"{quoted(bank_register)} is read_only, so it cannot select a bank"
         report.add("access-mismatch", ("interfaces", Biss.name, "bank_select"), message)
 
 
-def _check_read_registers(spec: WrittenSpec, write_only: Collection[str], report: DocumentReport) -> None:
+def _check_read_registers(spec: WrittenSpec, write_only_names: Collection[str], report: DocumentReport) -> None:
     """Check that no register that holds a parameter or an alarm is among the write-only ones."""
-    for name, parameter in spec.parameters.items():
+    for parameter_name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
-        if register_name in write_only:
-            message = f"{quoted(register_name)} is write_only, so {quoted(name)} cannot be read from it"
+        if register_name in write_only_names:
+            message = f"{quoted(register_name)} is write_only, so {quoted(parameter_name)} cannot be read from it"
             report.add("access-mismatch", parameter.place_of("read_from"), message)
-    for alarm in spec.alarms:
-        register_name = alarm.part.register
-        if register_name in write_only:
-            message = f"{quoted(register_name)} is write_only, so it cannot signal {quoted(alarm.part.name)}"
-            report.add("access-mismatch", (*alarm.path, "register"), message)
+    for located_alarm in spec.alarms:
+        alarm = located_alarm.part
+        if alarm.register in write_only_names:
+            message = f"{quoted(alarm.register)} is write_only, so it cannot signal {quoted(alarm.name)}"
+            report.add("access-mismatch", (*located_alarm.path, "register"), message)
 
 
 def check_step_waits(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -123,13 +187,14 @@ def check_step_waits(spec: WrittenSpec, report: DocumentReport) -> None:
     for procedure in spec.procedures:
         for index, step in enumerate(procedure.steps):
             needed_ms = _register_of(step, registers).wait_at_least_ms
-            if step.do == "write" and needed_ms is not None:
-                later_steps = procedure.steps[index + 1 :]
-                short_wait = _find_short_wait(step, later_steps, needed_ms)
-                if short_wait is not None:
-                    wait_path, wait_text = short_wait
-                    problem = f"{quoted(step.register)} needs a wait of {needed_ms} ms after a write"
-                    report.add("wait-too-short", wait_path, f"{problem}, but {wait_text}", cause=step.register)
+            if step.do != "write" or needed_ms is None:
+                continue
+            later_steps = procedure.steps[index + 1 :]
+            short_wait = _find_short_wait(step, later_steps, needed_ms)
+            if short_wait is not None:
+                wait_path, wait_text = short_wait
+                problem = f"{quoted(step.register)} needs a wait of {needed_ms} ms after a write"
+                report.add("wait-too-short", wait_path, f"{problem}, but {wait_text}", cause=step.register)
 
 
 def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> tuple[Path, str] | None:
@@ -160,18 +225,18 @@ def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
-        arguments = [argument.name for argument in procedure.arguments]
+        argument_names = [argument.name for argument in procedure.arguments]
         for index, step in enumerate(procedure.steps):
             opener = _register_of(step, registers).opened_by
             if step.do != "write" or opener is None:
                 continue
             earlier_steps = procedure.steps[:index]
-            earlier_values = [earlier.value for earlier in earlier_steps if _writes_to_opener(earlier, opener)]
-            if not earlier_values:
+            opening_values = [earlier.value for earlier in earlier_steps if _writes_to_opener(earlier, opener)]
+            if not opening_values:
                 continue
-            last_value = earlier_values[-1]
+            last_value = opening_values[-1]
             # The caller of the procedure may pass the correct value as an argument.
-            if last_value != opener.value and last_value not in arguments:
+            if last_value != opener.value and last_value not in argument_names:
                 message = (
                     f"{quoted(step.register)} must be unlocked by writing {quoted(opener.value)} to"
                     f" {quoted(opener.register)}, but {quoted(last_value)} was written there"
@@ -184,9 +249,8 @@ def _writes_to_opener(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
     if step.do != "write" or not step.value or not opener.value:
         return False
     is_opening_register = bool(step.register) and step.register == opener.register
-    # A step without a field writes all of them.
-    is_opening_field = not step.field or step.field == opener.field
-    return is_opening_register and is_opening_field
+    writes_all_fields = not step.field
+    return is_opening_register and (writes_all_fields or step.field == opener.field)
 
 
 def check_written_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -211,20 +275,25 @@ def check_procedure_name(spec: WrittenSpec, report: DocumentReport) -> None:
     groups = by_name(spec.with_invalid_parts.field_groups)
     for procedure in spec.procedures:
         name = procedure.name
+        # Steps that write a named value to a register which also has a value with the name of the procedure.
         writes_by_register: dict[str, list[WrittenStep]] = {}
         for step in procedure.steps:
-            names_of_values = named_values(_register_of(step, registers), groups, step.field)
-            if step.do == "write" and name in names_of_values and step.value in names_of_values:
+            register = _register_of(step, registers)
+            known_values = value_names_of_register(register, groups, step.field)
+            if step.do == "write" and {name, step.value} <= set(known_values):
                 writes_by_register.setdefault(step.register, []).append(step)
         for register_name, writes in writes_by_register.items():
-            if name not in [write.value for write in writes]:
+            written_values = [write.value for write in writes]
+            if name not in written_values:
+                last_write = writes[-1]
                 message = (
                     f"the procedure {quoted(name)} has the same name as a value of {quoted(register_name)}, but writes"
-                    f" {quoted(writes[-1].value)}; write that value, or rename the procedure"
+                    f" {quoted(last_write.value)}; write that value, or rename the procedure"
                 )
-                report.add("procedure-name", writes[-1].place_of("value"), message)
+                report.add("procedure-name", last_write.place_of("value"), message)
 
 
+#: Names of values that save parameters, such as ``save`` or ``store_all``.
 _SAVE_WORDS = re.compile(r"(?:save|store|burn)(?:_.*)?")
 _ANY_BANK = "any"
 
@@ -234,27 +303,27 @@ def check_saves_before_writes(spec: WrittenSpec, report: DocumentReport) -> None
 
     It saves with the last write of a value called save, store or burn. Volatile registers need no saving.
     """
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     registers = by_name(spec.with_invalid_parts.registers)
     for procedure in spec.procedures:
         if procedure.note:
             continue
-        arguments = {argument.name for argument in procedure.arguments}
-        writes = [step for step in procedure.steps if step.do == "write"]
-        indices_of_saves = [index for index, step in enumerate(writes) if step.register in registers and _is_save(step)]
+        argument_names = {argument.name for argument in procedure.arguments}
+        writes = [step for step in procedure.steps if step.do == "write" and step.register in registers]
+        indices_of_saves = [index for index, step in enumerate(writes) if _is_save(step)]
         if not indices_of_saves:
             continue
         index_of_last_save = indices_of_saves[-1]
-        save = writes[index_of_last_save]
+        last_save = writes[index_of_last_save]
         later_writes = writes[index_of_last_save + 1 :]
-        writes_to_other_registers = [step for step in later_writes if step.register != save.register]
-        unsaved_register = _first_unsaved(writes_to_other_registers, arguments, registers)
+        writes_to_other_registers = [step for step in later_writes if step.register != last_save.register]
+        unsaved_register = _first_unsaved(writes_to_other_registers, argument_names, registers)
         if unsaved_register:
             problem = f"this step saves before {quoted(unsaved_register)} is written"
             remedy = "move this step after the write, or explain the order in a 'note' of the procedure"
             message = f"{problem}, so that value is lost at power-off; {remedy}"
-            report.add("saved-too-early", save.path, message)
+            report.add("saved-too-early", last_save.path, message)
 
 
 def _is_save(step: WrittenStep) -> bool:
@@ -262,13 +331,14 @@ def _is_save(step: WrittenStep) -> bool:
     return _SAVE_WORDS.fullmatch(step.value) is not None
 
 
-def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], registers: Registers) -> str:
+def _first_unsaved(later_writes: Iterable[WrittenStep], argument_names: set[str], registers: Registers) -> str:
     """Return the first non-volatile register to which one of the later steps writes an argument of the procedure.
 
     The result is empty if there is none.
     """
-    for step in later_steps:
-        if step.value in arguments and step.register in registers and not registers[step.register].volatile:
+    for step in later_writes:
+        needs_saving = not registers[step.register].volatile
+        if needs_saving and step.value in argument_names:
             return step.register
     return ""
 
@@ -280,7 +350,7 @@ def check_named_bank(spec: WrittenSpec, report: DocumentReport) -> None:
     for register in spec.registers:
         if register.bank is None:
             continue
-        if INTERFACES[interface_of(register)].highest_in_bank is None:
+        if INTERFACES[interface_name_of(register)].highest_in_bank is None:
             message = (
                 f"{quoted(register.name)} is in a bank, but only BiSS has a register that selects banks; remove"
                 " 'bank', and describe in 'note' how the bank is selected"
@@ -300,7 +370,7 @@ def check_selected_bank(spec: WrittenSpec, report: DocumentReport) -> None:
     An argument, whose value is not known, may select any bank.
     """
     registers = by_name(spec.with_invalid_parts.registers)
-    bank_register = bank_select(spec.with_invalid_parts)
+    bank_register = bank_select_register(spec.with_invalid_parts)
     if not bank_register:
         return
     bank_numbers = _numbers_by_name(registers.get(bank_register, _NO_REGISTER), spec)

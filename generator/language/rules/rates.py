@@ -6,15 +6,23 @@ import math
 import re
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import NamedTuple
 
 from ...model import Timing
 from ...model.clocks import CableLength, Clock, Timeout
 from ..problems import DocumentReport, Path
-from ..schema_files import is_second
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
-from .parts import WrittenInterface, as_affected_name, has_erratum_at, interfaces, share_codes
+from .parts import (
+    WrittenInterface,
+    as_affected_name,
+    clocks_of,
+    has_erratum_at,
+    interfaces,
+    is_second_reading,
+    share_order_codes,
+)
 
 #: Significant digits of the rates in data sheets.
 _SIGNIFICANT_DIGITS = 3
@@ -31,6 +39,48 @@ _MONOFLOP, _PAUSE = "monoflop", "pause"
 _PATH_OF_TIMEOUT = ("interfaces", "biss", "timeout")
 _PATH_OF_PRINTED_TIMEOUTS = ".".join((*_PATH_OF_TIMEOUT, "printed"))
 _NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
+#: No encoder has such a low limit in Hz. The highest limits in kHz, of SPI, are still below.
+_LOWEST_MAXIMUM_HZ = 50_000
+#: The lowest clock in Hz of an encoder whose highest clock is plausible.
+_LOWEST_MINIMUM_HZ = 1_000
+#: The lowest standard baud rate. Rates in kbaud and Mbaud that do not look like one are below it.
+_LOWEST_BAUD = 300
+#: Below this number, a unit of MHz is more likely than kHz.
+_LIKELY_MEGA = 50
+#: Standard baud rates that are not whole numbers of kbaud.
+_STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_600)
+
+
+def check_plausible_rates(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no clock or baud rate is too low for an encoder, unless the interface has a note."""
+    if is_second_reading(report.document):  # Second readings have no notes.
+        return
+    for _, interface in interfaces(spec):
+        if interface.note:
+            continue
+        for clock in clocks_of(interface):
+            max_hz, min_hz = clock.part.max_hz, clock.part.min_hz
+            if max_hz is not None and max_hz < _LOWEST_MAXIMUM_HZ:
+                _report_rate(max_hz, unit="Hz", path=(*clock.path, "max_hz"), report=report)
+            elif min_hz is not None and 0 < min_hz < _LOWEST_MINIMUM_HZ:
+                _report_rate(min_hz, unit="Hz", path=(*clock.path, "min_hz"), report=report)
+        port = interface.port if isinstance(interface, WrittenRs485) else None
+        if port is not None and port.has("baud") and port.part.baud < _LOWEST_BAUD:
+            _report_rate(port.part.baud, unit="baud", path=(*port.path, "baud"), report=report)
+
+
+def _report_rate(rate: int, unit: str, path: Path, report: DocumentReport) -> None:
+    """Report a rate that is implausibly low, with the number that is probably meant: in kHz or MHz instead of Hz."""
+    rate_key = path[-1]
+    prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
+    likely_rate = rate * factor
+    if unit == "baud":
+        # Manuals round standard rates: 115 kbaud is 115200 baud.
+        rounded_to_rate = [standard_rate for standard_rate in _STANDARD_BAUDS if standard_rate // 1000 == rate]
+        likely_rate = rounded_to_rate[0] if rounded_to_rate else likely_rate
+    problem = f"'{rate_key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
+    remedy = f"write {likely_rate}. If the number is right, say so in a 'note' of the interface"
+    report.add("implausible-rate", path, f"{problem}, {remedy}")
 
 
 def check_round_rates(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -38,17 +88,19 @@ def check_round_rates(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Slow rates and standard baud rates are accepted, and so is a rate that a note of the interface gives.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for _, interface in interfaces(spec):
         for path, rate, unit in _yield_rates(interface):
-            digits = len(str(rate).rstrip("0"))  # 2 for 1,500,000.
+            digit_count = len(str(rate).rstrip("0"))  # 2 for 1,500,000.
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
-            is_high = rate >= _LOWEST_HZ
+            is_low = rate < _LOWEST_HZ
             is_explained = _contains_rate(interface.note, rate)
-            if digits > _SIGNIFICANT_DIGITS and is_high and not is_standard and not is_explained:
+            if is_low or is_standard or is_explained:
+                continue
+            if digit_count > _SIGNIFICANT_DIGITS:
                 message = (
-                    f"{rate} {unit} has {digits} significant digits, which is implausible; correct it, or say in a"
+                    f"{rate} {unit} has {digit_count} significant digits, which is implausible; correct it, or say in a"
                     f" 'note' of the interface that it is {rate} {unit}"
                 )
                 report.add("implausible-rate", path, message)
@@ -59,23 +111,28 @@ def _contains_rate(note: str, rate: int) -> bool:
     return str(rate) in note.replace(",", "")
 
 
-def _yield_rates(interface: WrittenInterface) -> Iterator[tuple[Path, int, str]]:
-    """Yield the clock limits of an interface, or its baud rate, each with its path and unit: Hz or baud.
+class _Rate(NamedTuple):
+    """A clock limit in Hz or a baud rate, with its path."""
 
-    Clock limits for cable lengths are included.
-    """
+    path: Path
+    number: int
+    unit: str
+
+
+def _yield_rates(interface: WrittenInterface) -> Iterator[_Rate]:
+    """Yield the clock limits of an interface, including those for cable lengths, or its baud rate."""
     if isinstance(interface, WrittenRs485):
         if interface.port.is_valid("baud"):
-            yield (*interface.port.path, "baud"), interface.port.part.baud, "baud"
+            yield _Rate((*interface.port.path, "baud"), interface.port.part.baud, unit="baud")
         return
     for clock in interface.clock:
-        for key, rate in (("min_hz", clock.part.min_hz), ("max_hz", clock.part.max_hz)):
-            if rate is not None:
-                yield (*clock.path, key), rate, "Hz"
+        for key, limit_hz in (("min_hz", clock.part.min_hz), ("max_hz", clock.part.max_hz)):
+            if limit_hz is not None:
+                yield _Rate((*clock.path, key), limit_hz, unit="Hz")
     if isinstance(interface, WrittenSsi):
         for row in interface.cable_lengths:
             if row.is_valid("below_hz"):
-                yield (*row.path, "below_hz"), row.part.below_hz, "Hz"
+                yield _Rate((*row.path, "below_hz"), row.part.below_hz, unit="Hz")
 
 
 def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -83,7 +140,7 @@ def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
 
     An interface has such lines if it is RS-485 or its ``signals`` name them. Another rule checks clocks for cables.
     """
-    if is_second(report.document.file):  # It has no notes.
+    if is_second_reading(report.document):  # Second readings have no notes.
         return
     for _, interface in interfaces(spec):
         if isinstance(interface, WrittenSpi):
@@ -93,7 +150,8 @@ def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         for path, rate, unit in _yield_rates(interface):
             is_for_cables = path[-1] == "below_hz"
-            if rate > _HIGHEST_HZ and not is_for_cables and not _contains_rate(interface.note, rate):
+            is_explained = _contains_rate(interface.note, rate)
+            if rate > _HIGHEST_HZ and not is_for_cables and not is_explained:
                 message = (
                     f"{rate} {unit} is above {_HIGHEST_HZ} {unit}, which is implausible over RS-422 or RS-485; correct"
                     f" it, or say in a 'note' of the interface that it is {rate} {unit}"
@@ -118,13 +176,15 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
     """Check that a monoflop time fits the clocks and the pauses that apply to the same order codes."""
     time_us, key = _find_shortest(timing)
     # Errata refer to a part of a list by its name: interfaces.ssi.monoflop.at_least_us.
-    affected_path = as_affected_name(".".join(map(str, (*timing.path[:-1], _MONOFLOP, key))))
+    path_of_timings = timing.path[:-1]
+    names_in_path = map(str, (*path_of_timings, _MONOFLOP, key))
+    affected_path = as_affected_name(".".join(names_in_path))
     if has_erratum_at(report.document, affected_path) or not time_us:
         return
     remedy = f"If this is what the manual says, add an erratum that affects {affected_path}"
     for clock in ssi.clock:
         lowest_hz = clock.part.min_hz
-        if not lowest_hz or not share_codes(clock.part, timing.part):
+        if not lowest_hz or not share_order_codes(clock.part, timing.part):
             continue
         # Half a period of the clock lasts _NS_PER_S / (2 * lowest_hz).
         is_shorter_than_half_period = 2 * lowest_hz * time_us * _NS_PER_US < _NS_PER_S
@@ -134,9 +194,10 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
                 f" end within a word; correct one of the two. {remedy}"
             )
             report.add("monoflop", (*timing.path, key), message)
-    for pause in ssi.timings:
+    pauses = [other_timing for other_timing in ssi.timings if other_timing.part.name == _PAUSE]
+    for pause in pauses:
         pause_us = pause.part.at_least_us
-        if pause.part.name != _PAUSE or pause_us is None or not share_codes(pause.part, timing.part):
+        if pause_us is None or not share_order_codes(pause.part, timing.part):
             continue
         if pause_us < time_us:
             message = (
@@ -150,10 +211,10 @@ def _find_shortest(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
 
     The result is ``(None, "")`` if the timing has neither.
     """
-    part = timing.part
-    for key, time_us in (("at_least_us", part.at_least_us), ("typical_us", part.typical_us)):
-        if time_us is not None:
-            return time_us, key
+    if timing.part.at_least_us is not None:
+        return timing.part.at_least_us, "at_least_us"
+    if timing.part.typical_us is not None:
+        return timing.part.typical_us, "typical_us"
     return None, ""
 
 
@@ -164,7 +225,7 @@ def check_cable_clocks(spec: WrittenSpec, report: DocumentReport) -> None:
         return
     for row in ssi.cable_lengths:
         for clock in ssi.clock:
-            if row.is_valid("below_hz") and share_codes(clock.part, row.part):
+            if row.is_valid("below_hz") and share_order_codes(clock.part, row.part):
                 _check_cable_clock(row, clock.part, report)
 
 
@@ -175,8 +236,9 @@ def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: Docu
     highest_hz = clock.max_hz
     is_too_low = below_hz < lowest_hz
     is_too_high = highest_hz is not None and below_hz > highest_hz
-    place = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
-    if has_erratum_at(report.document, place) or not (is_too_low or is_too_high):
+    affected_path = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
+    is_within_limits = not is_too_low and not is_too_high
+    if is_within_limits or has_erratum_at(report.document, affected_path):
         return
     if is_too_high:
         message = f"{below_hz} Hz is above 'max_hz: {highest_hz}'"
@@ -186,7 +248,7 @@ def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: Docu
             f" {lowest_hz} to {highest_hz} Hz"
         )
     remedy = "correct one of the two. If this is what the manual says, add an erratum that affects"
-    report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {place}")
+    report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {affected_path}")
 
 
 def check_timeouts_and_clocks(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -206,7 +268,8 @@ def check_timeouts_and_clocks(spec: WrittenSpec, report: DocumentReport) -> None
             f"add an erratum that affects {_PATH_OF_PRINTED_TIMEOUTS}"
         )
         _check_longest_timeout(biss, timeout, remedy, report)
-        if timeout.part.rule == "follows_clock" and timeout.part.half_clock_periods is None:
+        follows_clock = timeout.part.rule == "follows_clock"
+        if follows_clock and timeout.part.half_clock_periods is None:
             _check_half_periods(timeout, remedy, report)
 
 
@@ -230,9 +293,10 @@ def _check_longest_timeout(
 ) -> None:
     """Report a longest timeout that is shorter than half a period of the slowest clock of the same order codes."""
     longest_ns = timeout.part.at_most_ns
-    for clock in biss.clock:
-        lowest_hz = clock.part.min_hz
-        if not longest_ns or not lowest_hz or not share_codes(clock.part, timeout.part):
+    clocks = [clock.part for clock in biss.clock if share_order_codes(clock.part, timeout.part)]
+    for clock in clocks:
+        lowest_hz = clock.min_hz
+        if not longest_ns or not lowest_hz:
             continue
         # Half a period of the clock lasts _NS_PER_S / (2 * lowest_hz).
         is_shorter_than_half_period = 2 * lowest_hz * longest_ns < _NS_PER_S
@@ -254,10 +318,11 @@ def check_timeout_mismatch(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         _check_timeout_rule(timeout, report)
         for clock in biss.clock:
-            if share_codes(clock.part, timeout.part):
+            if share_order_codes(clock.part, timeout.part):
                 _check_clocks_of_timeouts(timeout, clock.part, report)
-        if timeout.part.rule != "fixed" and timeout.part.half_clock_periods is not None:
-            _check_calculated_timeouts(timeout, timeout.part.half_clock_periods, report)
+        half_periods = timeout.part.half_clock_periods
+        if timeout.part.rule != "fixed" and half_periods is not None:
+            _check_calculated_timeouts(timeout, half_periods, report)
 
 
 def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, report: DocumentReport) -> None:
@@ -269,32 +334,35 @@ def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, repor
     for index, printed in enumerate(timeout.part.printed):
         if not lowest_hz <= printed.clock_hz <= highest_hz:
             problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no timeout at {printed.clock_hz} Hz"
-            remedy = f"if the manual gives both, add an erratum that affects {'.'.join(_PATH_OF_TIMEOUT)}"
+            affected_path = ".".join(_PATH_OF_TIMEOUT)
+            remedy = f"if the manual gives both, add an erratum that affects {affected_path}"
             path = (*timeout.path, "printed", index, "clock_hz")
             report.add("timeout-mismatch", path, f"{problem}; {remedy}")
 
 
-def _check_timeout_rule(timeout: LocatedPart[Timeout], report: DocumentReport) -> None:
+def _check_timeout_rule(located_timeout: LocatedPart[Timeout], report: DocumentReport) -> None:
     """Check that a timeout has the numbers for its rule: a time if it is fixed, or a number of half clock periods.
 
     A timeout that follows the clock may also have a time or printed examples instead of half clock periods.
     """
-    part = timeout.part
-    has_half_periods = part.half_clock_periods is not None
-    has_limit = part.at_most_ns is not None or part.typical_ns is not None
-    if part.rule == "fixed":
+    timeout = located_timeout.part
+    path = located_timeout.path
+    has_half_periods = timeout.half_clock_periods is not None
+    has_time = timeout.at_most_ns is not None or timeout.typical_ns is not None
+    has_time_or_example = has_time or bool(timeout.printed)
+    if timeout.rule == "fixed":
         if has_half_periods:
             message = "a fixed timeout does not depend on the clock; remove 'half_clock_periods'"
-            report.add("timeout-mismatch", (*timeout.path, "half_clock_periods"), message, at_key=True)
-        if not has_limit:
+            report.add("timeout-mismatch", (*path, "half_clock_periods"), message, at_key=True)
+        if not has_time:
             message = "a fixed timeout needs 'at_most_ns' or 'typical_ns'"
-            report.add("timeout-mismatch", timeout.path, message, at_key=True)
-    elif part.rule == "follows_clock" and not has_half_periods and not has_limit and not part.printed:
+            report.add("timeout-mismatch", path, message, at_key=True)
+    elif timeout.rule == "follows_clock" and not has_half_periods and not has_time_or_example:
         message = (
             "a timeout that depends on the clock needs 'half_clock_periods', "
             "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"
         )
-        report.add("timeout-mismatch", timeout.path, message, at_key=True)
+        report.add("timeout-mismatch", path, message, at_key=True)
 
 
 def _check_calculated_timeouts(timeout: LocatedPart[Timeout], half_periods: int, report: DocumentReport) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from ...model import Biss
@@ -13,7 +13,7 @@ from ..written_codes import WrittenRegister
 from ..written_interfaces import WrittenRs485
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
-from .parts import by_name, field_lists, has_erratum_at, interface_of
+from .parts import by_name, field_lists, has_erratum_at, interface_name_of
 from .walk import leaves_of
 
 #: Lists that are sets, at any place.
@@ -38,7 +38,7 @@ _PARITY_IN_TEXT = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
 
 def check_repeated_items(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no element occurs twice in a list without repetitions, such as ``sums_up``."""
-    for path, elements in _lists_without_repetitions((), spec.data):
+    for path, elements in _lists_without_repetitions(spec.data, ()):
         for index, element in enumerate(elements):
             first_index = elements.index(element)
             if first_index < index:
@@ -50,20 +50,20 @@ def check_repeated_items(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("repeated-item", (*path, index), message)
 
 
-def _lists_without_repetitions(path: Path, node: object) -> Iterator[tuple[Path, list[object]]]:
+def _lists_without_repetitions(node: object, path: Path) -> Iterator[tuple[Path, list[object]]]:
     """Yield every list in a part of a spec, at ``path``, in which no element may occur twice, with its path.
 
     The key of the list decides, as for ``sums_up``, or the key of the map that contains it, as for ``only_with``.
     """
     if isinstance(node, list):
-        is_in_map_of_sets = len(path) > 1 and path[-2] in _MAPS_OF_SETS
-        if path[-1] in _LISTS_THAT_ARE_SETS or is_in_map_of_sets:
+        key_of_map = path[-2] if len(path) > 1 else ""
+        if path[-1] in _LISTS_THAT_ARE_SETS or key_of_map in _MAPS_OF_SETS:
             yield path, node
-        for index, inner in enumerate(node):
-            yield from _lists_without_repetitions((*path, index), inner)
+        for index, element in enumerate(node):
+            yield from _lists_without_repetitions(element, (*path, index))
     elif isinstance(node, dict):
-        for key, inner in node.items():
-            yield from _lists_without_repetitions((*path, key), inner)
+        for key, value in node.items():
+            yield from _lists_without_repetitions(value, (*path, key))
 
 
 class _NamedText(NamedTuple):
@@ -81,7 +81,8 @@ def check_repeated_text(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     registers_by_bank: dict[object, list[WrittenRegister]] = {}
     for register in spec.registers:
-        registers_by_bank.setdefault((interface_of(register), register.bank), []).append(register)
+        bank = (interface_name_of(register), register.bank)
+        registers_by_bank.setdefault(bank, []).append(register)
     for registers in registers_by_bank.values():
         _report_repeated("printed_name", map(_printed_name_of, registers), report)
     for field_list in field_lists(spec):
@@ -94,22 +95,24 @@ def check_repeated_text(spec: WrittenSpec, report: DocumentReport) -> None:
 def _check_values(field: WrittenField, report: DocumentReport) -> None:
     """Check that no two named values of a field have the same printed name, or the same meaning of several words."""
     printed_names = []
-    meanings = []
+    long_meanings = []
     for name, value in field.values.items():
-        printed_names.append(_NamedText(value.printed_name, name, value.place_of("printed_name")))
-        is_long = value.meaning.count(" ") > 1  # Several values can be "not used".
-        if is_long:
-            meanings.append(_NamedText(value.meaning, name, value.place_of("meaning")))
+        printed_name = _NamedText(value.printed_name, name, value.place_of("printed_name"))
+        meaning = _NamedText(value.meaning, name, value.place_of("meaning"))
+        printed_names.append(printed_name)
+        has_three_words = meaning.text.count(" ") > 1  # Several values can be "not used".
+        if has_three_words:
+            long_meanings.append(meaning)
     _report_repeated("printed_name", printed_names, report)
-    _report_repeated("meaning", meanings, report)
+    _report_repeated("meaning", long_meanings, report)
 
 
 def _printed_name_of(register_or_field: WrittenRegister | WrittenField) -> _NamedText:
     """Return the printed name of a part, with its name or, without one, its index."""
     return _NamedText(
-        register_or_field.printed_name,
-        register_or_field.name or str(register_or_field.path[-1]),
-        register_or_field.place_of("printed_name"),
+        text=register_or_field.printed_name,
+        name=register_or_field.name or str(register_or_field.path[-1]),
+        path=register_or_field.place_of("printed_name"),
     )
 
 
@@ -138,17 +141,21 @@ def check_description_file(spec: WrittenSpec, report: DocumentReport) -> None:
     The register holds two ASCII characters, and the file name contains their four hexadecimal digits.
     """
     biss = spec.interfaces.biss
-    file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file) if biss is not None else None
     register = by_name(spec.registers).get("manufacturer_id")
-    if biss is None or file_name is None or register is None or interface_of(register) != Biss.name:
+    if biss is None or register is None or interface_name_of(register) != Biss.name:
         return
-    id_texts = [field.equals for field in register.fields if isinstance(field.equals, str) and field.equals.isascii()]
-    manufacturer_id = "".join(id_texts).encode("ascii").hex()  # 4c41 for LA.
-    id_of_file = file_name[1]
-    if len(manufacturer_id) == 4 and manufacturer_id != id_of_file.casefold():
+    file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file)
+    if file_name is None:
+        return
+    fixed_texts = [field.equals for field in register.fields if isinstance(field.equals, str)]
+    ascii_texts = [text for text in fixed_texts if text.isascii()]
+    id_of_register = "".join(ascii_texts).encode("ascii").hex()  # 4c41 for LA.
+    id_in_file_name = file_name[1]
+    is_complete = len(id_of_register) == 4
+    if is_complete and id_of_register != id_in_file_name.casefold():
         message = (
-            f"the file is for the manufacturer ID {id_of_file.upper()}h, but the register 'manufacturer_id' has"
-            f" {manufacturer_id.upper()}h; correct one of the two"
+            f"the file is for the manufacturer ID {id_in_file_name.upper()}h, but the register 'manufacturer_id' has"
+            f" {id_of_register.upper()}h; correct one of the two"
         )
         report.add("description-file", biss.place_of("description_file"), message)
 
@@ -164,11 +171,14 @@ def check_alignment(spec: WrittenSpec, report: DocumentReport) -> None:
         texts += [value.meaning for value in part.values.values()]
     named_alignments: set[str] = set()
     for text in texts:
-        named_alignments.update(_ALIGNMENTS[side.casefold()] for side in _ALIGNMENT_IN_TEXT.findall(text))
-    if ssi is None or len(named_alignments) != 1 or has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
+        for side in _ALIGNMENT_IN_TEXT.findall(text):
+            named_alignments.add(_ALIGNMENTS[side.casefold()])
+    if ssi is None or not ssi.alignment or len(named_alignments) != 1:
+        return
+    if has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
         return
     named_alignment = named_alignments.pop()
-    if ssi.alignment and ssi.alignment != named_alignment:
+    if ssi.alignment != named_alignment:
         message = (
             f"the table of contents or the order code says {quoted(named_alignment)}, but 'alignment' is"
             f" {quoted(ssi.alignment)}; correct one of the two. If both are right, add an erratum that affects"
@@ -184,36 +194,36 @@ def check_serial_port(spec: WrittenSpec, report: DocumentReport) -> None:
         return
     port = rs485.port.part
     parity_bits = 0 if port.parity == "none" else 1
-    # For each key, the pattern of texts about it, and the number or word that they must contain.
-    expected_words = {
-        "stop_bits": (_STOP_BITS, str(port.stop_bits)),
-        "parity": (_PARITY_IN_TEXT, port.parity.replace("none", "no")),
-    }
+    settings = [
+        _SettingInText("stop_bits", _STOP_BITS, str(port.stop_bits)),
+        _SettingInText("parity", _PARITY_IN_TEXT, port.parity.replace("none", "no")),
+    ]
     # If the note mentions the start bit, its number of bits is the number of the whole character.
     if "start bit" in rs485.note:
         bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
-        expected_words["data_bits"] = (_CHARACTER_LENGTH, str(bits_of_character))
-    _compare_with_port(rs485, expected_words, report)
+        settings.append(_SettingInText("data_bits", _CHARACTER_LENGTH, str(bits_of_character)))
+    _compare_with_port(rs485, settings, report)
 
 
-def _compare_with_port(
-    rs485: WrittenRs485, expected_words: Mapping[str, tuple[re.Pattern[str], str]], report: DocumentReport
-) -> None:
-    """Report the first words in the note of an RS-485 interface that contradict a setting of its port.
+class _SettingInText(NamedTuple):
+    """A setting of a port, the pattern of texts about it, and the number or word that they must contain."""
 
-    ``expected_words`` contains, for each setting, the pattern of texts about it, and the number or word that they must
-    contain, such as ``"1"`` or ``"even"``.
-    """
-    for key, (pattern, expected) in expected_words.items():
-        for word in pattern.findall(rs485.note):
+    key: str
+    pattern: re.Pattern[str]
+    expected_word: str
+
+
+def _compare_with_port(rs485: WrittenRs485, settings: Iterable[_SettingInText], report: DocumentReport) -> None:
+    """Report the first words in the note of an RS-485 interface that contradict a setting of its port."""
+    for setting in settings:
+        for word in setting.pattern.findall(rs485.note):
             plain_word = word.casefold()
             number_or_word = str(_NUMBER_WORDS.get(plain_word, plain_word))  # "2" for "Two", "even" for "even".
-            if number_or_word != expected:
-                line, _ = report.document.position((*rs485.port.path, key))
-                message = (
-                    f"the text says {quoted(word)}, but {quoted(key)} of 'port' on line {line} requires {expected}"
-                )
-                report.add("port-mismatch", rs485.place_of("note"), f"{message}; correct one of the two")
+            if number_or_word != setting.expected_word:
+                line, _ = report.document.position((*rs485.port.path, setting.key))
+                requirement = f"{quoted(setting.key)} of 'port' on line {line} requires {setting.expected_word}"
+                message = f"the text says {quoted(word)}, but {requirement}; correct one of the two"
+                report.add("port-mismatch", rs485.place_of("note"), message)
                 return
 
 
@@ -229,11 +239,11 @@ def check_bounds(spec: WrittenSpec, report: DocumentReport) -> None:
 def check_numbers_of_conditions(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
     for characteristic in spec.characteristics:
-        printed_numbers = set(_NUMBER_IN_TEXT.findall(characteristic.part.value))
+        printed_text = characteristic.part.value
+        printed_numbers = set(_NUMBER_IN_TEXT.findall(printed_text))
         for index, quantity in enumerate(characteristic.part.values):
-            missing_numbers = [
-                number for number in _NUMBER_IN_TEXT.findall(quantity.where) if number not in printed_numbers
-            ]
+            numbers_of_condition = _NUMBER_IN_TEXT.findall(quantity.where)
+            missing_numbers = [number for number in numbers_of_condition if number not in printed_numbers]
             if missing_numbers:
                 message = f"'where' has {missing_numbers[0]}, which the text does not have; correct one of the two"
                 report.add("quantity-text", (*characteristic.path, "values", index, "where"), message)
@@ -257,10 +267,11 @@ def check_address_tables(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         for row_index, row in enumerate(table.part.rows):
             cells = [row[column_index] for column_index in address_columns if column_index < len(row)]
-            hex_digits = [match[1] for match in map(_HEX_CELL.fullmatch, cells) if match is not None]
-            if len(hex_digits) != 2:
+            matches = [_HEX_CELL.fullmatch(cell) for cell in cells]
+            digits_of_addresses = [match[1] for match in matches if match is not None]
+            if len(digits_of_addresses) != 2:
                 continue
-            first_digits, last_digits = hex_digits
+            first_digits, last_digits = digits_of_addresses
             has_equal_length = len(first_digits) == len(last_digits)
             is_range = has_equal_length and int(first_digits, 16) <= int(last_digits, 16)
             if not is_range:
@@ -280,15 +291,16 @@ def check_swapped_letters(spec: WrittenSpec, report: DocumentReport) -> None:
     The beginning is the text before the first part of the order code. It is not compared if it is short.
     """
     text_before_parts, _, _ = spec.order_code.pattern.partition("{")
-    start = text_before_parts.strip("-/ ")
-    if len(start) < _SHORTEST_START:
+    fixed_start = text_before_parts.strip("-/ ")
+    if len(fixed_start) < _SHORTEST_START:
         return
     for path, text in leaves_of(spec.data, report):
         if not isinstance(text, str) or path[-1] == "printed" or path[0] in ("documents", "evidence"):
             continue
-        words = [word for word in _WORD_WITH_DIGITS.findall(text) if word != start]
-        swapped_words = [word for word in words if sorted(word) == sorted(start)]
+        other_words = [word for word in _WORD_WITH_DIGITS.findall(text) if word != fixed_start]
+        swapped_words = [word for word in other_words if sorted(word) == sorted(fixed_start)]
         if swapped_words:
-            problem = f"{quoted(swapped_words[0])} has the characters of {quoted(start)}, which begins order codes"
-            message = f"{problem}; correct it"
-            report.add("misspelt-name", path, message)
+            problem = (
+                f"{quoted(swapped_words[0])} has the characters of {quoted(fixed_start)}, which begins order codes"
+            )
+            report.add("misspelt-name", path, f"{problem}; correct it")

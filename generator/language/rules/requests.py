@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Spi
 from ..problems import DocumentReport, quoted, suggest_word
-from ..schema_files import is_second
 from ..written_interfaces import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
 from ..written_layouts import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
@@ -16,14 +15,15 @@ from .parts import (
     Groups,
     by_name,
     constant_width,
-    field_names,
-    interface_of,
+    fields_by_name,
+    interface_name_of,
+    is_second_reading,
     with_groups_expanded,
 )
 
 #: Requests with their replies, over SPI or RS-485.
 Exchanges = Sequence[WrittenRs485Exchange] | Sequence[WrittenSpiExchange]
-Layouts = Mapping[str, WrittenLayout]
+LayoutsByName = Mapping[str, WrittenLayout]
 #: Key of the frame in an exchange by its sender.
 KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
 #: Bits of the longest SPI word. Another rule reports a longer one.
@@ -42,7 +42,7 @@ def check_exchanges(
     A request for the position needs a measurement, because without one no output has a position. Problems are reported
     under ``rule``. ``raw_interface`` is the same interface together with its invalid parts.
     """
-    _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
+    _check_frames_of_exchanges(interface.exchanges, by_name(raw_interface.layouts), report)
     has_measurement = spec.with_invalid_parts.has("measurement") or raw_interface.has("measurement")
     earlier_requests = set()
     for exchange in interface.exchanges:
@@ -60,22 +60,25 @@ def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, frame_key: 
     return exchange.request if frame_key == "request" else exchange.reply
 
 
-def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentReport) -> None:
+def _check_frames_of_exchanges(exchanges: Exchanges, layouts: LayoutsByName, report: DocumentReport) -> None:
     """Check that the request of each exchange is a layout that the master sends, and the reply one from the encoder."""
     for sender, key in KEYS.items():
-        names = [name for name, layout in layouts.items() if layout.from_ == sender]
+        known_names = [name for name, layout in layouts.items() if layout.from_ == sender]
         for exchange in exchanges:
             name = _frame_name(exchange, key)
-            if name and name not in names:
-                message = f"there is no layout {quoted(name)} from the {sender}"
-                report.add("undefined-reference", exchange.place_of(key), message + suggest_word(name, names))
+            if name and name not in known_names:
+                hint = suggest_word(name, known_names)
+                message = f"there is no layout {quoted(name)} from the {sender}{hint}"
+                report.add("undefined-reference", exchange.place_of(key), message)
 
 
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
     """Report a frame that is in no exchange, as the request of the master or as the reply of the encoder."""
-    key = KEYS.get(layout.from_, "")  # 'request' or 'reply'
-    names_in_exchanges = [_frame_name(exchange, key) for exchange in exchanges] if key else []
-    if key and layout.name not in names_in_exchanges:
+    if layout.from_ not in KEYS:
+        return
+    key = KEYS[layout.from_]  # 'request' or 'reply'
+    names_in_exchanges = [_frame_name(exchange, key) for exchange in exchanges]
+    if layout.name not in names_in_exchanges:
         message = f"no exchange has {quoted(layout.name)} as its {key}; add one under 'exchanges'"
         report.add(rule, layout.path, message)
 
@@ -95,7 +98,8 @@ def check_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     if interface is None or raw_interface is None or not interface.is_given:
         return
     port = interface.port
-    if port.has("data_bits") and port.part.data_bits != 8:
+    has_other_length = port.has("data_bits") and port.part.data_bits != 8
+    if has_other_length:
         message = "frames over RS-485 consist of bytes, so a character has 8 data bits, and its parity bit is 'parity'"
         report.add(_EXCHANGE_RULE, (*port.path, "data_bits"), message)
     if not interface.has("exchanges"):
@@ -135,8 +139,9 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
             report.add(_EXCHANGE_RULE, layout.place_of("carried_as"), message)
 
 
-#: Fields that access a register, by purpose: in the request, and in the reply.
-_FIELDS_FOR_ACCESS = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
+#: Fields that a request needs to access a register, and those that its reply needs, by the purpose of the request.
+_NEEDED_IN_REQUEST = {"read": ("address",), "write": ("address", "data")}
+_NEEDED_IN_REPLY: Mapping[str, tuple[str, ...]] = {"read": ("data",), "write": ()}
 
 
 def check_spi_exchanges(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -158,7 +163,7 @@ def _check_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     Also check that no parameter is read from them.
     """
     for register in spec.registers:
-        if interface_of(register) != Spi.name:
+        if interface_name_of(register) != Spi.name:
             continue
         if register.byte_order:
             message = (
@@ -173,7 +178,7 @@ def _check_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     registers = by_name(spec.with_invalid_parts.registers)
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
-        if interface_of(registers.get(register_name)) == Spi.name:
+        if interface_name_of(registers.get(register_name)) == Spi.name:
             message = (
                 f"a parameter cannot be read from a register over SPI; remove 'read_from' from {quoted(name)}"
                 ", and give it a value for each order code"
@@ -244,15 +249,17 @@ def _check_accesses(
     """
     groups = by_name(spec.with_invalid_parts.field_groups)
     layouts = by_name(raw_interface.layouts)
-    spi_registers = [register for register in spec.with_invalid_parts.registers if interface_of(register) == Spi.name]
-    for purpose, (needed_in_request, needed_in_reply) in _FIELDS_FOR_ACCESS.items():
+    all_registers = spec.with_invalid_parts.registers
+    spi_registers = [register for register in all_registers if interface_name_of(register) == Spi.name]
+    for purpose, impossible_access in (("read", "write_only"), ("write", "read_only")):
         accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
-        _check_fields(accesses, "request", needed_in_request, layouts, groups, report)
-        _check_fields(accesses, "reply", needed_in_reply, layouts, groups, report)
+        if accesses:
+            _check_requests_of_accesses(accesses, purpose, layouts, groups, report)
+            _check_replies_of_accesses(accesses, purpose, layouts, groups, report)
         if purpose == "read" and len(accesses) > 1:
+            second_access = accesses[1]
             message = "a second request reads registers; keep one"
-            report.add("spi-exchange", accesses[1].place_of("purpose"), message)
-        impossible_access = "write_only" if purpose == "read" else "read_only"
+            report.add("spi-exchange", second_access.place_of("purpose"), message)
         accessible_registers = [register for register in spi_registers if register.access != impossible_access]
         if accessible_registers and not accesses:
             register = accessible_registers[0]
@@ -263,38 +270,64 @@ def _check_accesses(
             report.add("spi-exchange", register.path, message)
 
 
-def _check_fields(
+def _check_requests_of_accesses(
     accesses: Sequence[WrittenSpiExchange],
-    frame_key: str,
-    needed_names: tuple[str, ...],
-    layouts: Layouts,
+    purpose: str,
+    layouts: LayoutsByName,
     groups: Groups,
     report: DocumentReport,
 ) -> None:
-    """Check that the requests (or replies) of exchanges together have the needed fields, such as ``address``.
+    """Check that the requests of exchanges together have the fields to read (or write) a register: address and data.
 
-    ``frame_key`` is ``request`` or ``reply``. A request may have no other field whose value a user would have to
-    choose. Without exchanges, no field is needed.
+    A request may have no other field whose value a user would have to choose.
     """
-    if not accesses:
-        return
-    field_names_of_frames: set[str] = set()
+    needed_names = _NEEDED_IN_REQUEST[purpose]
+    known_names: set[str] = set()
     for exchange in accesses:
-        layout = layouts.get(_frame_name(exchange, frame_key))
-        if layout is not None:
-            field_names_of_frames.update(field_names(_as_field_list(layout), groups))
-    missing_names = [field_name for field_name in needed_names if field_name not in field_names_of_frames]
+        known_names |= _names_in_frame(exchange.request, layouts, groups)
+    missing_names = [name for name in needed_names if name not in known_names]
     if missing_names:
-        frame_name = _frame_name(accesses[0], frame_key)
-        place = accesses[0].place_of(frame_key)
-        message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_names[0])}"
-        report.add("spi-exchange", place, message)
-    elif frame_key == "request":
+        _report_missing_field(accesses[0], "request", missing_names[0], report)
+    else:
         _report_undecided_fields(accesses, needed_names, layouts, report)
 
 
+def _check_replies_of_accesses(
+    accesses: Sequence[WrittenSpiExchange],
+    purpose: str,
+    layouts: LayoutsByName,
+    groups: Groups,
+    report: DocumentReport,
+) -> None:
+    """Check that the replies of exchanges that read registers together have the field ``data``."""
+    known_names: set[str] = set()
+    for exchange in accesses:
+        known_names |= _names_in_frame(exchange.reply, layouts, groups)
+    missing_names = [name for name in _NEEDED_IN_REPLY[purpose] if name not in known_names]
+    if missing_names:
+        _report_missing_field(accesses[0], "reply", missing_names[0], report)
+
+
+def _names_in_frame(frame_name: str, layouts: LayoutsByName, groups: Groups) -> set[str]:
+    """Return the names of the fields of a frame. The set is empty if there is no such frame."""
+    layout = layouts.get(frame_name)
+    return set(fields_by_name(_as_field_list(layout), groups)) if layout is not None else set()
+
+
+def _report_missing_field(
+    access: WrittenSpiExchange, frame_key: str, missing_name: str, report: DocumentReport
+) -> None:
+    """Report a field that is missing in the request or reply of an exchange that accesses registers."""
+    frame_name = _frame_name(access, frame_key)
+    message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_name)}"
+    report.add("spi-exchange", access.place_of(frame_key), message)
+
+
 def _report_undecided_fields(
-    accesses: Sequence[WrittenSpiExchange], needed_names: tuple[str, ...], layouts: Layouts, report: DocumentReport
+    accesses: Sequence[WrittenSpiExchange],
+    needed_names: tuple[str, ...],
+    layouts: LayoutsByName,
+    report: DocumentReport,
 ) -> None:
     """Report each request that accesses registers and has another field whose value a user would have to choose."""
     for exchange in accesses:
@@ -319,35 +352,37 @@ def check_requests_that_write(spec: WrittenSpec, report: DocumentReport) -> None
     """
     interface = spec.interfaces.spi
     # A second reading repeats printed facts, without the notes that may explain them.
-    if interface is None or is_second(report.document.file):
+    if interface is None or is_second_reading(report.document):
         return
     groups = by_name(spec.with_invalid_parts.field_groups)
     layouts = by_name(interface.layouts)
-    bits_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
+    word_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
-    distinguishable_writes = []
+    compared_writes = []
     for name in write_requests:
         if name not in layouts:
             continue
         has_address_to_choose = "address" in _names_without_fixed_value(layouts[name], groups)
-        if has_address_to_choose and _has_constant(bits_by_layout[name]):
-            distinguishable_writes.append(name)
+        if has_address_to_choose and _has_constant(word_by_layout[name]):
+            compared_writes.append(name)
     for exchange in interface.exchanges:
         name = exchange.request
-        if name not in layouts or name in write_requests or layouts[name].note or not bits_by_layout[name]:
+        if name not in layouts or name in write_requests:
             continue
-        equal_writes = [
-            write for write in distinguishable_writes if _may_be_equal(bits_by_layout[name], bits_by_layout[write])
-        ]
+        word = word_by_layout[name]
+        is_explained = bool(layouts[name].note)
+        if is_explained or not word:
+            continue
+        equal_writes = [write for write in compared_writes if _may_be_equal(word, word_by_layout[write])]
         if equal_writes:
             problem = f"{quoted(name)} can be the same word as {quoted(equal_writes[0])}, so it would write a register"
             remedy = "correct a 'constant' in one of them, or explain it in a 'note' of this layout"
             report.add("spi-exchange", (*interface.path, "layouts", name), f"{problem}; {remedy}")
 
 
-def _has_constant(bits: str) -> bool:
+def _has_constant(word: str) -> bool:
     """Return True if a word such as ``01??`` has a constant bit."""
-    return "0" in bits or "1" in bits
+    return "0" in word or "1" in word
 
 
 def _may_be_equal(word: str, other_word: str) -> bool:
@@ -368,9 +403,8 @@ def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
         width = 1 if field.parity_of else constant_width(field)
         if width is None or width > _WIDEST_WORD:
             return ""
-        constant = _fixed_value(field)
-        bits_of_field = "?" * width if constant is None else f"{constant:0{width}b}"
-        word += bits_of_field
+        fixed_value = _fixed_value(field)
+        word += "?" * width if fixed_value is None else f"{fixed_value:0{width}b}"
     return word
 
 

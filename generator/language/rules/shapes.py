@@ -15,7 +15,7 @@ from .parts import (
     by_part_name,
     constant_width,
     field_lists,
-    interface_of,
+    interface_name_of,
 )
 
 #: Keys that give the place of a field.
@@ -24,17 +24,17 @@ PLACES = ("at", "top_bit", "low_bit")
 RESERVED = "reserved"
 #: Widest field with names for its reserved values, because each of these is in every output.
 MOST_RESERVED_BITS = 4
-_OF_FLAGS = WrittenField.keys_owned_by("active")
-_OF_PARITIES = WrittenField.keys_owned_by("parity_of")
-_OF_NUMBERS = WrittenField.keys_owned_by(NUMBER, alone=True)
+_KEYS_OF_FLAGS = WrittenField.keys_owned_by("active")
+_KEYS_OF_PARITIES = WrittenField.keys_owned_by("parity_of")
+_KEYS_OF_NUMBERS = WrittenField.keys_owned_by(NUMBER, alone=True)
 #: Keys that are not allowed next to ``scale``: the first changes the meaning of 0, the second states a separate unit.
-_NOT_SCALED = ("zero_means", "unit")
+_KEYS_EXCLUDED_BY_SCALE = ("zero_means", "unit")
 #: Keys that are not allowed next to ``digit_code``, because they are about the bits as one binary number.
-_NOT_OF_DIGITS = ("signed", "zero_means", "power_of_two", "equals", "default")
+_KEYS_EXCLUDED_BY_DIGIT_CODE = ("signed", "zero_means", "power_of_two", "equals", "default")
 #: Keys allowed next to ``use``.
-_BESIDE_USE = frozenset(("use", "note", "source"))
+_KEYS_ALLOWED_WITH_USE = frozenset(("use", "note", "source"))
 #: Kinds with an implied width: a flag and a parity bit have one bit, a CRC its own width.
-_WIDTH_FOLLOWS = ("active", "parity_of", "crc")
+_KEYS_WITH_IMPLIED_WIDTH = ("active", "parity_of", "crc")
 
 
 def check_layout_keys(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -56,13 +56,13 @@ def check_layout_keys(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def _check_use(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field that includes a group is in a layout or register, and has no keys of a field."""
-    if field_list.kind is FieldOwner.GROUP:
+    if field_list.owner_kind is FieldOwner.GROUP:
         message = "a field group cannot include another group; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
-    elif field_list.kind is FieldOwner.CONTROL:
+    elif field_list.owner_kind is FieldOwner.CONTROL:
         message = "the control data cannot include field groups; list the fields here"
         report.add("layout-keys", field.place_of("use"), message)
-    keys_of_fields = [key for key in field.data if key not in _BESIDE_USE]
+    keys_of_fields = [key for key in field.data if key not in _KEYS_ALLOWED_WITH_USE]
     if keys_of_fields:
         key = keys_of_fields[0]
         message = f"{quoted(key)} is not allowed with 'use'; it belongs to a field of the group"
@@ -81,37 +81,41 @@ def _check_field(field: WrittenField, report: DocumentReport) -> None:
 def _check_kind(field: WrittenField, report: DocumentReport) -> None:
     """Check that a field has at most one of ``KIND_KEYS`` (none makes it a number), and only keys of that kind."""
     name = quoted(field.name)
-    kinds = [key for key in KIND_KEYS if field.has(key)]
-    if len(kinds) > 1:
-        problem = f"{join_words(map(quoted, kinds))} exclude each other; keep one of them"
-        report.add("layout-keys", field.place_of(kinds[1]), problem, at_key=True)
-    for key in _OF_NUMBERS:
-        if field.has(key) and kinds:
-            problem = f"{quoted(key)} is only for numbers; {name} has {quoted(kinds[0])}, so it is not a number"
+    kind_keys = [key for key in KIND_KEYS if field.has(key)]
+    if len(kind_keys) > 1:
+        second_key = kind_keys[1]
+        problem = f"{join_words(map(quoted, kind_keys))} exclude each other; keep one of them"
+        report.add("layout-keys", field.place_of(second_key), problem, at_key=True)
+    for key in _KEYS_OF_NUMBERS:
+        if field.has(key) and kind_keys:
+            problem = f"{quoted(key)} is only for numbers; {name} has {quoted(kind_keys[0])}, so it is not a number"
             report.add("layout-keys", field.place_of(key), problem, at_key=True)
-    for key in _NOT_SCALED:
+    for key in _KEYS_EXCLUDED_BY_SCALE:
         if field.has(key) and field.scale is not None:
             problem = f"{quoted(key)} and 'scale' exclude each other; keep one of them"
             report.add("layout-keys", field.place_of(key), problem, at_key=True)
-    for key in _NOT_OF_DIGITS:
+    for key in _KEYS_EXCLUDED_BY_DIGIT_CODE:
         if field.has(key) and field.digit_code:
             problem = f"{quoted(key)} and 'digit_code' exclude each other; keep one of them"
             report.add("layout-keys", field.place_of(key), problem, at_key=True)
     _check_flag_keys(field, report)
     _check_keys_of_checks(field, report)
-    _check_expected_value(field, kinds, report)
+    _check_expected_value(field, kind_keys, report)
 
 
-def _check_expected_value(field: WrittenField, kinds: list[str], report: DocumentReport) -> None:
+def _check_expected_value(field: WrittenField, kind_keys: list[str], report: DocumentReport) -> None:
     """Check that only numbers, texts and named values have ``equals``, the value expected on the device.
 
-    For a field that contains text, the value must be text too.
+    For a field that contains text, the value must be text too. ``kind_keys`` are the keys of the field that make it
+    something other than a number, such as ``crc``.
     """
     name = quoted(field.name)
-    if isinstance(field.equals, int) and field.text:
+    if field.equals is None:
+        return
+    if field.text and isinstance(field.equals, int):
         report.add("layout-keys", field.place_of("equals"), f"{name} is text; put the value in quotes")
-    elif field.equals is not None and kinds and "equals" not in WrittenField.keys_owned_by(kinds[0]):
-        problem = f"'equals' is only for numbers, text and named values; {name} has {quoted(kinds[0])}"
+    elif kind_keys and "equals" not in WrittenField.keys_owned_by(kind_keys[0]):
+        problem = f"'equals' is only for numbers, text and named values; {name} has {quoted(kind_keys[0])}"
         report.add("layout-keys", field.place_of("equals"), problem, at_key=True)
 
 
@@ -121,7 +125,7 @@ def _check_keys_of_checks(field: WrittenField, report: DocumentReport) -> None:
     ``over`` selects the bits that the parity bit covers, and ``crc_of`` the fields that the CRC covers.
     """
     name = quoted(field.name)
-    for key in _OF_PARITIES:
+    for key in _KEYS_OF_PARITIES:
         if field.has(key) and not field.parity_of:
             remedy = f"to make {name} a parity bit, add 'parity_of' with the covered field"
             message = f"{quoted(key)} is only for parity bits; {remedy}"
@@ -139,7 +143,7 @@ def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
     if field.active:
         return
     name = quoted(field.name)
-    for key in _OF_FLAGS:
+    for key in _KEYS_OF_FLAGS:
         is_verdict = key == "makes_position"
         if not field.has(key) or (is_verdict and field.unused is not None):
             continue
@@ -190,15 +194,16 @@ def _check_width(field: WrittenField, report: DocumentReport) -> None:
     The width is given by ``bits``, by a range in ``at``, or by the kind of field.
     """
     name = quoted(field.name)
-    if field.bits is not None and _is_nothing(field.bits):
+    if field.bits is not None and _is_always_zero(field.bits):
         problem = f"{name} has no bits; a field needs at least one, unless its width depends on a parameter"
         report.add("layout-keys", field.place_of("bits"), problem)
-    places = [key for key in PLACES if field.has(key)]
-    has_width = field.has("bits", "at", *_WIDTH_FOLLOWS)
-    if len(places) > 1:
-        quantity = "both" if len(places) == 2 else "all"
-        problem = f"{join_words(map(quoted, places))} {quantity} give the position; keep one of them"
-        report.add("layout-keys", field.place_of(places[1]), problem, at_key=True)
+    position_keys = [key for key in PLACES if field.has(key)]
+    has_width = field.has("bits", "at", *_KEYS_WITH_IMPLIED_WIDTH)
+    if len(position_keys) > 1:
+        second_key = position_keys[1]
+        quantity = "both" if len(position_keys) == 2 else "all"
+        problem = f"{join_words(map(quoted, position_keys))} {quantity} give the position; keep one of them"
+        report.add("layout-keys", field.place_of(second_key), problem, at_key=True)
     elif field.bits is not None and ":" in str(field.at):
         problem = f"the range {quoted(field.at)} already gives the width; remove 'bits'"
         report.add("layout-keys", field.place_of("bits"), problem, at_key=True)
@@ -207,7 +212,7 @@ def _check_width(field: WrittenField, report: DocumentReport) -> None:
         report.add("layout-keys", field.path, message)
 
 
-def _is_nothing(bits: int | str) -> bool:
+def _is_always_zero(bits: int | str) -> bool:
     """Return True if a width is a number, without parameters, and not positive: ``0`` or ``4 - 4``."""
     try:
         width = Expression.parse(bits)
@@ -220,12 +225,14 @@ def _check_placing(field_list: FieldList, report: DocumentReport) -> None:
     """Check that either all fields of a layout, register or group have a bit position, or none. Skip control data."""
     fields_with_position = [field for field in field_list.fields if field.has(*PLACES)]
     fields_without_position = [field for field in field_list.fields if not field.has(*PLACES)]
-    if not fields_with_position or not fields_without_position or field_list.kind is FieldOwner.CONTROL:
+    is_consistent = not fields_with_position or not fields_without_position
+    if is_consistent or field_list.owner_kind is FieldOwner.CONTROL:
         return
     field = fields_without_position[0]
-    # A field that includes a group has no name of its own.
+    name = quoted(field.name or field.use)  # A field that includes a group has no name of its own.
+    name_with_position = quoted(fields_with_position[0].name)
     message = (
-        f"{quoted(field.name or field.use)} has no position, but {quoted(fields_with_position[0].name)} has one; "
+        f"{name} has no position, but {name_with_position} has one; "
         "give a position ('at', 'top_bit' or 'low_bit') to all fields of a layout or to none"
     )
     report.add("layout-keys", field.path, message)
@@ -239,7 +246,8 @@ def _check_carriage(field_list: FieldList, layout: WrittenLayout, spec: WrittenS
     interface = INTERFACES[field_list.interface]
     carried_as = layout.carried_as or interface.carried_as
     name = quoted(layout.name)
-    if carried_as == "bytes" and not layout.byte_order and not _is_one_byte(layout, spec):
+    lacks_byte_order = not layout.byte_order and not _is_one_byte(layout, spec)
+    if carried_as == "bytes" and lacks_byte_order:
         message = f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first"
         report.add("layout-keys", layout.path, message)
     if carried_as == "bits":
@@ -280,7 +288,8 @@ def _is_one_byte(layout: WrittenLayout, spec: WrittenSpec) -> bool:
     """
     all_have_positions = all(field.at is not None or field.top_bit is not None for field in layout.fields)
     if all_have_positions:
-        return max(map(_top_bit, layout.fields), default=0) == 7  # The bits are 7 to 0.
+        highest_bit = max(map(_top_bit, layout.fields), default=0)
+        return highest_bit == 7
     if len(layout.fields) > 1:
         return False
     field = layout.fields[0]
@@ -307,7 +316,7 @@ def _top_bit(field: WrittenField) -> int:
 def check_missing_byte_orders(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of several bytes with addresses have a byte order, because no default is safe."""
     for register in spec.registers:
-        interface = INTERFACES.get(interface_of(register))
+        interface = INTERFACES.get(interface_name_of(register))
         # A register without addresses for its bytes is sent as one number.
         has_bytes = interface is None or interface.byte_addresses
         if has_bytes and register.length > 1 and not register.byte_order:
@@ -321,7 +330,8 @@ def check_missing_byte_orders(spec: WrittenSpec, report: DocumentReport) -> None
 def check_example_shape(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each example has the keys of its kind, and that a frame is complete."""
     for example in spec.examples:
-        check_keys("example-shape", example, example.kind, f"a {example.kind} example", report)
+        subject = f"a {example.kind} example"
+        check_keys(example, example.kind, rule="example-shape", subject=subject, report=report)
         if example.kind == "frame":
             _check_frame(example, report)
 
@@ -358,27 +368,31 @@ def check_example_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
         procedure = procedures.get(example.procedure)
         if example.kind != "procedure" or procedure is None:
             continue
-        missing_arguments = [quoted(name) for name in by_name(procedure.arguments) if name not in example.arguments]
+        missing_arguments = [name for name in by_name(procedure.arguments) if name not in example.arguments]
         if missing_arguments:
+            names_text = join_words(map(quoted, missing_arguments))
             verb = "is" if len(missing_arguments) == 1 else "are"
-            problem = f"{join_words(missing_arguments)} {verb} missing from 'arguments' of the example"
+            problem = f"{names_text} {verb} missing from 'arguments' of the example"
             report.add("example-shape", example.path, problem)
 
 
-def check_keys(rule: str, part: WrittenPart, kind: str, subject: str, report: DocumentReport) -> None:
+def check_keys(step_or_example: WrittenPart, kind: str, *, rule: str, subject: str, report: DocumentReport) -> None:
     """Check that a step or example has the keys that its kind requires, and no keys of other kinds.
 
-    ``subject`` is its kind in messages, such as ``a wait step``.
+    Problems are reported under ``rule``. ``subject`` is the kind in messages, such as ``a wait step``.
     """
-    missing_keys = [
-        described.name
-        for described in part.described_keys
-        if kind in described.key.needed_by and not part.has(described.name)
-    ]
+    needed_keys: list[str] = []
+    excluded_keys: list[str] = []
+    for described in step_or_example.described_keys:
+        kinds_with_key = described.key.owners
+        if kind in described.key.needed_by:
+            needed_keys.append(described.name)
+        if kinds_with_key and kind not in kinds_with_key:
+            excluded_keys.append(described.name)
+    missing_keys = [key for key in needed_keys if not step_or_example.has(key)]
     if missing_keys:
-        report.add(rule, part.path, missing_keys_message(missing_keys, subject))
-    for described in part.described_keys:
-        owners = described.key.owners
-        if owners and kind not in owners and part.has(described.name):
-            message = f"{quoted(described.name)} does not apply to {subject}"
-            report.add(rule, part.place_of(described.name), message, at_key=True)
+        report.add(rule, step_or_example.path, missing_keys_message(missing_keys, subject))
+    for key in excluded_keys:
+        if step_or_example.has(key):
+            message = f"{quoted(key)} does not apply to {subject}"
+            report.add(rule, step_or_example.place_of(key), message, at_key=True)

@@ -1,4 +1,4 @@
-"""Rules for sources: cited sections, the evidence of a spec, the sources of limits and the manual's revisions."""
+"""Rules for sources: cited sections, the evidence of a spec, the sources of limits, and quotations."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from ..problems import DocumentReport, join_words, quoted, suggest_word
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSection, WrittenSpec
-from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, has_erratum_at, interfaces
+from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, interfaces
 from .walk import is_placeholder, leaves, leaves_of, mapping, sources
 
+#: A section by number or heading, perhaps with a page: ``4.2 p.17`` or ``Cover``.
 _CITATION_PATTERN = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
 _SECTION_NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)*")
 #: Page on which a section begins, and page on which it ends, if the table of contents does not say.
@@ -57,19 +58,20 @@ def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
         own_names, enclosing_names = _printed_names(spec.data, path)
         citations = _find_citations(source)
         for citation in citations:
-            section = citation["section"]
-            if not _check_citation(section, citation["page"], path, page_ranges, enclosing_names, report):
+            section, page_text = citation.group("section", "page")
+            is_in_section = _check_citation(section, page_text, page_ranges, enclosing_names, path=path, report=report)
+            if not is_in_section:
                 continue
-            page = int(citation["page"])
+            page = int(page_text)
             first_pages = _first_pages(page_ranges[section], own_names)
-            cited_pages = {int(other["page"] or 0) for other in citations if other["section"] == section}
+            citations_of_section = [other for other in citations if other["section"] == section]
+            cited_pages = {int(other["page"] or 0) for other in citations_of_section}
             if page in first_pages:
                 first_page_count += 1
             elif first_pages and cited_pages.isdisjoint(first_pages):
                 earlier_pages = [first_page for first_page in first_pages if first_page < page]
-                later_pages.append(
-                    _LaterPage(path=path, section=section, page=page, first_page=max(earlier_pages, default=page))
-                )
+                first_page_before = max(earlier_pages, default=page)
+                later_pages.append(_LaterPage(path, section, page=page, first_page=first_page_before))
     compared_count = first_page_count + len(later_pages)
     cites_first_pages = first_page_count >= max(_LEAST_CITATIONS, _LEAST_SHARE * compared_count)
     if cites_first_pages:
@@ -78,10 +80,10 @@ def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -> None:
     """Report each citation of a page on which nothing begins, with the page to cite instead."""
-    for later in later_pages:
-        problem = f"nothing in section {later.section} begins on page {later.page}, and other sources cite first pages"
-        remedy = f"cite p.{later.first_page}, or p.{later.first_page} and p.{later.page}"
-        report.add("cited-place", later.path, f"{problem}; {remedy}")
+    for citation in later_pages:
+        problem = f"nothing in section {citation.section} begins on page {citation.page}"
+        remedy = f"cite p.{citation.first_page}, or p.{citation.first_page} and p.{citation.page}"
+        report.add("cited-place", citation.path, f"{problem}, and other sources cite first pages; {remedy}")
 
 
 def _find_citations(source: str) -> list[re.Match[str]]:
@@ -128,7 +130,10 @@ def _find_page_ranges(contents: Mapping[str, WrittenSection]) -> dict[str, dict[
         subsections: list[WrittenSection] = []
         later_sections: list[WrittenSection] = []
         for later_name, later_section in sections[index + 1 :]:
-            (subsections if later_name.startswith(prefix) else later_sections).append(later_section)
+            if later_name.startswith(prefix):
+                subsections.append(later_section)
+            else:
+                later_sections.append(later_section)
         first_page = _page_of_first(section, default=_FIRST_POSSIBLE_PAGE)
         last_page = _page_of_first(*later_sections, default=_LAST_POSSIBLE_PAGE)
         page_ranges[name] = {_WHOLE_SECTION: (first_page, last_page)}
@@ -156,8 +161,9 @@ def _printed_names(spec_data: object, path: Path) -> tuple[list[str], list[str]]
     """
     enclosing_names: list[str] = []
     own_names: list[str] = []
-    for end in range(1, len(path)):
-        node = value_at(spec_data, path[:end])
+    for length in range(1, len(path)):
+        path_of_part = path[:length]
+        node = value_at(spec_data, path_of_part)
         if isinstance(node, dict):
             # The name in the language of the manual, and the names in other languages.
             printed_names = (node.get("printed_name"), *mapping(node, "names").values())
@@ -167,7 +173,7 @@ def _printed_names(spec_data: object, path: Path) -> tuple[list[str], list[str]]
 
 
 def _check_citation(
-    section: str, page: str | None, path: Path, page_ranges: _PageRanges, names: list[str], report: DocumentReport
+    section: str, page_text: str | None, page_ranges: _PageRanges, names: list[str], path: Path, report: DocumentReport
 ) -> bool:
     """Return True if a citation has a page, and the page is in the cited section. Report one that cannot be correct.
 
@@ -180,16 +186,17 @@ def _check_citation(
             hint = suggest_word(section, numbered_sections)
             report.add("cited-place", path, f"the contents have no section {quoted(section)}{hint}")
         return False
-    if page is None:
+    if page_text is None:
         return False
     titles = [name for name in names if name in page_ranges[section]]
     innermost_title = titles[0] if titles else _WHOLE_SECTION
     first_page, last_page = page_ranges[section][innermost_title]
-    if first_page <= int(page) <= last_page:
+    if first_page <= int(page_text) <= last_page:
         return True
     cited_part = f"the entry {quoted(innermost_title)} of section {section}" if titles else f"section {section}"
     pages = _pages_text(first_page, last_page)
-    report.add("cited-place", path, f"{cited_part} is {pages} according to the table of contents, not on page {page}")
+    message = f"{cited_part} is {pages} according to the table of contents, not on page {page_text}"
+    report.add("cited-place", path, message)
     return False
 
 
@@ -241,8 +248,9 @@ def _check_vectors(evidence: Evidence, examples: Mapping[str, WrittenExample], r
         if name in examples and not _has_different_bits(examples[name]):
             problem = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
             report.add("evidence-grade", ("evidence", "vectors", index), problem)
-    all_exist = bool(evidence.vectors) and all(name in examples for name in evidence.vectors)
-    has_reading = all_exist and any(_is_reading(examples[name]) for name in evidence.vectors)
+    known_vectors = [examples[name] for name in evidence.vectors if name in examples]
+    all_exist = bool(known_vectors) and len(known_vectors) == len(evidence.vectors)
+    has_reading = any(map(_is_reading, known_vectors))
     if evidence.grade in _GRADES_WITH_FRAME and all_exist and not has_reading:
         message = (
             f"the grade {quoted(evidence.grade)} needs data from an encoder: add a frame 'from: encoder' without"
@@ -293,11 +301,12 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     needed_sources = [f"a source in {join_words(documents_read, 'or')}"] if documents_read else []
     if can_cite_two_implementations:
         needed_sources.append(f"two sources among {join_words(implementations)}")
-    for path, source in sources(leaves({**spec.data, "errata": [], "examples": []})):
+    checked_data = {**spec.data, "errata": [], "examples": []}
+    for path, source in sources(leaves(checked_data)):
         if is_corroborated and "clock" in path:
             continue  # One program is enough for its own clock. Another rule checks limits.
         # ``errata: 2`` has the key errata and the place 2, and ``6.4`` no key and the place 6.4.
-        matches = [_SOURCE_PATTERN.fullmatch(piece) for piece in source.split(";")]
+        matches = [_SOURCE_PATTERN.fullmatch(citation) for citation in source.split(";")]
         keys_and_places = [(match[1], match[2]) for match in matches if match is not None]
         cited_keys = {key or "manual" for key, _ in keys_and_places}
         cites_manufacturer = not cited_keys.isdisjoint(documents_read)
@@ -318,8 +327,10 @@ def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
     if not cited_place:
         return ""
     if cited_place in documents:
-        return f"; write {quoted(f'{cited_place}: PLACE')} with a place in that document"
-    return f"; write {quoted(f'KEY: {cited_place}')} with the key of its document"
+        source_with_place = quoted(f"{cited_place}: PLACE")
+        return f"; write {source_with_place} with a place in that document"
+    source_with_key = quoted(f"KEY: {cited_place}")
+    return f"; write {source_with_key} with the key of its document"
 
 
 def _has_different_bits(example: WrittenExample) -> bool:
@@ -376,17 +387,19 @@ def check_limit_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     if not spec.evidence.is_valid("grade") or grade in _GRADES_FROM_MANUFACTURER:
         return
     listed_documents = f" ({join_words(manufacturer_documents, 'and')})" if manufacturer_documents else ""
-    for limited in _yield_limited_parts(spec):
-        given_limits = [key for key in limited.limits.keys if key in limited.part.data]
-        cited_documents = _cited_documents(limited.source)
+    for limited_part in _yield_limited_parts(spec):
+        given_keys = [key for key in limited_part.limits.keys if key in limited_part.part.data]
+        cited_documents = _cited_documents(limited_part.source)
         cites_manufacturer = not cited_documents.isdisjoint(manufacturer_documents)
-        if given_limits and not cites_manufacturer:
+        if given_keys and not cites_manufacturer:
+            first_key = given_keys[0]
+            cited_text = join_words(map(quoted, sorted(cited_documents)), "or")
             message = (
-                f"{quoted(given_limits[0])} is a limit, so its source must be in 'documents' of"
-                f" 'evidence'{listed_documents}; if {join_words(map(quoted, sorted(cited_documents)), 'or')} is by the"
-                f" manufacturer, add it there; otherwise, {limited.limits.alternative}"
+                f"{quoted(first_key)} is a limit, so its source must be in 'documents' of"
+                f" 'evidence'{listed_documents}; if {cited_text} is by the"
+                f" manufacturer, add it there; otherwise, {limited_part.limits.alternative}"
             )
-            report.add("limit-source", (*limited.part.path, given_limits[0]), message, at_key=True)
+            report.add("limit-source", (*limited_part.part.path, first_key), message, at_key=True)
 
 
 def _cited_documents(source: str) -> set[str]:
@@ -423,21 +436,6 @@ def _limited_parts_of_interface(interface: WrittenInterface) -> Iterator[tuple[L
 def _source_of_part(located_part: LocatedPart[object]) -> str:
     """Return the source of a part, or an empty string if it has none."""
     return str(located_part.source or "")
-
-
-def check_revision_in_history(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the revision table of a manual lists the manual's own revision, unless an erratum explains it."""
-    # A revision that is not text is reported by the schema, and can still be the right revision.
-    revisions = [str(history_row.data.get("revision")) for history_row in spec.with_invalid_parts.manual.history]
-    revision = spec.manual.revision
-    is_repeated = len(set(revisions)) < len(revisions)  # Reported by another rule.
-    if not revisions or is_repeated or not revision or revision in revisions:
-        return
-    if has_erratum_at(report.document, "manual", "history"):
-        return
-    problem = f"the manual has revision {quoted(revision)}, but its history lists {', '.join(revisions)}"
-    remedy = "correct one of the two, or add an erratum that affects manual.history if the manual prints this"
-    report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
 
 
 def check_open_quotation(spec: WrittenSpec, report: DocumentReport) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
+from typing import NamedTuple
 
 from ...model import Characteristic, Timing
-from ..document import ErratumTargets
+from ..document import Document, ErratumTargets, Path
 from ..problems import DocumentReport, join_words, quoted, suggest_word
 from ..schema_files import PROSE
 from ..written import LocatedPart, located
@@ -29,18 +30,32 @@ _UNIT_FACTORS: Mapping[str, Mapping[str, int]] = {
 _KIND_OF_UNIT = {unit: kind for kind, factors in _UNIT_FACTORS.items() for unit in factors}
 _UNITS_OF_KEYS_ONLY = frozenset(("mv", "hz", "ma"))
 _UNITS_IN_TEXTS = "|".join(sorted(_KIND_OF_UNIT.keys() - _UNITS_OF_KEYS_ONLY, key=len, reverse=True))
+#: A quantity such as ``-20 °C`` or ``4.5 V``, but not a tolerance such as ``± 5 V``.
 _QUANTITY_IN_TEXT = re.compile(
     rf"(?<![\w.,±])(?<!± )(?P<number>[+−-]?\d+(?:,\d{{3}})*(?:\.\d+)?) ?(?P<unit>{_UNITS_IN_TEXTS})(?![\w/])"
 )
-_THING = "bits?|registers?|commands?|alarms?|inputs?"
+_NOUN = "bits?|registers?|commands?|alarms?|inputs?"
 #: A printed name in quotes, with the word for its kind.
 _QUOTED_NAME = re.compile(
-    rf'"(?P<before>[A-Z][^"]{{2,60}})" (?:{_THING})\b|\b(?:{_THING}) "(?P<after>[A-Z][^"]{{2,60}})"'
+    rf'"(?P<before>[A-Z][^"]{{2,60}})" (?:{_NOUN})\b|\b(?:{_NOUN}) "(?P<after>[A-Z][^"]{{2,60}})"'
 )
 _KEYS_OF_NAMES = frozenset(("printed_name", "title", "signal", "name"))
 #: Texts about the encoder of today.
 _KEYS_OF_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
 _KEYS_ABOUT_OTHER_DOCUMENTS = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
+
+
+def _is_derived(document: Document) -> bool:
+    """Return True for an overlay or an older edition, which changes facts without changing every text about them."""
+    return bool(document.family or document.other_files)
+
+
+def _yield_texts(spec: WrittenSpec, keys: Collection[str], report: DocumentReport) -> Iterator[tuple[Path, str]]:
+    """Yield each text under one of these keys with its path, except texts about other documents."""
+    for path, text in leaves_of(spec.data, report):
+        is_about_encoder = path[0] not in _KEYS_ABOUT_OTHER_DOCUMENTS
+        if isinstance(text, str) and is_about_encoder and path[-1] in keys:
+            yield path, text
 
 
 def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -49,22 +64,23 @@ def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
     Without quantities in ``used``, those in ``printed`` are compared. Quantities are compared only with quantities of
     the same kind. Overlays and older editions change facts without changing every text, so they are not checked.
     """
-    if report.document.family or report.document.other_files:
+    if _is_derived(report.document):
         return
-    affected_places = ErratumTargets(spec.data)
+    erratum_targets = ErratumTargets(spec.data)
     for erratum in spec.errata:
-        key, text = ("used", erratum.used) if _QUANTITY_IN_TEXT.search(erratum.used) else ("printed", erratum.printed)
-        matches = list(_QUANTITY_IN_TEXT.finditer(text))
+        key, quantities = "used", list(_QUANTITY_IN_TEXT.finditer(erratum.used))
+        if not quantities:
+            key, quantities = "printed", list(_QUANTITY_IN_TEXT.finditer(erratum.printed))
         # An erratum with readings is about two printed values, and the facts have only one of them.
-        if not matches or erratum.readings:
+        if not quantities or erratum.readings:
             continue
-        facts: list[object] = []
-        for affected in erratum.affects:
-            facts += affected_places.at(affected)
+        affected_facts: list[object] = []
+        for affected_path in erratum.affects:
+            affected_facts += erratum_targets.at(affected_path)
         stated_by_kind: dict[str, dict[Decimal, str]] = {}
-        for kind, number, stated_text in _stated_quantities(facts):
-            stated_by_kind.setdefault(kind, {})[number] = stated_text
-        messages = [_message_on_quantity(match, stated_by_kind) for match in matches]
+        for stated in _stated_quantities(affected_facts):
+            stated_by_kind.setdefault(stated.kind, {})[stated.number] = stated.text
+        messages = [_message_on_quantity(quantity, stated_by_kind) for quantity in quantities]
         first_message = next(filter(None, messages), "")
         if first_message:
             report.add("left-behind", erratum.place_of(key), first_message)
@@ -80,32 +96,46 @@ def _message_on_quantity(quantity: re.Match[str], stated_by_kind: Mapping[str, M
     text_by_number = stated_by_kind.get(_KIND_OF_UNIT[unit], {})
     if not text_by_number or _in_smallest_unit(number_text, unit) in text_by_number:
         return ""
-    texts = join_words(list(text_by_number.values()), "or")
-    return f"the text says {quoted(quantity[0])}, but the affected facts have {texts}; correct one of the two"
+    stated_texts = join_words(list(text_by_number.values()), "or")
+    return f"the text says {quoted(quantity[0])}, but the affected facts have {stated_texts}; correct one of the two"
 
 
-def _stated_quantities(facts: Iterable[object]) -> Iterator[tuple[str, Decimal, str]]:
-    """Yield the kind of each quantity in facts, its number in the smallest unit, and its text.
+class _StatedQuantity(NamedTuple):
+    """A quantity in a fact: its kind, such as voltage, its number in the smallest unit, and its text."""
 
-    For the key ``min_mv`` these are ``("voltage", Decimal(4500), "'min_mv: 4500'")``. The values of characteristics
-    state their unit under a separate key.
+    kind: str
+    number: Decimal
+    text: str
+
+
+def _stated_quantities(facts: Iterable[object]) -> Iterator[_StatedQuantity]:
+    """Yield each quantity in facts.
+
+    For the key ``min_mv`` it is ``("voltage", Decimal(4500), "'min_mv: 4500'")``. The values of characteristics state
+    their unit under a separate key.
     """
     for fact in facts:
         for path, value in leaves(fact):
-            unit = str(path[-1]).rpartition("_")[2] if path else ""  # ``mv`` of ``min_mv``.
+            key = str(path[-1]) if path else ""
+            _, _, unit = key.rpartition("_")  # ``mv`` of ``min_mv``.
             if unit in _KIND_OF_UNIT and isinstance(value, int):
-                yield _KIND_OF_UNIT[unit], Decimal(value), f"'{path[-1]}: {value}'"
+                yield _StatedQuantity(_KIND_OF_UNIT[unit], Decimal(value), f"'{key}: {value}'")
         if not isinstance(fact, dict):
             continue
-        for characteristic_value in located(Characteristic, fact, ()).part.values:
-            unit = characteristic_value.unit
-            for number in (characteristic_value.min, characteristic_value.typical, characteristic_value.max):
-                if unit in _KIND_OF_UNIT and number is not None:
-                    yield _KIND_OF_UNIT[unit], _in_smallest_unit(str(number), unit), f"{number} {unit}"
+        characteristic = located(Characteristic, fact, ()).part
+        for quantity in characteristic.values:
+            unit = quantity.unit
+            for bound in (quantity.min, quantity.typical, quantity.max):
+                if unit in _KIND_OF_UNIT and bound is not None:
+                    number = _in_smallest_unit(str(bound), unit)
+                    yield _StatedQuantity(_KIND_OF_UNIT[unit], number, f"{bound} {unit}")
 
 
 def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
-    return Decimal(number_text.replace(",", "").replace("−", "-")) * _UNIT_FACTORS[_KIND_OF_UNIT[unit]][unit]
+    """Return a quantity in the smallest unit of its kind: 4500 for ``4.5`` and the unit V."""
+    number = Decimal(number_text.replace(",", "").replace("−", "-"))
+    kind = _KIND_OF_UNIT[unit]
+    return number * _UNIT_FACTORS[kind][unit]
 
 
 def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -122,19 +152,23 @@ def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
             _check_wait(timing, waiting_registers, report)
 
 
-def _check_wait(timing: LocatedPart[Timing], registers: Mapping[str, WrittenRegister], report: DocumentReport) -> None:
+def _check_wait(
+    timing: LocatedPart[Timing], waiting_registers: Mapping[str, WrittenRegister], report: DocumentReport
+) -> None:
     """Check that a timing whose meaning says ``write to the … register`` has the wait of this register.
 
-    ``registers`` contains the registers that need a wait after a write, by their names in the manual.
+    ``waiting_registers`` contains the registers that need a wait after a write, by their names in the manual.
     """
     match = re.search(r"\bwrite to the (.+?) register\b", timing.part.meaning)
     if match is None:
         return
-    register = registers.get(match[1].strip('"'))
+    printed_name = match[1].strip('"')
+    register = waiting_registers.get(printed_name)
     wait_us = timing.part.at_least_us
     if register is None or register.wait_at_least_ms is None or wait_us is None:
         return
-    if wait_us != register.wait_at_least_ms * 1000:
+    wait_of_register_us = register.wait_at_least_ms * 1000
+    if wait_us != wait_of_register_us:
         message = (
             f"'at_least_us' is {wait_us}, but 'wait_at_least_ms' of {quoted(register.name)} "
             f"is {register.wait_at_least_ms}; correct one of the two"
@@ -148,19 +182,18 @@ def check_quoted_names(spec: WrittenSpec, report: DocumentReport) -> None:
     Names are compared without regard to capitals and punctuation. Overlays and older editions change names without
     changing every text, so specs with either are not checked.
     """
-    if report.document.family or report.document.other_files:
+    if _is_derived(report.document):
         return
     names_in_spec = _printed_names(spec, report)
     folded_names = {_fold_name(name) for name in names_in_spec}
-    for path, text in leaves_of(spec.data, report):
-        if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[-1] not in _KEYS_OF_TEXTS:
-            continue
+    for path, text in _yield_texts(spec, _KEYS_OF_TEXTS, report):
         for match in _QUOTED_NAME.finditer(text):
             # The name is before the word for its kind, as in "Preset" register, or after it.
             name_before, name_after = match.group("before", "after")
             name = name_before or name_after
             if _fold_name(name) not in folded_names:
-                message = f"nothing here is called {quoted(name)}{suggest_word(name, names_in_spec)}; correct the text"
+                hint = suggest_word(name, names_in_spec)
+                message = f"nothing here is called {quoted(name)}{hint}; correct the text"
                 report.add("left-behind", path, message, cause=name)
 
 
@@ -206,10 +239,11 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     """Return the names of all parts of a spec, each once: names in the manual, in other languages and in the spec."""
     names: dict[str, None] = {}  # In the order of the spec, each once.
     for path, text in leaves_of(spec.data, report):
-        if path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[0] == "errata" or not isinstance(text, str):
-            continue
+        section, key = path[0], path[-1]
+        is_about_encoder = section != "errata" and section not in _KEYS_ABOUT_OTHER_DOCUMENTS
         is_in_other_language = path[-2:-1] == ("names",)
-        if path[-1] in _KEYS_OF_NAMES or is_in_other_language:
+        is_name = key in _KEYS_OF_NAMES or is_in_other_language
+        if isinstance(text, str) and is_about_encoder and is_name:
             names[text] = None
     return list(names)
 
@@ -228,21 +262,21 @@ def check_labels_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
     A word counts as a label if an existing label in the same text has the same shape: letters and digits at the same
     places, as in ``A12`` and ``B07``.
     """
-    if report.document.family or report.document.other_files:
+    if _is_derived(report.document):
         return
     known_labels = _known_labels(spec)
     for erratum in spec.errata:
-        is_about_order_codes = any(affected.split(".")[0] == "order_code" for affected in erratum.affects)
-        if not is_about_order_codes:
+        affected_sections = [affected_path.split(".")[0] for affected_path in erratum.affects]
+        if "order_code" not in affected_sections:
             continue
         words_in_capitals = _WORD_IN_CAPITALS.findall(erratum.used)
         shapes_of_labels = {_shape_of_label(word) for word in words_in_capitals if word in known_labels}
-        unknown_labels = [
-            word for word in words_in_capitals if word not in known_labels and _shape_of_label(word) in shapes_of_labels
-        ]
+        unknown_words = [word for word in words_in_capitals if word not in known_labels]
+        unknown_labels = [word for word in unknown_words if _shape_of_label(word) in shapes_of_labels]
         if unknown_labels:
-            message = f"{quoted(unknown_labels[0])} is not in the order code; correct the text"
-            report.add("left-behind", erratum.place_of("used"), message, cause=unknown_labels[0])
+            label = unknown_labels[0]
+            message = f"{quoted(label)} is not in the order code; correct the text"
+            report.add("left-behind", erratum.place_of("used"), message, cause=label)
 
 
 def _known_labels(spec: WrittenSpec) -> set[str]:
@@ -251,14 +285,15 @@ def _known_labels(spec: WrittenSpec) -> set[str]:
     for part in by_name(spec.order_code.parts).values():
         known_labels.update(part.values)
     for spelling in spec.order_code.also_written:
-        for labels in spelling.values.values():
-            known_labels.update(labels)
+        for label_by_spelling in spelling.values.values():
+            known_labels.update(label_by_spelling)
     return known_labels
 
 
 def _shape_of_label(label: str) -> str:
-    """Return a label with each letter as A and each digit as 0."""
-    return re.sub("[0-9]", "0", re.sub("[A-Z]", "A", label))
+    """Return a label with each letter as A and each digit as 0: ``A00`` for ``B07``."""
+    with_equal_letters = re.sub("[A-Z]", "A", label)
+    return re.sub("[0-9]", "0", with_equal_letters)
 
 
 #: The name of an error or alarm with a word in capital letters, such as "ST error".
@@ -270,26 +305,24 @@ def check_alarm_names(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Only specs with an alarm of such a name are checked. Specs with overlays and older editions are not checked.
     """
-    if report.document.family or report.document.other_files:
+    if _is_derived(report.document):
         return
-    names = {alarm.part.printed_name for alarm in spec.alarms}
-    capital_names = {name for name in names if _NAMED_ERROR.fullmatch(name)}
-    if not capital_names:
+    alarm_names = {alarm.part.printed_name for alarm in spec.alarms}
+    has_name_with_capitals = any(_NAMED_ERROR.fullmatch(name) for name in alarm_names)
+    if not has_name_with_capitals:
         return
     known_words: set[str] = set()  # The words in capitals of all printed names.
     for path, text in leaves_of(spec.data, report):
         if path[-1] in ("printed_name", "title", "signal"):
             known_words.update(re.findall(r"[A-Z]{2,}", str(text)))
     checked_keys = _KEYS_OF_TEXTS | {"when_active", "when_inactive"}
-    for path, text in leaves_of(spec.data, report):
-        if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[-1] not in checked_keys:
-            continue
+    for path, text in _yield_texts(spec, checked_keys, report):
         for match in _NAMED_ERROR.finditer(text):
-            word_in_capitals = match[1]
+            name, word_in_capitals = match[0], match[1]  # ``ST error`` and ``ST``
             if word_in_capitals not in known_words:
-                likely_name = suggest_word(match[0], sorted(names))
-                message = f"no alarm here is called {quoted(match[0])}{likely_name}; correct the text"
-                report.add("left-behind", path, message, cause=match[0])
+                hint = suggest_word(name, sorted(alarm_names))
+                message = f"no alarm here is called {quoted(name)}{hint}; correct the text"
+                report.add("left-behind", path, message, cause=name)
 
 
 #: A state of an LED in a text, such as "The LED is off".
@@ -306,17 +339,16 @@ def check_led_states(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     states: list[str] = []
     for led in spec.data.get("leds", ()):
-        states += [str(state.get("state", "")).casefold() for state in led["states"]]
+        states += [str(led_state.get("state", "")).casefold() for led_state in led["states"]]
     words_of_states = set(re.findall(r"\w+", " ".join(states)))
-    if not states or report.document.family or report.document.other_files:
+    if not states or _is_derived(report.document):
         return
-    for path, text in leaves_of(spec.data, report):
-        if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or path[-1] not in _TEXTS_ON_LEDS:
-            continue
+    for path, text in _yield_texts(spec, _TEXTS_ON_LEDS, report):
         for match in _LED_IS.finditer(text):
-            if match["state"].casefold() not in words_of_states:
-                message = f"the text says {quoted(match[0])}, but no LED has the state {quoted(match['state'])}"
-                report.add("left-behind", path, f"{message}; correct one of the two", cause=match["state"])
+            state = match.group("state")
+            if state.casefold() not in words_of_states:
+                problem = f"the text says {quoted(match[0])}, but no LED has the state {quoted(state)}"
+                report.add("left-behind", path, f"{problem}; correct one of the two", cause=state)
 
 
 #: An address or a command in a text, such as "register (1Fh)" or "command 03".
@@ -333,13 +365,13 @@ def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> N
     A spec without registers is not checked, nor is ``printed``, the text of the manual that an erratum corrects.
     """
     registers = by_name(spec.registers).values()
-    if not registers or report.document.family or report.document.other_files:
+    if not registers or _is_derived(report.document):
         return
     addresses: set[int] = set()
     for register in registers:
         addresses.update(range(register.address, register.address + register.length))
-    located_values = leaves_of(spec.data, report)
-    known_codes = {number for path, number in located_values if path[-1] in _KEYS_OF_CODES and isinstance(number, int)}
+    coded_values = [value for path, value in leaves_of(spec.data, report) if path[-1] in _KEYS_OF_CODES]
+    known_codes = {value for value in coded_values if isinstance(value, int)}
     for path, text in leaves_of(spec.data, report):
         is_text = path[-1] in _KEYS_OF_TEXTS or path[0] == "tables"
         if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or not is_text:
@@ -352,8 +384,9 @@ def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> N
                 report.add("left-behind", path, message, cause=address)
         for code in _command_codes(text):
             if known_codes.isdisjoint(_possible_numbers(code)):
-                message = f"the text says {quoted(f'command {code}')}, but nothing here has this value"
-                report.add("left-behind", path, f"{message}; correct one of the two", cause=code)
+                named_command = quoted(f"command {code}")
+                problem = f"the text says {named_command}, but nothing here has this value"
+                report.add("left-behind", path, f"{problem}; correct one of the two", cause=code)
 
 
 def _possible_numbers(code: str) -> set[int]:
@@ -369,12 +402,14 @@ def _command_codes(text: str) -> Iterator[str]:
 
 def check_byte_order_in_texts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the byte order of a register agrees with its meaning and note, if they say which byte comes first."""
-    if report.document.family or report.document.other_files:
+    if _is_derived(report.document):
         return
     for register in by_name(spec.registers).values():
         for key, text in (("meaning", register.meaning), ("note", register.note)):
             match = _FIRST_BYTE.search(text)
-            if match is None or register.byte_order in ("", f"{match['byte']}_byte_first"):
+            if match is None or not register.byte_order:
                 continue
-            message = f"the text says {quoted(match[0])}, but 'byte_order' is {register.byte_order}"
-            report.add("left-behind", register.place_of(key), f"{message}; correct one of the two")
+            stated_order = f"{match['byte']}_byte_first"
+            if register.byte_order != stated_order:
+                problem = f"the text says {quoted(match[0])}, but 'byte_order' is {register.byte_order}"
+                report.add("left-behind", register.place_of(key), f"{problem}; correct one of the two")

@@ -7,10 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import takewhile
 
 from ..problems import DocumentReport, Path, join_words, quoted
-from ..schema_files import is_second
 from ..written_codes import WrittenRegister
 from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
-from .parts import Groups, by_name, constant_width, fields_of, interface_of
+from .parts import Groups, by_name, constant_width, fields_of, interface_name_of, is_second_reading
 from .walk import leaves
 
 #: Kinds of steps that access a register.
@@ -24,13 +23,16 @@ def check_interface_of_steps(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure for an interface of the spec accesses only registers of this interface."""
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
+        if procedure.interface not in spec.interfaces.data:
+            continue
         for step in procedure.steps:
             register = registers.get(step.register)
-            if step.do not in _KINDS_OF_ACCESS or register is None or procedure.interface not in spec.interfaces.data:
+            if step.do not in _KINDS_OF_ACCESS or register is None:
                 continue
-            if interface_of(register) != procedure.interface:
+            interface_of_register = interface_name_of(register)
+            if interface_of_register != procedure.interface:
                 message = (
-                    f"{quoted(step.register)} is a register of {interface_of(register)}, but the procedure is for"
+                    f"{quoted(step.register)} is a register of {interface_of_register}, but the procedure is for"
                     f" {procedure.interface}; correct the interface of one of the two"
                 )
                 report.add("interface-mismatch", step.place_of("register"), message, cause=procedure.name)
@@ -41,12 +43,15 @@ def check_register_of_argument(spec: WrittenSpec, report: DocumentReport) -> Non
     registers = by_name(spec.with_invalid_parts.registers)
     for procedure in spec.procedures:
         for argument in procedure.arguments:
+            register_with_limits = argument.of
             writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
             written_names = [write.register for write in writes]
-            if writes and argument.of in registers and argument.of not in written_names:
+            if register_with_limits not in registers:
+                continue
+            if writes and register_with_limits not in written_names:
                 message = (
-                    f"the limits of {quoted(argument.name)} are those of {quoted(argument.of)}, but a step writes it to"
-                    f" {quoted(written_names[0])}; correct one of the two"
+                    f"the limits of {quoted(argument.name)} are those of {quoted(register_with_limits)}, but a step"
+                    f" writes it to {quoted(written_names[0])}; correct one of the two"
                 )
                 report.add("argument-register", argument.place_of("of"), message)
 
@@ -61,7 +66,10 @@ def check_polled_values(spec: WrittenSpec, report: DocumentReport) -> None:
             if step.do != "poll" or register is None or step.until is None:
                 continue
             width = _width_of(register, step.field, groups)
-            if width is not None and step.until >> width:  # Bits above the width of the field.
+            if width is None:
+                continue
+            bits_above_width = step.until >> width
+            if bits_above_width:
                 bits_text = "1 bit" if width == 1 else f"{width} bits"
                 message = f"{quoted(step.field)} has {bits_text}, so it is never {step.until}"
                 report.add("value-too-wide", step.place_of("until"), message)
@@ -80,16 +88,17 @@ def check_waits_of_registers(spec: WrittenSpec, report: DocumentReport) -> None:
 
     A text of the procedure that contains the longer time explains it.
     """
-    if is_second(report.document.file):  # It has no texts.
+    if is_second_reading(report.document):  # Second readings have no such texts.
         return
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
         explained_ms = set(_milliseconds_in_texts(procedure))
         for write, waits in _waits_after_writes(procedure):
-            register = registers.get(write.register)
-            needed_ms = register.wait_at_least_ms if register is not None else None
+            needed_ms = _needed_wait(write, registers)
             waited_ms = sum(wait.at_least_ms or 0 for wait in waits)
-            if needed_ms is not None and waited_ms > needed_ms and waited_ms not in explained_ms:
+            if needed_ms is None or waited_ms in explained_ms:
+                continue
+            if waited_ms > needed_ms:
                 message = (
                     f"{quoted(write.register)} needs a wait of {needed_ms} ms after a write, but the wait here is"
                     f" {waited_ms} ms; correct one of the two, or say in a 'note' of the procedure why it takes"
@@ -108,9 +117,11 @@ def _milliseconds_in_texts(procedure: WrittenProcedure) -> Iterator[int]:
 def _waits_after_writes(procedure: WrittenProcedure) -> Iterator[tuple[WrittenStep, Sequence[WrittenStep]]]:
     """Yield each write with the waits directly after it, if there are any."""
     for index, step in enumerate(procedure.steps):
+        if step.do != "write":
+            continue
         later_steps = procedure.steps[index + 1 :]
         waits = list(takewhile(lambda later_step: later_step.do == "wait", later_steps))
-        if step.do == "write" and waits:
+        if waits:
             yield step, waits
 
 
@@ -121,14 +132,14 @@ def check_wait_at_end(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     registers = by_name(spec.registers)
     for procedure in spec.procedures:
-        steps = procedure.steps
-        if len(steps) < 2 or (steps[-2].do, steps[-1].do) != ("wait", "write"):
+        if [step.do for step in procedure.steps[-2:]] != ["wait", "write"]:
             continue
-        wait, last_write = steps[-2:]
+        *earlier_steps, wait, last_write = procedure.steps
         needed_ms = _needed_wait(last_write, registers)
-        step_before_wait = steps[-3] if len(steps) > 2 else None
-        is_for_step_before = step_before_wait is not None and _needed_wait(step_before_wait, registers) is not None
-        if needed_ms is not None and not is_for_step_before and wait.at_least_ms == needed_ms:
+        is_for_step_before = bool(earlier_steps) and _needed_wait(earlier_steps[-1], registers) is not None
+        if needed_ms is None or is_for_step_before:
+            continue
+        if wait.at_least_ms == needed_ms:
             message = (
                 f"{quoted(last_write.register)} needs a wait of {needed_ms} ms after a write, and the procedure waits"
                 " before it; move the wait behind this step, or add another one"
@@ -149,12 +160,14 @@ def check_intervals(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     rs485 = spec.interfaces.rs485
     shortest_times = {timing.part.at_least_us for timing in rs485.timings} if rs485 is not None else set()
-    known_us = sorted(time for time in shortest_times if time is not None)
+    known_times_us = sorted(time_us for time_us in shortest_times if time_us is not None)
+    if not known_times_us:
+        return
+    known_text = join_words([f"{time_us} µs" for time_us in known_times_us], "or")
     for procedure in spec.procedures:
         for step in procedure.steps:
             interval_us = step.every_at_least_us
-            if known_us and interval_us is not None and interval_us not in known_us:
-                known_text = join_words([f"{time} µs" for time in known_us], "or")
+            if interval_us is not None and interval_us not in known_times_us:
                 message = (
                     f"the interval is {interval_us} µs, but the shortest time in 'timings' of rs485 is {known_text};"
                     " correct one of the two, or add the interval to 'timings'"
@@ -198,16 +211,16 @@ def check_polled_levels(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for procedure in spec.procedures:
         for step in procedure.steps:
-            stated_level = _LEVEL_OF_STEP.match(step.meaning)
-            if step.do != "poll" or stated_level is None or step.until not in (0, 1):
+            match = _LEVEL_IN_MEANING.match(step.meaning)
+            if step.do != "poll" or match is None or step.until not in (0, 1):
                 continue
-            level, conjunction = int(stated_level[1]), stated_level[2]
-            expected_level = level if conjunction == "when" else 1 - level
-            if step.until != expected_level:
-                message = (
-                    f"the meaning says {quoted(stated_level[0])}, but 'until' is {step.until}; one of the two is wrong"
-                )
-                report.add("words-contradict", step.place_of("until"), message)
+            stated_level = int(match.group("level"))
+            # ``0 when saved`` gives the level at the end, and ``0 until saved`` the level before.
+            final_level = stated_level if match.group("conjunction") == "when" else 1 - stated_level
+            if step.until != final_level:
+                problem = f"the meaning says {quoted(match[0])}, but 'until' is {step.until}"
+                report.add("words-contradict", step.place_of("until"), f"{problem}; one of the two is wrong")
 
 
-_LEVEL_OF_STEP = re.compile(r"([01]) (until|while|during|when)\b")
+#: The level of a bit in a meaning such as ``0 until the value is saved``.
+_LEVEL_IN_MEANING = re.compile(r"(?P<level>[01]) (?P<conjunction>until|while|during|when)\b")

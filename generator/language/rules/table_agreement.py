@@ -10,6 +10,7 @@ from ...model import Table
 from ...say.text import count_with_unit
 from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
+from ..written_codes import WrittenCodePart
 from ..written_parts import WrittenSpec
 
 _DECIMAL_NUMBER = re.compile(r"\d+(?:\.\d+)?")
@@ -37,11 +38,12 @@ def check_edges_and_periods(spec: WrittenSpec, report: DocumentReport) -> None:
             edge_frequency = _number_in_cell(row, edge_column)
             if period_frequency is None or edge_frequency is None:
                 continue
+            period_text, edge_text = row[period_column], row[edge_column]
             is_correct = edge_frequency == _EDGES_PER_PERIOD * period_frequency
-            is_explained = {row[period_column], row[edge_column]} <= numbers_of_errata
+            is_explained = {period_text, edge_text} <= numbers_of_errata
             if not is_correct and not is_explained:
-                factor = f"{_EDGES_PER_PERIOD} times the period frequency {row[period_column]}"
-                message = f"the edge frequency {row[edge_column]} is not {factor}"
+                expected_text = f"{_EDGES_PER_PERIOD} times the period frequency {period_text}"
+                message = f"the edge frequency {edge_text} is not {expected_text}"
                 path = (*table.path, "rows", index, edge_column)
                 report.add("table-arithmetic", path, f"{message}; correct one of the two")
 
@@ -80,35 +82,42 @@ def check_order_codes_in_rows(spec: WrittenSpec, report: DocumentReport) -> None
     """
     for table in spec.tables:
         for part in spec.order_code.parts:
-            meanings = {label: value.meaning for label, value in part.values.items()}
+            if not part.meaning:
+                continue
             columns: list[int] = []
             for index, heading in enumerate(table.part.columns):
-                if part.meaning and heading.casefold().startswith(part.meaning.casefold()):
+                if heading.casefold().startswith(part.meaning.casefold()):
                     columns.append(index)
             if len(columns) != 1:
                 continue
             (column,) = columns
             has_unit = column < len(table.part.units)
             if has_unit:
-                _compare_rows(table, column, meanings, report)
+                meaning_by_label = {label: value.meaning for label, value in part.values.items()}
+                _compare_rows(table, column, meaning_by_label, report)
 
 
-def _compare_rows(table: LocatedPart[Table], column: int, meanings: dict[str, str], report: DocumentReport) -> None:
+def _compare_rows(
+    table: LocatedPart[Table], column: int, meaning_by_label: dict[str, str], report: DocumentReport
+) -> None:
     """Report each row of a table whose number in a column differs from the meaning of the label in its other cells.
 
-    ``meanings`` contains the meaning of each label, such as ``50 µm``. Rows with no label or several are skipped.
+    A label such as ``0050`` has a meaning such as ``50 µm``. Rows with no label or several are skipped.
     """
     unit = table.part.units[column]
     for index, row in enumerate(table.part.rows):
         other_cells = " ".join(cell for cell_index, cell in enumerate(row) if cell_index != column)
-        labels = {word for word in re.split(r"[^A-Za-z0-9]+", other_cells) if word in meanings}
-        if len(labels) != 1 or _number_in_cell(row, column) is None:
+        words_in_row = re.split(r"[^A-Za-z0-9]+", other_cells)
+        labels = {word for word in words_in_row if word in meaning_by_label}
+        number = _number_in_cell(row, column)
+        if len(labels) != 1 or number is None or not unit:
             continue
         label = labels.pop()
-        quantity = re.fullmatch(rf"({_DECIMAL_NUMBER.pattern}) {re.escape(unit)}", meanings[label]) if unit else None
-        if quantity is not None and Decimal(quantity[1]) != Decimal(row[column]):
+        meaning = meaning_by_label[label]
+        quantity = re.fullmatch(rf"({_DECIMAL_NUMBER.pattern}) {re.escape(unit)}", meaning)  # ``50 µm``
+        if quantity is not None and Decimal(quantity[1]) != number:
             message = (
-                f"the row is about {quoted(label)}, which means {meanings[label]} in the order code, but this is"
+                f"the row is about {quoted(label)}, which means {meaning} in the order code, but this is"
                 f" {row[column]} {unit}; correct one of the two"
             )
             report.add("table-arithmetic", (*table.path, "rows", index, column), message)
@@ -120,8 +129,8 @@ def check_order_codes_in_tables(spec: WrittenSpec, report: DocumentReport) -> No
     Also check that each number between two hyphens in them is a label of a part of the order code, or one that an open
     part accepts.
     """
-    start, _, _ = spec.order_code.pattern.partition("{")  # The text before the first part.
-    if not start.strip("-/ "):
+    fixed_start, _, _ = spec.order_code.pattern.partition("{")  # The text before the first part.
+    if not fixed_start.strip("-/ "):
         return
     for table in spec.tables:
         headings = [heading.casefold() for heading in table.part.columns]
@@ -129,8 +138,9 @@ def check_order_codes_in_tables(spec: WrittenSpec, report: DocumentReport) -> No
             continue
         column = headings.index("order code")
         for index, row in enumerate(table.part.rows):
-            codes = re.findall(r"\S+-\.\.\.", row[column]) if column < len(row) else []
-            problems = [_problem_of_code(code, start, spec) for code in codes]
+            cell = row[column] if column < len(row) else ""
+            codes = re.findall(r"\S+-\.\.\.", cell)  # Such as ``TV62-0050-...``.
+            problems = [_problem_of_code(code, fixed_start, spec) for code in codes]
             first_problem = next(filter(None, problems), "")
             path = (*table.path, "rows", index, column)
             is_reported = path in report.faults()  # As an order code in a text.
@@ -138,45 +148,54 @@ def check_order_codes_in_tables(spec: WrittenSpec, report: DocumentReport) -> No
                 report.add("table-arithmetic", path, f"{first_problem}; correct it")
 
 
-def _problem_of_code(code: str, start: str, spec: WrittenSpec) -> str:
+def _problem_of_code(code: str, fixed_start: str, spec: WrittenSpec) -> str:
     """Return the reason that a text cannot be an order code, or an empty string if it can.
 
-    ``start`` is the fixed text with which order codes begin.
+    ``fixed_start`` is the text with which all order codes begin.
     """
-    if not code.startswith(start):
-        return f"{quoted(code)} does not begin with {quoted(start)}, as order codes do"
-    for word in code.removeprefix(start).split("-"):
-        # An open part also accepts labels that match its expression.
-        is_label = any(
-            word in part.values or (part.open and re.fullmatch(part.open, word)) for part in spec.order_code.parts
-        )
+    if not code.startswith(fixed_start):
+        return f"{quoted(code)} does not begin with {quoted(fixed_start)}, as order codes do"
+    for word in code.removeprefix(fixed_start).split("-"):
+        is_label = any(_accepts_label(part, word) for part in spec.order_code.parts)
         if word.isdecimal() and not is_label:
             return f"{quoted(word)} is not in the order code"
     return ""
 
 
+def _accepts_label(part: WrittenCodePart, label: str) -> bool:
+    """Return True if a part of the order code lists a label or, if it is open, its expression matches the label."""
+    return label in part.values or bool(part.open and re.fullmatch(part.open, label))
+
+
 def check_reserved_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no register is in a range of addresses that a table calls reserved."""
     for table in spec.tables:
-        headings = [heading.casefold() for heading in table.part.columns]
-        is_about_reserved = "reserved" in table.part.title.casefold()
-        has_ranges = "first address" in headings and "last address" in headings
-        if not is_about_reserved or not has_ranges:
+        if "reserved" not in table.part.title.casefold():
             continue
         for index, row in enumerate(table.part.rows):
-            if len(row) < len(headings):
-                continue
-            first_match = _HEX_NUMBER.fullmatch(row[headings.index("first address")])
-            last_match = _HEX_NUMBER.fullmatch(row[headings.index("last address")])
-            if first_match is None or last_match is None:
-                continue
-            reserved_addresses = range(int(first_match[1], 16), int(last_match[1], 16) + 1)
+            reserved_addresses = _address_range_in_row(table.part, row)
             for register in spec.registers:
                 is_in_bank = register.bank is not None
-                if not register.reserved and not is_in_bank and register.address in reserved_addresses:
+                if register.reserved or is_in_bank:
+                    continue
+                if register.address in reserved_addresses:
                     message = f"the register {quoted(register.name)} is at {register.address:02X}h"
                     report.add("table-arithmetic", (*table.path, "rows", index), f"{message}; correct one of the two")
                     break
+
+
+def _address_range_in_row(table: Table, row: tuple[str, ...]) -> range:
+    """Return the addresses from the first to the last address in a row. Empty if the table has no such columns."""
+    headings = [heading.casefold() for heading in table.columns]
+    cell_by_heading = dict(zip(headings, row, strict=False))
+    first_match = _HEX_NUMBER.fullmatch(cell_by_heading.get("first address", ""))
+    last_match = _HEX_NUMBER.fullmatch(cell_by_heading.get("last address", ""))
+    is_complete = len(row) >= len(headings)
+    if first_match is None or last_match is None or not is_complete:
+        return range(0)
+    first_address = int(first_match[1], 16)
+    last_address = int(last_match[1], 16)
+    return range(first_address, last_address + 1)
 
 
 def check_lengths_of_errata(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -184,17 +203,18 @@ def check_lengths_of_errata(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Only errata about tables with a column of lengths are checked.
     """
-    tables = {f"tables.{table.part.name}": table.part for table in spec.tables}
+    table_by_path = {f"tables.{table.part.name}": table.part for table in spec.tables}
     for erratum in spec.errata:
-        lengths: set[Decimal] = set()
-        for affected in erratum.affects:
-            if affected in tables:
-                lengths.update(_yield_lengths(tables[affected]))
-        if not lengths:
+        lengths_in_tables: set[Decimal] = set()
+        for affected_path in erratum.affects:
+            if affected_path in table_by_path:
+                lengths_in_tables.update(_yield_lengths(table_by_path[affected_path]))
+        if not lengths_in_tables:
             continue
-        for number, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used):
-            if Decimal(number.replace(",", "")) * _NANOMETRES_PER_UNIT[unit] not in lengths:
-                message = f"no table that it affects has {number} {unit}; correct one of the two"
+        for number_text, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used):
+            length = Decimal(number_text.replace(",", "")) * _NANOMETRES_PER_UNIT[unit]
+            if length not in lengths_in_tables:
+                message = f"no table that it affects has {number_text} {unit}; correct one of the two"
                 report.add("left-behind", erratum.place_of("used"), message)
                 break
 
@@ -208,18 +228,21 @@ def _yield_lengths(table: Table) -> Iterator[Decimal]:
                 yield number * _NANOMETRES_PER_UNIT[unit]
 
 
+#: A number, perhaps with a word or sign for a limit, such as ``above 5`` or ``≤ 5``.
 _CELL_WITH_NUMBER = re.compile(r"(?:(?:above|at least|at most|below) |[<>≤≥] ?)?-?\d+(?:\.\d+)?")
 
 
 def check_column_units(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a table with units has one per column, and only numbers in the columns whose unit is not empty."""
     for table in spec.tables:
-        units, columns = table.part.units, table.part.columns
+        columns, units = table.part.columns, table.part.units
         if not units:
             continue
         if len(units) != len(columns):
-            counts = f"{count_with_unit(len(columns), 'column')} but {count_with_unit(len(units), 'unit')}"
-            report.add("column-units", (*table.path, "units"), f'the table has {counts}; give one for each, or ""')
+            column_count = count_with_unit(len(columns), "column")
+            unit_count = count_with_unit(len(units), "unit")
+            message = f'the table has {column_count} but {unit_count}; give one for each, or ""'
+            report.add("column-units", (*table.path, "units"), message)
             continue
         for row_index, cells in enumerate(table.part.rows):
             # Another rule reports a row with too few or too many cells.
@@ -235,6 +258,7 @@ def check_table_shape(spec: WrittenSpec, report: DocumentReport) -> None:
         column_count = len(table.part.columns)
         for row_index, row in enumerate(table.part.rows):
             if len(row) != column_count:
-                cells, columns = count_with_unit(len(row), "cell"), count_with_unit(column_count, "column")
-                message = f"the row has {cells}, but the table has {columns}"
+                cells_text = count_with_unit(len(row), "cell")
+                columns_text = count_with_unit(column_count, "column")
+                message = f"the row has {cells_text}, but the table has {columns_text}"
                 report.add("table-shape", (*table.path, "rows", row_index), message)

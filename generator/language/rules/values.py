@@ -6,14 +6,14 @@ import datetime
 import re
 from collections.abc import Iterator, Sequence
 from itertools import combinations, pairwise
+from typing import NamedTuple
 
 from ...model import INTERFACES, CableLength, Clock, Revision, Supply
 from ...say.plain_text import count_with_unit
 from ..document import Path
 from ..problems import DocumentReport, missing_keys_message, quoted, suggest_word
-from ..schema_files import is_second
 from ..written import LocatedPart
-from ..written_interfaces import WrittenRs485, WrittenSsi
+from ..written_interfaces import WrittenSsi
 from ..written_layouts import WrittenField
 from ..written_parts import WrittenManual, WrittenSpec
 from .parts import (
@@ -23,20 +23,23 @@ from .parts import (
     constant_width,
     field_lists,
     has_erratum_at,
-    interface_of,
+    interface_name_of,
     interfaces,
     last_address,
-    share_codes,
+    share_order_codes,
     timings,
 )
 from .walk import is_placeholder, leaves_of, sources
 
-_CITATION_PIECE = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
+#: One citation, with or without the key of a document: ``6.4 p.35`` or ``errata: 2``.
+_CITATION = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
+#: The number of a section or table, such as ``6.4``, ``A.2`` or ``7-1``.
 _NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
 #: A heading, possibly with a number, such as ``Table 41``. It does not begin with the word for a page.
 _HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBER})?"
 #: A section by number, possibly with a table or figure in it, or by its heading.
 _SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
+#: One page or several, such as ``p.35`` or ``p.35-36``.
 _PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
 _CITED_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
 
@@ -53,23 +56,26 @@ def check_field_count(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_crc_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that polynomial, start value and final XOR of a CRC fit its width, and that the polynomial is odd."""
-    for crc in spec.crcs:
-        width = crc.part.width
-        poly = crc.part.poly
-        bits_above_width = poly >> width
+    for located_crc in spec.crcs:
+        crc = located_crc.part
+        path = located_crc.path
+        bits_above_width = crc.poly >> crc.width
+        is_even = crc.poly & 1 == 0
         if bits_above_width:
             # The polynomial may be written with its top bit, which is implied.
             has_only_top_bit = bits_above_width == 1
-            hint = f"; omit the top bit: {poly ^ (1 << width):#x}" if has_only_top_bit else ""
-            message = f"the polynomial {poly:#x} does not fit into {width} bits{hint}"
-            report.add("crc-impossible", (*crc.path, "poly"), message)
-        elif poly & 1 == 0:
-            message = f"the polynomial {poly:#x} is even; every generator polynomial ends in + 1"
-            report.add("crc-impossible", (*crc.path, "poly"), message)
-        for key, number in (("init", crc.part.init), ("xorout", crc.part.xorout)):
-            if number >> width:
-                message = f"{quoted(key)} is {number:#x}, which does not fit into {width} bits"
-                report.add("crc-impossible", (*crc.path, key), message)
+            poly_without_top_bit = crc.poly ^ (1 << crc.width)
+            hint = f"; omit the top bit: {poly_without_top_bit:#x}" if has_only_top_bit else ""
+            message = f"the polynomial {crc.poly:#x} does not fit into {crc.width} bits{hint}"
+            report.add("crc-impossible", (*path, "poly"), message)
+        elif is_even:
+            message = f"the polynomial {crc.poly:#x} is even; every generator polynomial ends in + 1"
+            report.add("crc-impossible", (*path, "poly"), message)
+        for key, number in (("init", crc.init), ("xorout", crc.xorout)):
+            is_too_wide = number >> crc.width > 0
+            if is_too_wide:
+                message = f"{quoted(key)} is {number:#x}, which does not fit into {crc.width} bits"
+                report.add("crc-impossible", (*path, key), message)
 
 
 def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
@@ -107,7 +113,7 @@ def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
 def check_register_range(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that all bytes of a register are within the addresses of its interface, or of its bank."""
     for register in spec.registers:
-        interface = INTERFACES[interface_of(register)]
+        interface = INTERFACES[interface_name_of(register)]
         if register.bank is not None and interface.highest_in_bank is not None:
             area_text = f"a bank of {interface.short}"
             highest_address = interface.highest_in_bank
@@ -117,61 +123,65 @@ def check_register_range(spec: WrittenSpec, report: DocumentReport) -> None:
         else:
             area_text = "the range of register addresses"
             highest_address = 0xFFFF
-        last = last_address(register)
-        if last > highest_address:
-            message = f"{quoted(register.name)} extends to {last:#x}, but {area_text} ends at {highest_address:#x}"
+        end_address = last_address(register)
+        if end_address > highest_address:
+            extent = f"{quoted(register.name)} extends to {end_address:#x}"
+            message = f"{extent}, but {area_text} ends at {highest_address:#x}"
             report.add("register-range", register.place_of("address"), message)
 
 
 def check_timing_bounds(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing has a lowest, a typical or a highest value, and that these are in ascending order."""
     for timing in timings(spec):
-        part = timing.part
-        possible_bounds = (
-            ("at_least_us", part.at_least_us),
-            ("typical_us", part.typical_us),
-            ("at_most_us", part.at_most_us),
-        )
-        bounds = [(key, bound) for key, bound in possible_bounds if bound is not None]
-        if not bounds:
+        times_by_key = {  # In ascending order.
+            "at_least_us": timing.part.at_least_us,
+            "typical_us": timing.part.typical_us,
+            "at_most_us": timing.part.at_most_us,
+        }
+        times = [(key, time_us) for key, time_us in times_by_key.items() if time_us is not None]
+        if not times:
             message = "a timing needs 'at_least_us', 'typical_us' or 'at_most_us'"
             report.add("timing-without-bound", timing.path, message)
-        for (low_key, low), (high_key, high) in pairwise(bounds):
-            if low > high:
-                message = f"{quoted(high_key)} ({high}) is less than {quoted(low_key)} ({low})"
-                report.add("timing-order", (*timing.path, high_key), message)
+        for (lower_key, lower_us), (higher_key, higher_us) in pairwise(times):
+            if lower_us > higher_us:
+                message = f"{quoted(higher_key)} ({higher_us}) is less than {quoted(lower_key)} ({lower_us})"
+                report.add("timing-order", (*timing.path, higher_key), message)
 
 
 def check_clock_range(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
     # Documents must not give a clock. Then the outputs say that it is not known.
     may_be_unknown = spec.evidence.part.grade == "uncorroborated"
-    raw_clocks = {name: clocks_of(interface) for name, interface in interfaces(spec.with_invalid_parts)}
-    for name, interface in interfaces(spec):
-        raw_clocks_by_path = {clock.path: clock for clock in raw_clocks[name]}
+    raw_clocks_by_path: dict[Path, LocatedPart[Clock]] = {}
+    for _, raw_interface in interfaces(spec.with_invalid_parts):
+        raw_clocks_by_path |= {raw_clock.path: raw_clock for raw_clock in clocks_of(raw_interface)}
+    for _, interface in interfaces(spec):
         for clock in clocks_of(interface):
-            if clock.is_given:
-                _check_clock(clock, report)
-                if not may_be_unknown:
-                    _report_missing_limit(clock, raw_clocks_by_path.get(clock.path), report)
+            if not clock.is_given:
+                continue
+            _check_clock(clock, report)
+            if not may_be_unknown:
+                _report_missing_limit(clock, raw_clocks_by_path.get(clock.path), report)
 
 
-def _check_clock(clock: LocatedPart[Clock], report: DocumentReport) -> None:
-    """Check the limits of a clock and the clocks in use."""
-    used_clocks = [*clock.part.used_hz]
-    if used_clocks != sorted(set(used_clocks)):
+def _check_clock(located_clock: LocatedPart[Clock], report: DocumentReport) -> None:
+    """Check that the lowest limit of a clock, the frequencies in use and the highest limit are in ascending order."""
+    clock = located_clock.part
+    used_frequencies = list(clock.used_hz)
+    if used_frequencies != sorted(set(used_frequencies)):
         message = "list the clocks of 'used_hz' once each, in ascending order"
-        report.add("clock-range", (*clock.path, "used_hz"), message)
-    # In ascending order: the lowest limit, the clocks in use, the highest limit, each with its key.
-    clocks = [("used_hz", hz) for hz in used_clocks]
-    if clock.part.min_hz is not None:
-        clocks.insert(0, ("min_hz", clock.part.min_hz))
-    if clock.part.max_hz is not None:
-        clocks.append(("max_hz", clock.part.max_hz))
-    for (low_key, low), (high_key, high) in pairwise(clocks):
-        if low > high and low_key != high_key:
-            problem = f"{quoted(low_key)} ({low}) is above {quoted(high_key)} ({high})"
-            report.add("clock-range", (*clock.path, low_key), problem)
+        report.add("clock-range", (*located_clock.path, "used_hz"), message)
+    frequencies: list[tuple[str, int]] = []  # Each with its key.
+    if clock.min_hz is not None:
+        frequencies.append(("min_hz", clock.min_hz))
+    frequencies += [("used_hz", frequency) for frequency in used_frequencies]
+    if clock.max_hz is not None:
+        frequencies.append(("max_hz", clock.max_hz))
+    for (lower_key, lower_hz), (higher_key, higher_hz) in pairwise(frequencies):
+        # A wrong order among the frequencies in use is already reported.
+        if lower_hz > higher_hz and lower_key != higher_key:
+            problem = f"{quoted(lower_key)} ({lower_hz}) is above {quoted(higher_key)} ({higher_hz})"
+            report.add("clock-range", (*located_clock.path, lower_key), problem)
 
 
 def _report_missing_limit(
@@ -185,8 +195,9 @@ def _report_missing_limit(
     is_known = clock.part.max_hz is not None or bool(clock.part.used_hz)
     # A source that is still a placeholder marks a clock whose limits are still to be transcribed.
     if is_complete and not is_known and not is_placeholder(clock.source):
+        problem = missing_keys_message(("max_hz",), "a clock")
         remedy = "if no document of the manufacturer gives the limits, write 'used_hz'"
-        report.add("missing-key", clock.path, f"{missing_keys_message(['max_hz'], 'a clock')}; {remedy}", at_key=True)
+        report.add("missing-key", clock.path, f"{problem}; {remedy}", at_key=True)
 
 
 def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -200,27 +211,28 @@ def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
         if has_erratum_at(report.document, "interfaces", name, "cable_lengths"):
             continue
         shortest_first = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
-        for shorter, longer in combinations(shortest_first, 2):
-            if share_codes(shorter.part, longer.part):
-                _check_cable_order(shorter.part, longer, f"interfaces.{name}.cable_lengths", report)
+        for row, row_of_longer_cable in combinations(shortest_first, 2):
+            if share_order_codes(row.part, row_of_longer_cable.part):
+                _check_cable_order(row.part, row_of_longer_cable, f"interfaces.{name}.cable_lengths", report)
 
 
 def _check_cable_order(
-    shorter: CableLength, row: LocatedPart[CableLength], affected_path: str, report: DocumentReport
+    shorter: CableLength, row_of_longer_cable: LocatedPart[CableLength], affected_path: str, report: DocumentReport
 ) -> None:
     """Report the row of a longer cable if its clock limit is not lower than the limit of a shorter cable.
 
     ``affected_path`` is the path that an erratum must affect to explain it.
     """
-    longer = row.part
+    longer = row_of_longer_cable.part
     is_slower = longer.below_hz < shorter.below_hz
-    if not is_slower or shorter.shorter_than_m == longer.shorter_than_m:
+    have_same_length = longer.shorter_than_m == shorter.shorter_than_m
+    if not is_slower or have_same_length:
         problem = (
             f"the clock must be below {longer.below_hz} Hz for cables shorter than {longer.shorter_than_m} m, but below"
             f" {shorter.below_hz} Hz for cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower"
             f" clock. If this is what the manual says, add an erratum that affects {affected_path}"
         )
-        report.add("cable-order", (*row.path, "below_hz"), problem)
+        report.add("cable-order", (*row_of_longer_cable.path, "below_hz"), problem)
 
 
 def check_dates(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -274,6 +286,21 @@ def _parse_date(date_text: str) -> datetime.date | None:
         return None
 
 
+def check_revision_in_history(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the revision table of a manual lists the manual's own revision, unless an erratum explains it."""
+    # A revision that is not text is reported by the schema, and can still be the right revision.
+    listed_revisions = [str(row.data.get("revision")) for row in spec.with_invalid_parts.manual.history]
+    revision = spec.manual.revision
+    has_duplicates = len(set(listed_revisions)) < len(listed_revisions)  # Reported by another rule.
+    if not listed_revisions or has_duplicates or not revision or revision in listed_revisions:
+        return
+    if has_erratum_at(report.document, "manual", "history"):
+        return
+    problem = f"the manual has revision {quoted(revision)}, but its history lists {', '.join(listed_revisions)}"
+    remedy = "correct one of the two, or add an erratum that affects manual.history if the manual prints this"
+    report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
+
+
 def check_supply_range(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that either the device or values of the order code have a supply, and that its voltages are in order."""
     supplies: list[LocatedPart[Supply]] = []
@@ -288,10 +315,11 @@ def check_supply_range(spec: WrittenSpec, report: DocumentReport) -> None:
             if has_supply_of_device:
                 problem = "the device already has a 'supply'; keep only one of them"
                 report.add("supply-range", value.supply.path, problem, at_key=True)
-    for supply in supplies:
-        if supply.part.min_mv > supply.part.max_mv:
-            problem = f"'min_mv' ({supply.part.min_mv}) is above 'max_mv' ({supply.part.max_mv})"
-            report.add("supply-range", (*supply.path, "min_mv"), problem)
+    for located_supply in supplies:
+        supply = located_supply.part
+        if supply.min_mv > supply.max_mv:
+            problem = f"'min_mv' ({supply.min_mv}) is above 'max_mv' ({supply.max_mv})"
+            report.add("supply-range", (*located_supply.path, "min_mv"), problem)
 
 
 def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -301,10 +329,11 @@ def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     editions = [edition.part.language for edition in spec.with_invalid_parts.manual.editions if edition.part.language]
     documents = document_names(spec)
-    own_language = spec.with_invalid_parts.manual.language
-    for path, value in sources(leaves_of(spec.data, report)):
-        for cited_place in value.split(";"):
-            _check_citation(cited_place.strip(), path, editions, documents, own_language, report)
+    language = spec.with_invalid_parts.manual.language
+    known_sources = _KnownSources(language, editions, documents)
+    for path, source_text in sources(leaves_of(spec.data, report)):
+        for citation in source_text.split(";"):
+            _check_citation(citation.strip(), path, known_sources, report)
 
 
 def document_names(spec: WrittenSpec) -> list[str]:
@@ -312,22 +341,33 @@ def document_names(spec: WrittenSpec) -> list[str]:
     return spec.with_invalid_parts.names_in("documents")
 
 
-def _check_citation(
-    citation: str, path: Path, editions: list[str], documents: list[str], own_language: str, report: DocumentReport
-) -> None:
+class _KnownSources(NamedTuple):
+    """The documents that a spec can cite: the manual, its editions in other languages, and other documents."""
+
+    #: Language of the manual itself, which is cited without a key.
+    language_of_manual: str
+    #: Language of each other edition, which is its key.
+    editions: list[str]
+    #: Keys of other documents.
+    documents: list[str]
+
+
+def _check_citation(citation: str, path: Path, known_sources: _KnownSources, report: DocumentReport) -> None:
     """Check one citation of a source, such as ``6.4 p.35``, or ``errata: 2`` in the document with the key ``errata``.
 
-    ``own_language`` is the language of the manual, which needs no key. Only there, the form of the place is checked.
+    The form of the place, such as ``6.4 p.35``, is checked only in the manual and its editions.
     """
     # TODO marks a place that is still to be checked.
-    match = _CITATION_PIECE.fullmatch(citation.replace("\n", " ").removeprefix("TODO "))
+    citation_line = citation.replace("\n", " ").removeprefix("TODO ")
+    match = _CITATION.fullmatch(citation_line)
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, citation)
-    if key is not None and key == own_language:
+    possible_keys = [*known_sources.editions, *known_sources.documents]
+    if key is not None and key == known_sources.language_of_manual:
         report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; remove '{key}:'")
-    elif key is not None and key not in editions and key not in documents:
-        hint = suggest_word(key, [*editions, *documents])
+    elif key is not None and key not in possible_keys:
+        hint = suggest_word(key, possible_keys)
         report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
-    elif key in documents and place:
+    elif key in known_sources.documents and place:
         return  # Public documents have sections of every kind.
     elif not _CITED_PLACE.fullmatch(place):
         citation_text = quoted(citation) if citation else "empty text"
@@ -341,49 +381,6 @@ def _check_citation(
             " a colon"
         )
         report.add("bad-source", path, message)
-
-
-#: No encoder has such a low limit in Hz. The highest limits in kHz, of SPI, are still below.
-_LOWEST_MAXIMUM_HZ = 50_000
-#: The lowest clock in Hz of an encoder whose highest clock is plausible.
-_LOWEST_MINIMUM_HZ = 1_000
-#: The lowest standard baud rate. Rates in kbaud and Mbaud that do not look like one are below it.
-_LOWEST_BAUD = 300
-#: Below this number, a unit of MHz is more likely than kHz.
-_LIKELY_MEGA = 50
-#: Standard baud rates that are not whole numbers of kbaud.
-_STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_600)
-
-
-def check_plausible_rates(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no clock or baud rate is too low for an encoder, unless the interface has a note."""
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
-        return
-    for _, interface in interfaces(spec):
-        if interface.note:
-            continue
-        for clock in clocks_of(interface):
-            highest_hz, lowest_hz = clock.part.max_hz, clock.part.min_hz
-            if highest_hz is not None and highest_hz < _LOWEST_MAXIMUM_HZ:
-                _report_rate(highest_hz, "max_hz", "Hz", (*clock.path, "max_hz"), report)
-            elif lowest_hz is not None and 0 < lowest_hz < _LOWEST_MINIMUM_HZ:
-                _report_rate(lowest_hz, "min_hz", "Hz", (*clock.path, "min_hz"), report)
-        port = interface.port if isinstance(interface, WrittenRs485) else None
-        if port is not None and port.has("baud") and port.part.baud < _LOWEST_BAUD:
-            _report_rate(port.part.baud, "baud", "baud", (*port.path, "baud"), report)
-
-
-def _report_rate(rate: int, rate_key: str, unit: str, path: Path, report: DocumentReport) -> None:
-    """Report a rate that is implausibly low, with the number that is probably meant: in kHz or MHz instead of Hz."""
-    prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
-    likely_rate = rate * factor
-    if unit == "baud":
-        # Manuals round standard rates: 115 kbaud is 115200 baud.
-        standard_rates = [standard for standard in _STANDARD_BAUDS if standard // 1000 == rate]
-        likely_rate = standard_rates[0] if standard_rates else likely_rate
-    problem = f"'{rate_key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
-    remedy = f"write {likely_rate}. If the number is right, say so in a 'note' of the interface"
-    report.add("implausible-rate", path, f"{problem}, {remedy}")
 
 
 #: Keys of numbers that manuals print in hexadecimal.
@@ -408,8 +405,10 @@ def check_number_base(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         spelling = report.document.spelling_at(path)
         # The same digits read as hexadecimal, without sign and leading zeros, with at least two digits.
-        hexadecimal = f"0x{spelling.lstrip('+-0'):0>2}"
-        if not is_json and _is_hexadecimal(path) and _DECIMAL_DIGITS.fullmatch(spelling):
+        digits = spelling.lstrip("+-0")
+        hexadecimal = f"0x{digits:0>2}"
+        must_be_hexadecimal = not is_json and _is_hexadecimal(path)
+        if must_be_hexadecimal and _DECIMAL_DIGITS.fullmatch(spelling):
             decimal_hint = f", or {number:#04x} for decimal {number}" if number > 9 else ""
             message = (
                 f"{quoted(path[-1])} is {spelling}, which is decimal, but manuals print it in hexadecimal; "
@@ -426,14 +425,14 @@ def check_number_base(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def check_typographic_quotes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
-    for path, value in leaves_of(spec.data, report):
-        if not isinstance(value, str) or len(value) < 2:
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or len(text) < 2:
             continue
-        first_character, last_character = value[0], value[-1]
+        first_character, inner_text, last_character = text[0], text[1:-1], text[-1]
         if (first_character, last_character) in _TYPOGRAPHIC_QUOTES:
             message = (
                 f"the quotes {first_character} and {last_character} are part of this text; "
-                f'write "{value[1:-1]}" with straight quotes'
+                f'write "{inner_text}" with straight quotes'
             )
             report.add("typographic-quotes", path, message)
 

@@ -23,7 +23,7 @@ _OPPOSITES = (
     ("high", "low"),
     ("up", "down"),
 )
-_OPPOSITE_OF = {word: other for pair in _OPPOSITES for word, other in (pair, pair[::-1])}
+_OPPOSITE_OF = {**dict(_OPPOSITES), **{opposite: word for word, opposite in _OPPOSITES}}
 _VOLTAGE_LIMIT = re.compile(r"\b(above|over|exceeds|below|under) (\d+(?:\.\d+)?) ?(m?)V\b")
 _WORDS_FOR_ABOVE = frozenset(("above", "over", "exceeds"))
 #: A sentence that gives the level of an active bit: "0 means an error", "active if it is 1", "it is active at 0".
@@ -50,8 +50,8 @@ def check_threshold_words(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         for path, text in _texts_of(alarm, _KEYS_OF_TEXTS):
             for word, number, prefix in _VOLTAGE_LIMIT.findall(text):  # ("above", "3.6", "") or ("below", "100", "m").
-                factor = 1 if prefix == "m" else 1000
-                if word in _WORDS_FOR_ABOVE and float(number) * factor == threshold_mv:
+                voltage_mv = float(number) * (1 if prefix == "m" else 1000)
+                if word in _WORDS_FOR_ABOVE and voltage_mv == threshold_mv:
                     problem = f"the text says {quoted(word)}, but the alarm has 'below_mv: {threshold_mv}'"
                     message = f"{problem}; correct one of the two"
                     report.add("words-contradict", path, message)
@@ -81,7 +81,8 @@ def check_level_words(spec: WrittenSpec, report: DocumentReport) -> None:
             if active_level is None:
                 continue
             for path, text in _texts_of(field, _KEYS_OF_TEXTS):
-                wrong_levels = [stated for stated in _ACTIVE_LEVEL_SENTENCE.findall(text) if stated != active_level]
+                stated_levels = _ACTIVE_LEVEL_SENTENCE.findall(text)
+                wrong_levels = [level for level in stated_levels if level != active_level]
                 if wrong_levels:
                     message = (
                         f"the text says that it is active at {wrong_levels[0]}, but 'active: {field.active}' means"
@@ -112,8 +113,10 @@ def _yield_contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
     plain_meaning = re.sub(r"counter-?clockwise", "counterclockwise", meaning.casefold())
     meaning_words = set(re.findall(r"[a-z]+", plain_meaning))
     for word in plain_name.split("_"):
-        opposite = _OPPOSITE_OF.get(word, "")
-        if opposite in meaning_words and word not in meaning_words:
+        if word not in _OPPOSITE_OF or word in meaning_words:
+            continue
+        opposite = _OPPOSITE_OF[word]
+        if opposite in meaning_words:
             yield word, opposite
 
 
@@ -132,7 +135,8 @@ def check_named_wires(spec: WrittenSpec, report: DocumentReport) -> None:
             if first_signals is None or second_signals is None:
                 continue
             signal_pairs = itertools.product(first_signals, second_signals)
-            if not any(_belong_together(first, second) for first, second in signal_pairs):
+            are_a_pair = any(_belong_together(signal, other_signal) for signal, other_signal in signal_pairs)
+            if not are_a_pair:
                 first_signal, second_signal = min(first_signals), min(second_signals)
                 message = (
                     f"the text names the {first_wire} and {second_wire} wires together, but they carry"
@@ -147,20 +151,22 @@ def _signals_by_wire(spec: WrittenSpec) -> dict[str, set[str]]:
     for connector in spec.connectors:
         if connector.part.kind != "cable":
             continue
-        for contact in connector.part.contacts:
-            signals_by_color.setdefault(contact.contact.casefold(), set()).add(contact.signal)
+        for wire in connector.part.contacts:
+            color = wire.contact.casefold()
+            signals_by_color.setdefault(color, set()).add(wire.signal)
     return signals_by_color
 
 
-def _belong_together(first: str, second: str) -> bool:
+def _belong_together(signal: str, other_signal: str) -> bool:
     """Return True if two signals are both supply lines, or have the same letters and digits.
 
     The latter is true for the lines of a differential pair, such as ``MA+`` and ``MA-``.
     """
-    if _SUPPLY_LINE.search(first) and _SUPPLY_LINE.search(second):
+    if _SUPPLY_LINE.search(signal) and _SUPPLY_LINE.search(other_signal):
         return True
-    letters_and_digits = re.sub(r"[^a-z0-9]", "", first.casefold())
-    return letters_and_digits == re.sub(r"[^a-z0-9]", "", second.casefold())
+    letters_and_digits = re.sub(r"[^a-z0-9]", "", signal.casefold())
+    other_letters_and_digits = re.sub(r"[^a-z0-9]", "", other_signal.casefold())
+    return letters_and_digits == other_letters_and_digits
 
 
 def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_or_raise
+from ...model import Alarm, Alternative, Device, Field, Flag, Interface, Layout, Sign, Verdict, first_or_raise
 from ...model.record import dataclass
 from ...plan.values import ActiveFlag, meaning_of
 from ...plan.verdicts import (
     CodeCondition,
     ReportsAndVerdict,
     VerdictRules,
-    combined_flag_names,
     reportings,
     reports_of,
-    verdict_of,
 )
 from ...say.evidence import word_for_document
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
@@ -128,7 +126,7 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
         deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
     if verdict_rules.otherwise is Verdict.UNKNOWN:
         no_improvement = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
-        warning_fields = [field for field in layout.fields if verdict_of(field) in no_improvement]
+        warning_fields = [field for field in layout.fields if field.kind.makes_position in no_improvement]
         deciders += [_Decider(Verdict.UNKNOWN, field) for field in warning_fields]
     # The enumeration lists the verdicts from the worst to the best.
     worst_first = list(Verdict)
@@ -138,7 +136,7 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
         return worst_first.index(decider.verdict), field_names.index(decider.field.name)
 
     deciders.sort(key=verdict_and_place)
-    usable_fields = [field for field in fields_and_signs if verdict_of(field) is Verdict.USABLE]
+    usable_fields = [field for field in fields_and_signs if field.kind.makes_position is Verdict.USABLE]
     return [*deciders, *(_Decider(Verdict.USABLE, field) for field in usable_fields)]
 
 
@@ -197,7 +195,8 @@ def _condition_on_combined_flags(field: Field, layout: Layout) -> str:
     Only combined flags in the same frame count. Return an empty string if there are none.
     """
     names_in_layout = {field.name for field in layout.fields}
-    combined_flags = [CodeText(name) for name in combined_flag_names(field) if name in names_in_layout]
+    combined_names = field.kind.sums_up if isinstance(field.kind, Flag) else ()
+    combined_flags = [CodeText(name) for name in combined_names if name in names_in_layout]
     if not combined_flags:
         return ""
     return f", with {MARKDOWN.phrase(statement(*list_parts(combined_flags)))} inactive"

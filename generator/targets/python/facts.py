@@ -26,7 +26,7 @@ from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
-from ...plan.verdicts import reports_of, verdict_of
+from ...plan.verdicts import reports_of
 from ...say.plain_text import text_on_one_line
 from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, remedy
 from .literals import CallLiteral, EnumMember, Literal, SourceText, literal_call, meaning_members, quoted, record
@@ -133,7 +133,7 @@ def reports(device: Device) -> list[CallLiteral]:
 
 def _report_record(name: str, field: Field, alarm: Alarm | None) -> CallLiteral:
     """Return the record ``Report``, with the meaning and the remedy of its alarm if the field has one."""
-    verdict = verdict_of(field)
+    verdict = field.kind.makes_position
     return record(
         "Report",
         {"name": name, "printed_name": field.printed_name, "meaning": meaning(field, alarm)},
