@@ -364,7 +364,7 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         # Width of the widest screen that shows the narrow picture.
-        "narrower": wide_pictures.SCREEN - 1,
+        "narrower": wide_pictures.NARROWEST_SCREEN - 1,
         "questions": list(order_code_tables.open_questions(code_group.device, layout)),
         "facts": list(order_code_tables.frame_facts(code_group.family, layout, variant, choices)),
         "verdict_head": verdict_head,
