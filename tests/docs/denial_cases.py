@@ -83,7 +83,7 @@ from codewheel.targets.docs import (
     verdict_page,
     wiring_tables,
 )
-from codewheel.targets.docs import order_code_tables as frame_facts
+from codewheel.targets.docs import verdict_table as frame_facts
 from codewheel.targets.docs.verdict_table import verdict_table
 from codewheel.targets.registry import load_target
 

@@ -25,7 +25,9 @@ from ...model import (
     RegisterExample,
     Scale,
     Sources,
+    Supply,
     Timing,
+    Variant,
     assert_never,
 )
 from ...plan.procedures import plan_procedure
@@ -38,8 +40,8 @@ from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, jo
 from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import count_with_unit, group_digits, quantity_text
-from ...say.register import describe_value
-from ...say.text import as_sentence, statement
+from ...say.register import describe_measurement, describe_position_range, describe_value, own_ranges
+from ...say.text import as_sentence, statement, volts
 from .layout_tables import (
     field_cell,
     field_place_cell,
@@ -50,6 +52,7 @@ from .layout_tables import (
     name_cell,
     value_rows,
 )
+from .order_code_tables import order_codes
 from .page_links import ERRATA
 
 _SEVERITY_TEXTS = {
@@ -391,3 +394,30 @@ def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     for setting in describe_settings(device, interface):
         value = MARKDOWN.phrase(statement(*setting.parts))
         yield f"{escape(setting.label)}: {value} <small>{citation(setting.source)}</small>"
+
+
+def overview_rows(device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
+    """Yield rows of fact, value, source: the unit and range of the position, the supplies, the interface's facts."""
+    position_measurement = device.measurement_of(interface.name)
+    if position_measurement is not None:
+        resolution_and_range = MARKDOWN.phrase(describe_measurement(position_measurement))
+        yield "Position", resolution_and_range, citation(position_measurement.source)
+        for layout_name, own_range in own_ranges(device, interface.name):
+            range_text = MARKDOWN.phrase(describe_position_range(own_range))
+            yield f"Position in {code_span(layout_name)}", range_text, citation(own_range.source)
+    for supply, codes in _codes_by_supply(device, variants).items():
+        has_all_codes = len(codes) == len(variants)
+        label = "Supply" if has_all_codes else f"Supply ({order_codes(device, codes)})"
+        voltage_range = f"{volts(supply.min_mv)} to {volts(supply.max_mv)}"
+        yield label, voltage_range, citation(supply.source)
+    yield from interface_rows(device, interface)
+
+
+def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
+    """Return the order codes that have each supply. Order codes whose supply is unknown are omitted."""
+    codes_by_supply: dict[Supply, list[str]] = {}
+    for variant in variants:
+        supply = device.supply_of(variant)
+        if supply is not None:
+            codes_by_supply.setdefault(supply, []).append(variant.code)
+    return codes_by_supply
