@@ -12,7 +12,7 @@ from ..language.problems import join_words
 from ..model.record import dataclass
 from ..say.plain_text import count_with_unit
 
-Raw = Mapping[str, Any]
+YamlMapping = Mapping[str, Any]
 
 NOT_GIVEN = "not_given"
 
@@ -70,7 +70,7 @@ class SettingPlace:
         return f"{words}, bits {self.high_bit}:{self.low_bit}"
 
 
-def devices_of(master_data: Raw) -> tuple[MasterDevice, ...]:
+def devices_of(master_data: YamlMapping) -> tuple[MasterDevice, ...]:
     """Return the devices that the description of a master lists or, without a list, the master as its only device."""
     device_descriptions = master_data.get("devices", ({"name": master_data["title"]},))
     devices: list[MasterDevice] = []
@@ -81,7 +81,7 @@ def devices_of(master_data: Raw) -> tuple[MasterDevice, ...]:
 
 
 def places_of(
-    setting: Raw,
+    setting: YamlMapping,
     value: int | bool | str | None,
     devices: Sequence[MasterDevice],
     standing: str,
@@ -106,11 +106,11 @@ def places_of(
 
 
 #: Settings with their locations, by the id of the setting, its value and its standing.
-_SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[SettingPlace, ...]]] = {}
+_SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[YamlMapping, tuple[SettingPlace, ...]]] = {}
 
 
 def _compute_places(
-    setting: Raw,
+    setting: YamlMapping,
     value: int | bool | str | None,
     devices: Sequence[MasterDevice],
     standing: str,
@@ -128,13 +128,13 @@ def _compute_places(
     return tuple(places)
 
 
-def _differs_by_channel(rule: Raw) -> bool:
+def _differs_by_channel(rule: YamlMapping) -> bool:
     """Return whether the rule for a location lists a different location for each channel of a device."""
     return any(isinstance(rule.get(key), list) for key in ("index", "subindex", "symbol", "register", "address"))
 
 
 def _place_on_channel(
-    rule: Raw,
+    rule: YamlMapping,
     device: MasterDevice,
     channel_index: int,
     value: int | bool | str | None,

@@ -18,7 +18,7 @@ from ..say.text import count_with_unit, hertz
 from .frame_parts import FramePart
 from .record import EncoderFacts
 
-Raw = Mapping[str, Any]
+YamlMapping = Mapping[str, Any]
 #: Bound of a clock that is known to work with the encoder, while its highest clock is unknown.
 START_WITH = "start_with"
 _HZ_BY_UNIT = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
@@ -50,7 +50,7 @@ class UnsupportedFeature(Exception):
     """The master does not support a feature that the encoder needs."""
 
 
-def rule_applies(rule: Raw, record: EncoderFacts) -> bool:
+def rule_applies(rule: YamlMapping, record: EncoderFacts) -> bool:
     """Return whether a rule of a master's description applies to an encoder: all conditions in ``when`` are met.
 
     A condition on a number that the spec does not give is not met.
@@ -58,14 +58,14 @@ def rule_applies(rule: Raw, record: EncoderFacts) -> bool:
     return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
 
 
-def _condition_holds(condition: Raw, record: EncoderFacts) -> bool:
+def _condition_holds(condition: YamlMapping, record: EncoderFacts) -> bool:
     """Return whether a fact about the encoder is known, and meets a condition."""
     name = condition["item"]
     is_known = name in record.words or record.numbers[name] is not None
     return is_known and is_within_limits(condition, record)
 
 
-def is_within_limits(limit: Raw, record: EncoderFacts) -> bool:
+def is_within_limits(limit: YamlMapping, record: EncoderFacts) -> bool:
     """Return whether a fact about the encoder meets a limit of a master, or is a number that the spec does not give.
 
     A fact that is a word must be in the list ``is``. A number has the limits ``at_least``, ``at_most``, ``one_of`` and
@@ -140,7 +140,7 @@ def encoder_has(name: str, record: EncoderFacts) -> str:
     return f"This encoder has {value}." if is_noun else f"For this encoder: {value}."
 
 
-def value_of_setting(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
+def value_of_setting(rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
     """Return the value of a setting for an encoder, such as ``(5000, "5000 kHz", "at_most")``.
 
     ``rule`` describes how the master's setting follows from facts about the encoder: an expression, a choice, a clock,
@@ -196,7 +196,7 @@ def _evaluate_expression(
     return number
 
 
-def _choose_value(rule: Raw, record: EncoderFacts) -> int | str:
+def _choose_value(rule: YamlMapping, record: EncoderFacts) -> int | str:
     """Return the value of a setting that depends on one fact about the encoder, such as the coding of the position.
 
     The choice in the rule lists cases: ``is`` is a value of the fact, and ``set`` is the value of the setting.
@@ -234,7 +234,7 @@ def _clock_limits_hz(record: EncoderFacts) -> tuple[int, int]:
     return slowest_hz or 0, fastest_hz
 
 
-def _listed_clock(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
+def _listed_clock(rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
     """Return the value of a clock setting for which the master has a list of clocks: ``(3, "3 (5 MHz)", "")``."""
     best_clock = best_listed_clock(rule, record)
     frequency_text = hertz(best_clock["hz"])
@@ -244,7 +244,7 @@ def _listed_clock(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
     return ValueOfSetting(value, text, bound)
 
 
-def best_listed_clock(rule: Raw, record: EncoderFacts) -> Raw:
+def best_listed_clock(rule: YamlMapping, record: EncoderFacts) -> YamlMapping:
     """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
 
     If the highest clock of the encoder is unknown, it is the fastest one of those with which the encoder is known to
@@ -269,7 +269,7 @@ def best_listed_clock(rule: Raw, record: EncoderFacts) -> Raw:
     return _fastest_of(supported_clocks)
 
 
-def _fastest_of(clocks: Sequence[Raw]) -> Raw:
+def _fastest_of(clocks: Sequence[YamlMapping]) -> YamlMapping:
     """Return the fastest of the clocks in the list of a master."""
     return max(clocks, key=lambda clock: int(clock["hz"]))
 
@@ -282,7 +282,7 @@ def _fastest_clock_text(record: EncoderFacts) -> str:
     return hertz(record.known_numbers["clock_max_hz"])
 
 
-def _selectable_clock(clock_rule: Raw, record: EncoderFacts) -> ValueOfSetting:
+def _selectable_clock(clock_rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
     """Return the value of a clock setting for which the master takes any number: ``(5000, "5000 kHz", "at_most")``.
 
     The number has the unit of the rule, or Hz if that is not a unit of frequency.
@@ -306,7 +306,7 @@ def _selectable_clock(clock_rule: Raw, record: EncoderFacts) -> ValueOfSetting:
     return ValueOfSetting(value, text, bound)
 
 
-def best_selectable_clock(clock_rule: Raw, record: EncoderFacts) -> int:
+def best_selectable_clock(clock_rule: YamlMapping, record: EncoderFacts) -> int:
     """Return the fastest clock in Hz that both the encoder and the master support, for a master that takes any number.
 
     If the highest clock of the encoder is unknown, it is the fastest one that the master supports of those with which
@@ -360,7 +360,7 @@ def fill_template(text: str, record: EncoderFacts) -> str:
     return text
 
 
-def _field_texts(rule: Raw, setting_name: str, record: EncoderFacts) -> Iterator[str]:
+def _field_texts(rule: YamlMapping, setting_name: str, record: EncoderFacts) -> Iterator[str]:
     """Yield the texts that describe a frame to a master, one for each part of the frame, after a text for the start.
 
     The rule has a template for each kind of part. The kind is the role of the part, such as ``crc``, or for a status

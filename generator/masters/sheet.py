@@ -22,9 +22,9 @@ from .places import MasterDevice, SettingPlace, devices_of, places_of, reason_fo
 from .record import EncoderFacts
 from .setting_values import (
     START_WITH,
-    Raw,
     UnknownValue,
     UnsupportedFeature,
+    YamlMapping,
     best_listed_clock,
     best_selectable_clock,
     encoder_has,
@@ -52,11 +52,11 @@ class Master:
     documents: tuple[Document, ...]
     devices: tuple[MasterDevice, ...]
     standing: str
-    limits: tuple[Raw, ...]
-    settings: tuple[Raw, ...]
-    writing: tuple[Raw, ...]
-    notes: tuple[Raw, ...]
-    files: tuple[Raw, ...] = ()
+    limits: tuple[YamlMapping, ...]
+    settings: tuple[YamlMapping, ...]
+    writing: tuple[YamlMapping, ...]
+    notes: tuple[YamlMapping, ...]
+    files: tuple[YamlMapping, ...] = ()
     several_channels: str = ""
 
 
@@ -112,7 +112,7 @@ class SettingsSheet:
     unusable_devices: frozenset[str] = frozenset()
     gaps: tuple[MasterRefusal, ...] = ()
 
-    def devices_with(self, file: Raw) -> list[str]:
+    def devices_with(self, file: YamlMapping) -> list[str]:
         """Return the names of the usable devices to which a file of the master applies.
 
         The file lists its devices under ``on``. Without this key, it applies to all devices.
@@ -170,7 +170,7 @@ def shipped_masters() -> tuple[Master, ...]:
     return masters
 
 
-def _master_from_spec(master_data: Raw) -> Master:
+def _master_from_spec(master_data: YamlMapping) -> Master:
     """Return the master for a checked description. A list of rules that the description lacks is empty."""
     documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in master_data["documents"].items())
     return Master(
@@ -292,7 +292,7 @@ def _settings_and_device_refusals(
     return settings, device_refusals
 
 
-def _limit_refusal(rule: Raw, master: Master, record: EncoderFacts) -> MasterRefusal:
+def _limit_refusal(rule: YamlMapping, master: Master, record: EncoderFacts) -> MasterRefusal:
     """Return the refusal for a limit of a master that the order code does not meet."""
     reason = f"{rule['reason']} {encoder_has(rule['item'], record)}"
     return MasterRefusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
@@ -322,7 +322,7 @@ def _refusal_of_gap(uncovered: str) -> MasterRefusal:
     return MasterRefusal(reason=reason, standing="inferred", source="")
 
 
-def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
+def _devices_with_setting(rule: YamlMapping, master: Master) -> set[str]:
     """Return the names of the devices of a master that have a setting.
 
     A location of the setting lists its devices under ``on``. Without this key, it applies to all devices.
@@ -334,7 +334,7 @@ def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
     return names_with_setting
 
 
-def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
+def _with_setting_names(rule: YamlMapping, record: EncoderFacts) -> YamlMapping:
     """Return a condition for writing in which names of settings have their braces filled in, as on the sheet."""
     named_rule = dict(rule)
     for key in ("of", "after"):
@@ -343,7 +343,7 @@ def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
     return named_rule
 
 
-def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_parts: str) -> Setting:
+def _setting_of_rule(rule: YamlMapping, master: Master, record: EncoderFacts, unknown_parts: str) -> Setting:
     """Return one setting of a master for an order code.
 
     Its value is None if the spec does not give a number that it needs, or if it depends on ``unknown_parts``: a text
@@ -381,7 +381,7 @@ def _start_note(bound: str, record: EncoderFacts) -> str:
     return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
-def _cable_note(rule: Raw, value: int | bool | str | None, record: EncoderFacts) -> str:
+def _cable_note(rule: YamlMapping, value: int | bool | str | None, record: EncoderFacts) -> str:
     """Return a note on the cable lengths that allow the clock of a setting.
 
     It is empty if the setting is not a clock, or if the user gave a cable length.

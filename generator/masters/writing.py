@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ..language.problems import join_words
 from ..model.record import dataclass
-from .places import MasterDevice, Raw, SettingPlace, places_of
+from .places import MasterDevice, SettingPlace, YamlMapping, places_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class WriteCondition:
 
 
 def writing_of(
-    rules: Iterable[Raw], names: Collection[str], devices: Sequence[MasterDevice], standing: str
+    rules: Iterable[YamlMapping], names: Collection[str], devices: Sequence[MasterDevice], standing: str
 ) -> tuple[WriteCondition, ...]:
     """Return the conditions for writing the settings with these names.
 
@@ -75,13 +75,13 @@ def writing_of(
     return tuple(conditions)
 
 
-def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]:
+def _known_names(rule: YamlMapping, key: str, names: Collection[str]) -> tuple[str, ...]:
     """Return the names that a rule lists under ``key`` and that are also in ``names``."""
     return tuple(name for name in rule.get(key, ()) if name in names)
 
 
 def _write_condition(
-    rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
+    rule: YamlMapping, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
 ) -> WriteCondition:
     """Return a condition for writing, with its text.
 
@@ -102,12 +102,14 @@ def _write_condition(
     )
 
 
-def _writes_of_rule(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[ObjectWrite, ...]:
+def _writes_of_rule(
+    rule: YamlMapping, key: str, devices: Sequence[MasterDevice], standing: str
+) -> tuple[ObjectWrite, ...]:
     """Return the values to write that a rule lists under ``key``, which is ``needs`` or ``then``."""
     return tuple(_write_from_rule(raw_write, devices, standing) for raw_write in rule.get(key, ()))
 
 
-def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> ObjectWrite:
+def _write_from_rule(rule: YamlMapping, devices: Sequence[MasterDevice], standing: str) -> ObjectWrite:
     """Return a value to write with its locations. Its text is hexadecimal if the rule has ``as: hex``."""
     value = rule["value"]
     return ObjectWrite(

@@ -13,23 +13,40 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ...model import Connector, Contact, Device, Layout, Register
+from ...model import (
+    Answer,
+    Connector,
+    Contact,
+    Device,
+    FieldGroup,
+    Interface,
+    Layout,
+    PlacedLayout,
+    Register,
+    answer_combinations,
+)
+from ...model.expressions import Expression
 from ...model.record import dataclass
+from ...say.markdown import join_filled
 from ...say.names_and_places import Titled, title_of
 from ..palette import palette
-from . import layout_tables
 from .layout_pictures import (
     PICTURE_WIDTH,
     Box,
     ByteRow,
     Stack,
+    bit_stack,
+    byte_stack,
     create_picture,
     draw_box,
     draw_swatch,
     draw_text,
+    group_stack,
+    register_stack,
     text_alternative,
     wrap_to_width,
 )
+from .layout_tables import Placement, Shape, distinct_placements, group_shapes, shape_of, used_groups
 from .wide_pictures import wide_picture
 
 _MARGIN, _TEXT_SIZE = 10.0, 12
@@ -146,19 +163,19 @@ def pictures_of_family(device: Device) -> Pictures:
     """Return the pictures of a family: its frames, groups of fields, registers and connectors."""
     pictures: Pictures = {}
     for interface, layout in device.layouts():
-        layout_stacks = layout_tables.layout_stacks(device, interface, layout)
-        pictures[_layout_key(layout)] = _draw_shortest_and_longest(f"{layout.name}.svg", layout, layout_stacks)
+        stacks = layout_stacks(device, interface, layout)
+        pictures[_layout_key(layout)] = _draw_shortest_and_longest(f"{layout.name}.svg", layout, stacks)
     groups = {group.name: group for group in device.field_groups}
     for interface in device.interfaces:
-        for group_name in layout_tables.used_groups(interface):
+        for group_name in used_groups(interface):
             field_group = groups[group_name]
-            group_stacks = layout_tables.group_stacks(device, field_group)
-            pictures[f"group-{group_name}"] = _draw_picture(f"{group_name}.svg", field_group, group_stacks)
+            stacks = group_stacks(device, field_group)
+            pictures[f"group-{group_name}"] = _draw_picture(f"{group_name}.svg", field_group, stacks)
     for register in device.registers:
-        if layout_tables.has_picture(register):
+        if has_picture(register):
             key = _register_key(register)
-            register_stacks = layout_tables.register_stacks(device, register)
-            pictures[key] = _draw_picture(f"{key}.svg", register, register_stacks)
+            stacks = register_stacks(device, register)
+            pictures[key] = _draw_picture(f"{key}.svg", register, stacks)
     for connector in device.connectors:
         key = f"connector-{connector.name}"
         pictures[key] = Picture(
@@ -178,21 +195,21 @@ def pictures_of_order_codes(family_device: Device, narrowed_family: Device, page
     pictures: Pictures = {}
     for interface, layout in narrowed_family.layouts():
         if layout.name == frame_name:
-            stacks = _without_single_caption(layout_tables.layout_stacks(narrowed_family, interface, layout))
-            family_stacks = layout_tables.layout_stacks(family_device, interface, layout)
+            stacks = _without_single_caption(layout_stacks(narrowed_family, interface, layout))
+            family_stacks = layout_stacks(family_device, interface, layout)
             # The picture of the family has captions for a frame that consists of bits, so this picture always differs.
             if not layout.in_bytes or stacks != family_stacks:
                 pictures[_layout_key(layout)] = _draw_picture(f"{page}-{layout.name}.svg", layout, stacks)
-            shapes = layout_tables.captioned_shapes(narrowed_family, interface, layout)
+            shapes = captioned_shapes(narrowed_family, interface, layout)
             pictures[f"wide-{layout.name}"] = Picture(
                 name=f"{page}-{layout.name}-wide.svg",
                 text=text_alternative(stacks),
                 svg=wide_picture(title_of(layout), shapes),
             )
     for register in narrowed_family.registers:
-        depends_on_order_code = len(layout_tables.register_stacks(family_device, register)) > 1
-        if depends_on_order_code and layout_tables.has_picture(register):
-            stacks = _without_single_caption(layout_tables.register_stacks(narrowed_family, register))
+        depends_on_order_code = len(register_stacks(family_device, register)) > 1
+        if depends_on_order_code and has_picture(register):
+            stacks = _without_single_caption(register_stacks(narrowed_family, register))
             key = _register_key(register)
             pictures[key] = _draw_picture(f"{page}-{key}.svg", register, stacks)
     return pictures
@@ -318,3 +335,90 @@ def _name_below(box: Box) -> str:
     level = "0 = active" if box.active_low else ""
     place_and_level = ", ".join(filter(None, (bits_text, level)))
     return f"{box.name} ({place_and_level})" if place_and_level else box.name
+
+
+def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
+    """Return the rows of bytes to draw for each shape of a layout, and for all answers that change the picture.
+
+    A frame that consists of bytes has no caption if there is only one picture.
+    """
+    stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
+    for answers, parameters in answer_combinations(device.alternatives_of(layout)):
+        placements = distinct_placements(device, layout, interface.name, parameters)
+        for stack in _stacks_of_shapes(layout, placements):
+            captioned_stack = replace(stack, caption=_caption_with_answers(answers, stack.caption))
+            stacks_by_rows.setdefault(stack.rows, captioned_stack)
+    stacks = list(stacks_by_rows.values())
+    if layout.in_bytes and len(stacks) == 1:
+        return [replace(stacks[0], caption="")]
+    return stacks
+
+
+def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
+    """Yield the rows of bytes to draw for each shape, or only for the longest shape of a frame that consists of bytes.
+
+    In such a frame, the boxes of fields include their padding, so shapes hardly differ.
+    """
+    if layout.in_bytes:
+        # The shapes are sorted by length, so the longest is last.
+        yield byte_stack("", shapes[-1].placed_layout)
+        return
+    for shape in shapes:
+        caption = f"{_codes_caption(shape)}: {shape.placed_layout.bits} bits"
+        yield bit_stack(caption, shape.placed_layout)
+
+
+def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
+    """Return each shape of a layout for one order code, with a caption that names the answers and the length.
+
+    If there is only one shape, its caption is empty.
+    """
+    shapes: dict[Shape, tuple[str, PlacedLayout]] = {}
+    for answers, parameters in answer_combinations(device.alternatives_of(layout)):
+        for placement in distinct_placements(device, layout, interface.name, parameters):
+            placed_layout = placement.placed_layout
+            caption = _caption_with_answers(answers, f"{placed_layout.bits} bits")
+            shapes.setdefault(shape_of(placed_layout), (caption, placed_layout))
+    if len(shapes) > 1:
+        return list(shapes.values())
+    return [("", placed_layout) for _, placed_layout in shapes.values()]
+
+
+def _caption_with_answers(answers: Sequence[Answer], caption: str) -> str:
+    """Return the names of the answers and the caption, separated by commas. Either can be empty."""
+    names_of_answers = [answer.name for answer in answers]
+    return join_filled([*names_of_answers, caption], ", ")
+
+
+def _codes_caption(placement: Placement) -> str:
+    """Return the first two order codes and the number of the others: ``X-12, X-13 and 4 more``."""
+    first_codes, further_codes = placement.codes[:2], placement.codes[2:]
+    number_of_further_codes = f" and {len(further_codes)} more" if further_codes else ""
+    return f"{', '.join(first_codes)}{number_of_further_codes}"
+
+
+def group_stacks(device: Device, field_group: FieldGroup) -> list[Stack]:
+    """Return the rows of bytes to draw for a group of fields, for all answers that move its fields."""
+    stacks = []
+    for answers, group_fields in group_shapes(device, field_group.name):
+        caption = _caption_with_answers(answers, "")
+        stacks.append(group_stack(caption, group_fields, field_group.bits))
+    return stacks
+
+
+def has_picture(register: Register) -> bool:
+    """Return whether a register needs a picture: it has several fields, or one that does not fill it."""
+    fields = register.layout.fields
+    return len(fields) > 1 or fields[0].width != Expression(8 * register.length)
+
+
+def register_stacks(device: Device, register: Register) -> list[Stack]:
+    """Return the rows of bytes to draw for each shape of a register. A single shape has no caption."""
+    low_byte_first = register.byte_order == "low_byte_first"
+    shapes = distinct_placements(device, register.layout, register.interface)
+    stacks = []
+    for shape in shapes:
+        caption = _codes_caption(shape) if len(shapes) > 1 else ""
+        stack = register_stack(caption, shape.placed_layout, address=register.address, low_byte_first=low_byte_first)
+        stacks.append(stack)
+    return stacks

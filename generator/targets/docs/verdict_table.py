@@ -53,14 +53,17 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
     if verdict_rules is not None:
         verdict_rules = verdict_rules.for_parameters(variant.parameters)
         causes_by_verdict = applicable_causes(verdict_rules, variant)
-    placed = layout.place(variant.parameters)
-    rows = list(_cause_rows(device, placed, causes_by_verdict))
-    rows += _rows_of_other_flags(device, placed, causes_by_verdict, verdict_rules)
+    placed_layout = layout.place(variant.parameters)
+    rows = list(_cause_rows(device, placed_layout, causes_by_verdict))
+    # A frame without a position has no verdict on which its flags could have an effect.
+    effect_of_other_flags = "unchanged" if verdict_rules is not None else ""
+    rows += _rows_of_other_flags(device, placed_layout, causes_by_verdict, effect_of_other_flags)
     if verdict_rules is not None and causes_by_verdict:
-        with_crc = "" if placed.crc_field is None else ", and the CRC is correct"
+        with_crc = "" if placed_layout.crc_field is None else ", and the CRC is correct"
         rows.append(("", f"none of these{with_crc}", "", EFFECTS[verdict_rules.otherwise], ""))
     columns_with_content = _indices_with_content(rows)
-    return _cells_at(_COLUMN_HEADINGS, columns_with_content), [_cells_at(row, columns_with_content) for row in rows]
+    head = _cells_at(_COLUMN_HEADINGS, columns_with_content)
+    return head, [_cells_at(row, columns_with_content) for row in rows]
 
 
 def _cells_at(row: Row, indexes: Iterable[int]) -> Row:
@@ -79,7 +82,7 @@ def _cause_rows(
             else:
                 field = cause.by.field
                 active_level = deciding_value(field) + _while_inactive(cause)
-                yield _build_row(device, placed_layout, field, active_level, EFFECTS[verdict])
+                yield _build_row(device, placed_layout, field, level=active_level, effect=EFFECTS[verdict])
 
 
 def _indices_with_content(rows: Iterable[Row]) -> list[int]:
@@ -94,23 +97,20 @@ def _rows_of_other_flags(
     device: Device,
     placed_layout: PlacedLayout,
     causes_by_verdict: dict[Verdict, list[VerdictCause]],
-    verdict_rules: VerdictRules | None,
+    effect: str,
 ) -> Iterator[Row]:
-    """Yield a row for each flag that does not affect the verdict for this order code.
-
-    Its effect is ``unchanged``, or empty for a frame without a position, which has no verdict.
-    """
+    """Yield a row with this effect for each flag that does not affect the verdict for this order code."""
     names_of_causes: set[str] = set()
     for causes in causes_by_verdict.values():
         names_of_causes.update(cause.by.field.name for cause in causes)
-    effect = "unchanged" if verdict_rules is not None else ""
     for placed_field in placed_layout.fields:
         field = placed_field.field
-        if isinstance(meaning_of(field), ActiveFlag) and field.name not in names_of_causes:
-            yield _build_row(device, placed_layout, field, deciding_value(field), effect)
+        is_flag = isinstance(meaning_of(field), ActiveFlag)
+        if is_flag and field.name not in names_of_causes:
+            yield _build_row(device, placed_layout, field, level=deciding_value(field), effect=effect)
 
 
-def _build_row(device: Device, placed_layout: PlacedLayout, field: Field, level: str, effect: str) -> Row:
+def _build_row(device: Device, placed_layout: PlacedLayout, field: Field, *, level: str, effect: str) -> Row:
     """Return a row of place, name, active level, effect on the position, remedy for a field."""
     return (
         place_of_field(placed_layout.field(field.name), placed_layout),
@@ -146,10 +146,17 @@ def _names_of_field(field: Field) -> str:
 
 def _row_of_match(placed_layout: PlacedLayout, match: MatchingValues, effect: str) -> Row:
     """Return the row for field values that decide together: places, values, no level, verdict, no remedy."""
-    placed_fields = [placed_layout.field(part.field.name) for part, _ in match.conditions]
-    places = ", ".join(place_of_field(placed_field, placed_layout) for placed_field in placed_fields)
-    phrase = MARKDOWN.phrase(conditions_text((part.field, value) for part, value in match.conditions))
-    return places, phrase, "", effect, ""
+    places = []
+    for field_plan, _ in match.conditions:
+        placed_field = placed_layout.field(field_plan.field.name)
+        places.append(place_of_field(placed_field, placed_layout))
+    return ", ".join(places), _conditions_phrase(match), "", effect, ""
+
+
+def _conditions_phrase(match: MatchingValues) -> str:
+    """Return the field values that decide together: ``error is 1 and mode is 5h (test)``."""
+    fields_and_values = [(field_plan.field, value) for field_plan, value in match.conditions]
+    return MARKDOWN.phrase(conditions_text(fields_and_values))
 
 
 def place_of_field(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
@@ -169,9 +176,9 @@ def _while_inactive(cause: VerdictCause) -> str:
 
 def _while_flags_are_inactive(cause: VerdictCause) -> str:
     """Return the flags that must be inactive for a cause to count: ``while `error` and `fault` are inactive``."""
-    flags = " and ".join(code_span(part.field.name) for part in cause.unless)
+    flag_names = " and ".join(code_span(field_plan.field.name) for field_plan in cause.unless)
     verb = "is" if len(cause.unless) == 1 else "are"
-    return f"while {flags} {verb} inactive"
+    return f"while {flag_names} {verb} inactive"
 
 
 def applicable_causes(verdict_rules: VerdictRules, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
@@ -230,12 +237,13 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.by, MatchingValues):
-            # deciding_value() returns the level at which the flag is active, such as "1".
-            names_by_level.setdefault(deciding_value(cause.by.field), []).append(_cause_text(cause))
+            # The level at which the flag is active, such as "1".
+            level = deciding_value(cause.by.field)
+            names_by_level.setdefault(level, []).append(_cause_text(cause))
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, MatchingValues):
-            yield MARKDOWN.phrase(conditions_text((part.field, value) for part, value in cause.by.conditions))
+            yield _conditions_phrase(cause.by)
 
 
 def _cause_text(cause: VerdictCause) -> str:

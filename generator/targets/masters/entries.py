@@ -13,7 +13,7 @@ from ...masters.writing import ObjectWrite, write_order
 from ...model.lookup import first_or_raise
 from ...model.record import dataclass
 
-Raw = Mapping[str, Any]
+YamlMapping = Mapping[str, Any]
 Value = int | bool | str
 
 
@@ -120,7 +120,7 @@ class Content:
         return self.channels[0].entries if self.channels else ()
 
 
-def content_of_file(sheet: SettingsSheet, rule: Raw, device: str) -> Content:
+def content_of_file(sheet: SettingsSheet, rule: YamlMapping, device: str) -> Content:
     """Return the content of a file for a device of a master, whose description of the file is ``rule``.
 
     For each setting that the file leaves out, and for each value that the format cannot express, the content has a
@@ -193,7 +193,7 @@ def _setting_name(setting_or_write: Setting | ObjectWrite) -> str:
 
 
 def _reason_not_expressible(
-    setting_or_write: Setting | ObjectWrite, rule: Raw, format_: FileFormat, device: str
+    setting_or_write: Setting | ObjectWrite, rule: YamlMapping, format_: FileFormat, device: str
 ) -> str:
     """Return the reason that a format cannot express a value for some location on a device, or an empty string."""
     key = _key_in_file(setting_or_write, rule)
@@ -205,7 +205,7 @@ def _reason_not_expressible(
     return ""
 
 
-def _file_values(setting_or_write: Setting | ObjectWrite, rule: Raw, device: str) -> list[FileValue]:
+def _file_values(setting_or_write: Setting | ObjectWrite, rule: YamlMapping, device: str) -> list[FileValue]:
     """Return a value of a file for each location that a setting has on a device."""
     marks = _setting_marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
     file_values = []
@@ -223,7 +223,7 @@ def _file_values(setting_or_write: Setting | ObjectWrite, rule: Raw, device: str
     return file_values
 
 
-def _value_word(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
+def _value_word(setting_or_write: Setting | ObjectWrite, rule: YamlMapping) -> str:
     """Return a value in the notation of the file: the word for it in the master's description, or a number or text."""
     value = _setting_value(setting_or_write)
     words_by_value = rule.get("words", {}).get(_setting_name(setting_or_write), {})
@@ -239,7 +239,7 @@ def _setting_marks(setting: Setting) -> list[str]:
     return marks
 
 
-def _key_in_file(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
+def _key_in_file(setting_or_write: Setting | ObjectWrite, rule: YamlMapping) -> str:
     """Return the name of a setting in the file, or an empty string if the master's description gives none."""
     key: str = rule.get("names", {}).get(_setting_name(setting_or_write), "")
     return key

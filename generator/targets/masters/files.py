@@ -25,7 +25,7 @@ from ...say.plain_text import text_on_one_line, wrap_text
 from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
-from .entries import Channel, Content, Raw, content_of_file
+from .entries import Channel, Content, YamlMapping, content_of_file
 
 _TEXT_WIDTH = 120
 _ONE_FILE_EACH = "each"
@@ -53,7 +53,7 @@ def file_text(
     device: Device,
     order_codes: Sequence[str],
     sheet: SettingsSheet,
-    rule: Raw,
+    rule: YamlMapping,
     master_device: str,
     library: Library | None = None,
     is_short: bool = False,
@@ -90,7 +90,7 @@ def file_text(
 
 
 def _first_paragraphs(
-    device: Device, order_codes: Sequence[str], sheet: SettingsSheet, rule: Raw, master_device: str
+    device: Device, order_codes: Sequence[str], sheet: SettingsSheet, rule: YamlMapping, master_device: str
 ) -> Iterator[str]:
     """Yield the purpose of the file, and the origin of its values."""
     format_ = FILE_FORMATS[rule["format"]]
@@ -99,7 +99,7 @@ def _first_paragraphs(
 
 
 def _paragraphs_on_origin(
-    device: Device, sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
+    device: Device, sheets: Sequence[SettingsSheet], rule: YamlMapping, master_device: str
 ) -> Iterator[str]:
     """Yield the paragraphs on the evidence for a file: the manual, the cited documents of the master, and the tests."""
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
@@ -219,7 +219,7 @@ def _files_of_family(device: Device, library: Library, options: Options) -> Iter
                 yield from files_of_device(start, device, sheets, rule, master_device, library)
 
 
-def _start_of_path(master: Master, rule: Raw, master_device: str) -> str:
+def _start_of_path(master: Master, rule: YamlMapping, master_device: str) -> str:
     """Return the folder and the beginning of the names of files, such as ``masters/acme/c_struct/m100-``.
 
     If the master has only one device, the names have no such beginning, and the result is only the folder.
@@ -274,7 +274,7 @@ SheetOfCodes = tuple[SettingsSheet, EncoderFacts, Sequence[str]]
 
 
 def _file_of_each_order_code(
-    start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
+    start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: YamlMapping, master_device: str, library: Library
 ) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of a file for each order code, and a function that returns its text.
 
@@ -297,14 +297,16 @@ def _code_and_answers(code: str, record: EncoderFacts) -> str:
 
 
 def _bulk_file(
-    start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
+    start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: YamlMapping, master_device: str, library: Library
 ) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of the one file for all order codes, and a function that returns its text."""
     path = f"{start}{device.name}{FILE_FORMATS[rule['format']].suffix}"
     yield path, partial(_bulk_text, device, sheets, rule, master_device, library)
 
 
-def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library) -> str:
+def _bulk_text(
+    device: Device, sheets: Sequence[SheetOfCodes], rule: YamlMapping, master_device: str, library: Library
+) -> str:
     """Return the text of a bulk file. Order codes with the same content and the same answers share a block."""
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
     sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], SettingsSheet] = {}
@@ -323,7 +325,11 @@ def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master
 
 
 def _joined_blocks(
-    device: Device, blocks: Sequence[tuple[str, str]], sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
+    device: Device,
+    blocks: Sequence[tuple[str, str]],
+    sheets: Sequence[SettingsSheet],
+    rule: YamlMapping,
+    master_device: str,
 ) -> str:
     """Return a bulk file with these blocks as comments, or in XML as children of one element.
 
