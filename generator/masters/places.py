@@ -12,6 +12,7 @@ from ..language.problems import join_words
 from ..model.record import dataclass
 from ..say.plain_text import count_with_unit
 
+#: Mapping from the file that describes a master, such as a rule.
 YamlMapping = Mapping[str, Any]
 
 NOT_GIVEN = "not_given"
@@ -83,6 +84,7 @@ def devices_of(master_data: YamlMapping) -> tuple[MasterDevice, ...]:
 def places_of(
     setting: YamlMapping,
     value: int | bool | str | None,
+    *,
     devices: Sequence[MasterDevice],
     standing: str,
     fill_in: Callable[[str], str],
@@ -93,14 +95,14 @@ def places_of(
     facts about the encoder. Locations without such names are cached for each value.
     """
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
-    if depends_on_record:
-        return _compute_places(setting, value, devices, standing, fill_in)
     cache_key = (id(setting), value, standing)
     cached_setting, places = _SETTING_AND_PLACES.get(cache_key, (None, ()))
     # The id of a deleted object can be used again.
     is_cached = cached_setting is setting
-    if not is_cached:
-        places = _compute_places(setting, value, devices, standing, fill_in)
+    if is_cached:
+        return places
+    places = _compute_places(setting, value, devices=devices, standing=standing, fill_in=fill_in)
+    if not depends_on_record:
         _SETTING_AND_PLACES[cache_key] = setting, places
     return places
 
@@ -112,6 +114,7 @@ _SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[YamlMa
 def _compute_places(
     setting: YamlMapping,
     value: int | bool | str | None,
+    *,
     devices: Sequence[MasterDevice],
     standing: str,
     fill_in: Callable[[str], str],
@@ -120,11 +123,13 @@ def _compute_places(
     places: list[SettingPlace] = []
     for rule in setting["places"]:
         for device in devices:
+            # Without the key 'on', the location is in all devices.
             if device.name not in rule.get("on", (device.name,)):
                 continue
             channel_count = len(device.channels) if _differs_by_channel(rule) else 1
             for channel_index in range(channel_count):
-                places.append(_place_on_channel(rule, device, channel_index, value, standing, fill_in))
+                place = _place_on_channel(rule, device, channel_index, value=value, standing=standing, fill_in=fill_in)
+                places.append(place)
     return tuple(places)
 
 
@@ -137,6 +142,7 @@ def _place_on_channel(
     rule: YamlMapping,
     device: MasterDevice,
     channel_index: int,
+    *,
     value: int | bool | str | None,
     standing: str,
     fill_in: Callable[[str], str],
@@ -152,8 +158,11 @@ def _place_on_channel(
         return value_or_list[channel_index] if isinstance(value_or_list, list) else value_or_list
 
     kind, type_bits = TYPES.get(rule["type"], ("", None))
+    # The bits of a register, such as "5:0". Without them, the data type determines the number of bits.
     high_bit, low_bit = _parse_bits(str(rule.get("at", "")))
-    place_bits = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
+    place_bits = type_bits
+    if high_bit is not None and low_bit is not None:
+        place_bits = high_bit - low_bit + 1
     default = None if rule["default"] == NOT_GIVEN else rule["default"]
     return SettingPlace(
         device=device.name,
@@ -258,11 +267,12 @@ def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[Ma
         unit = f"unit {words.unit}" if words.unit not in ("", "none") else ""
         default = f"factory default {words.default}" if words.default else ""
         advice = "leave it" if words.is_default else ""
-        facts = list(filter(None, (words.location, words.type, unit, words.range, default, advice)))
+        facts = [words.location, words.type, unit, words.range, default, advice]
+        facts = [fact for fact in facts if fact]
         texts = {"place": words.location, "data type": words.type, "unit": words.unit, "factory default": words.default}
-        missing = [name for name, text in texts.items() if not text]
-        if missing:
-            facts.append(f"{join_words(missing)} not given")
+        missing_facts = [name for name, text in texts.items() if not text]
+        if missing_facts:
+            facts.append(f"{join_words(missing_facts)} not given")
         devices_prefix = f"{words.devices}: " if words.devices else ""
         yield f"{devices_prefix}{', '.join(facts)}{words.mark} [{words.source}]"
 
