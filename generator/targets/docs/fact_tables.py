@@ -34,13 +34,13 @@ from ...plan.procedures import plan_procedure
 from ...plan.steps import VerifyWrite
 from ...say import register as say_register
 from ...say.commands import describe_step, read_back
-from ...say.errata import changed, errata
-from ...say.layout import crc_sent
+from ...say.errata import content_before_and_after, errata
+from ...say.layout import crc_sent, describe_measurement, describe_position_range, own_ranges
 from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import count_with_unit, group_digits, quantity_text
-from ...say.register import describe_measurement, describe_position_range, describe_value, own_ranges
+from ...say.register import describe_value
 from ...say.text import as_sentence, statement, volts
 from .layout_tables import (
     field_cell,
@@ -229,7 +229,7 @@ def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
     if erratum.edition:
         yield "Edition", escape(erratum.edition)
     if erratum.overlay or erratum.edition:
-        yield from ((label, escape(change_text)) for label, change_text in changed(erratum))
+        yield from ((label, escape(change_text)) for label, change_text in content_before_and_after(erratum))
     else:
         yield "Printed", escape(erratum.printed)
         yield "Used", escape(erratum.used)

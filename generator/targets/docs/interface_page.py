@@ -30,7 +30,6 @@ from ...order_codes.reduction import for_interface
 from ...plan.frames import exchanges
 from ...say import commands as say_commands
 from ...say import layout as say_layout
-from ...say import order_code as say_order_code
 from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
@@ -106,7 +105,7 @@ def _input_section(device: Device, hardware_input: Input) -> Section:
     return {
         "input": hardware_input,
         "title": title_of(hardware_input),
-        "facts": say_order_code.input_facts(device, hardware_input),
+        "facts": say_commands.input_facts(device, hardware_input),
     }
 
 

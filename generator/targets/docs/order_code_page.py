@@ -32,12 +32,11 @@ from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
 from ...say.evidence import describe_grade
-from ...say.layout import describe_size
+from ...say.layout import describe_measurement, describe_position_range, describe_size, own_ranges
 from ...say.markdown import MARKDOWN, citation, code_span, escape, markdown_link
 from ...say.names_and_places import field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import count_with_unit, with_unit
-from ...say.register import describe_measurement, describe_position_range, own_ranges
 from ...say.text import Statement, as_sentence, statement
 from ..registry import names_of_codes
 from . import bytes_to_send, fact_tables, order_code_tables, verdict_table, wide_pictures, wiring_tables
