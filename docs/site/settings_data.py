@@ -111,7 +111,7 @@ def _texts_of(device: Device, record: EncoderFacts, master_sheet: SettingsSheet,
     if not master_sheet.refusals:
         for rule in master_sheet.master.files:
             for master_device in master_sheet.devices_with(rule):
-                content = file_text(device, [record.code], master_sheet, rule, master_device)
+                content = file_text(device, [record.code], master_sheet, rule=rule, master_device=master_device)
                 number = texts.number_of(content.rstrip("\n"), record.code)
                 files.append([rule["format"], master_device, number])
     return [texts.number_of(text, record.code), files]

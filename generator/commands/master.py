@@ -190,7 +190,9 @@ def _file_for_master(
     if master_device not in devices_with_format:
         known_devices = join_words(devices_with_format, "or")
         raise CommandError(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
-    return file_text(device, [encoder_record.code], master_sheet, file_format, master_device).rstrip("\n")
+    return file_text(device, [encoder_record.code], master_sheet, rule=file_format, master_device=master_device).rstrip(
+        "\n"
+    )
 
 
 def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Sequence[Master]) -> Any:

@@ -91,6 +91,7 @@ def depends_on_whole_frame(rule: Mapping[str, Any]) -> bool:
     if describes_every_part:
         return True
     items_in_value = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
+    # Names in braces, such as "{data_bits}".
     items_in_text = set(re.findall(r"\{(\w+)\}", rule.get("text", "")))
     frame_items = _FRAME_ITEMS & (items_in_value | items_in_text)
     has_several_items = len(frame_items) > 1
@@ -139,12 +140,13 @@ def _mentioned_items(rule: Any) -> set[str]:
     ``rule`` is a rule, a list of rules, or any part of one. The names are the values of the keys ``item`` and ``of``,
     and the parameters of expressions under ``value``, at any depth.
     """
+    items: set[str] = set()
     if isinstance(rule, (list, tuple)):
-        return set[str]().union(*map(_mentioned_items, rule))
-    if not isinstance(rule, Mapping):
-        return set()
-    items = _mentioned_items(tuple(rule.values()))
-    items |= {str(rule[key]) for key in ("item", "of") if key in rule}
-    if isinstance(rule.get("value"), str):
-        items |= set(Expression.parse(rule["value"]).parameters)
+        for part_of_rule in rule:
+            items |= _mentioned_items(part_of_rule)
+    elif isinstance(rule, Mapping):
+        items |= _mentioned_items(tuple(rule.values()))
+        items |= {str(rule[key]) for key in ("item", "of") if key in rule}
+        if isinstance(rule.get("value"), str):
+            items |= set(Expression.parse(rule["value"]).parameters)
     return items

@@ -43,9 +43,10 @@ def _register_in_words(device: Device, name: str) -> str:
 
 def frame_notes(
     device: Device,
-    position_name: str,
     placed_layout: PlacedLayout,
     frame_parts: Sequence[FramePart],
+    *,
+    position_name: str,
     as_delivered: bool,
 ) -> Iterator[str]:
     """Yield notes on registers that change the frame, on a signed position, and on status bits that never change.
@@ -55,8 +56,8 @@ def frame_notes(
     layout = placed_layout.layout
     width_parameters = set(layout.bits.parameters)
     code_parameters = {layout.gray_when} if layout.gray_when else set[str]()
-    yield from _register_notes(device, "widths depend", width_parameters, as_delivered)
-    yield from _register_notes(device, "code depends", code_parameters, as_delivered)
+    yield from _register_notes(device, width_parameters, dependence="widths depend", as_delivered=as_delivered)
+    yield from _register_notes(device, code_parameters, dependence="code depends", as_delivered=as_delivered)
     position = placed_layout.find_field(position_name)
     if position is not None and position.field.number.signed:
         lowest, highest = device.signed_range(position, placed_layout)
@@ -88,13 +89,14 @@ def split_notes(
     with suppress(NoRecord):
         turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
         for field in position_fields:
-            highest_bits = turn_bits[field.name]
-            if 0 < highest_bits < field.width:
-                parts = f"the revolutions in its highest {count_with_unit(highest_bits, 'bit')} and the rest below them"
-                yield f"'{field.name}' holds both parts of the position: {parts}."
+            turn_bits_of_field = turn_bits[field.name]
+            if 0 < turn_bits_of_field < field.width:
+                highest_bits = count_with_unit(turn_bits_of_field, "bit")
+                both_parts = f"the revolutions in its highest {highest_bits} and the rest below them"
+                yield f"'{field.name}' holds both parts of the position: {both_parts}."
 
 
-def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:
+def _register_notes(device: Device, parameters: set[str], *, dependence: str, as_delivered: bool) -> Iterator[str]:
     """Yield a note on the registers that set any of these parameters, if there are any.
 
     ``dependence`` is ``widths depend`` or ``code depends``, as in "The widths depend on registers: …".

@@ -12,7 +12,8 @@ from ..language.problems import join_words
 from ..model.record import dataclass
 from ..say.plain_text import count_with_unit
 
-Raw = Mapping[str, Any]
+#: Mapping from the file that describes a master, such as a rule.
+YamlMapping = Mapping[str, Any]
 
 NOT_GIVEN = "not_given"
 
@@ -70,7 +71,7 @@ class SettingPlace:
         return f"{words}, bits {self.high_bit}:{self.low_bit}"
 
 
-def devices_of(master_data: Raw) -> tuple[MasterDevice, ...]:
+def devices_of(master_data: YamlMapping) -> tuple[MasterDevice, ...]:
     """Return the devices that the description of a master lists or, without a list, the master as its only device."""
     device_descriptions = master_data.get("devices", ({"name": master_data["title"]},))
     devices: list[MasterDevice] = []
@@ -81,8 +82,9 @@ def devices_of(master_data: Raw) -> tuple[MasterDevice, ...]:
 
 
 def places_of(
-    setting: Raw,
+    setting: YamlMapping,
     value: int | bool | str | None,
+    *,
     devices: Sequence[MasterDevice],
     standing: str,
     fill_in: Callable[[str], str],
@@ -93,25 +95,26 @@ def places_of(
     facts about the encoder. Locations without such names are cached for each value.
     """
     depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
-    if depends_on_record:
-        return _compute_places(setting, value, devices, standing, fill_in)
     cache_key = (id(setting), value, standing)
     cached_setting, places = _SETTING_AND_PLACES.get(cache_key, (None, ()))
     # The id of a deleted object can be used again.
     is_cached = cached_setting is setting
-    if not is_cached:
-        places = _compute_places(setting, value, devices, standing, fill_in)
+    if is_cached:
+        return places
+    places = _compute_places(setting, value, devices=devices, standing=standing, fill_in=fill_in)
+    if not depends_on_record:
         _SETTING_AND_PLACES[cache_key] = setting, places
     return places
 
 
 #: Settings with their locations, by the id of the setting, its value and its standing.
-_SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[SettingPlace, ...]]] = {}
+_SETTING_AND_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[YamlMapping, tuple[SettingPlace, ...]]] = {}
 
 
 def _compute_places(
-    setting: Raw,
+    setting: YamlMapping,
     value: int | bool | str | None,
+    *,
     devices: Sequence[MasterDevice],
     standing: str,
     fill_in: Callable[[str], str],
@@ -120,23 +123,26 @@ def _compute_places(
     places: list[SettingPlace] = []
     for rule in setting["places"]:
         for device in devices:
+            # Without the key 'on', the location is in all devices.
             if device.name not in rule.get("on", (device.name,)):
                 continue
             channel_count = len(device.channels) if _differs_by_channel(rule) else 1
             for channel_index in range(channel_count):
-                places.append(_place_on_channel(rule, device, channel_index, value, standing, fill_in))
+                place = _place_on_channel(rule, device, channel_index, value=value, standing=standing, fill_in=fill_in)
+                places.append(place)
     return tuple(places)
 
 
-def _differs_by_channel(rule: Raw) -> bool:
+def _differs_by_channel(rule: YamlMapping) -> bool:
     """Return whether the rule for a location lists a different location for each channel of a device."""
     return any(isinstance(rule.get(key), list) for key in ("index", "subindex", "symbol", "register", "address"))
 
 
 def _place_on_channel(
-    rule: Raw,
+    rule: YamlMapping,
     device: MasterDevice,
     channel_index: int,
+    *,
     value: int | bool | str | None,
     standing: str,
     fill_in: Callable[[str], str],
@@ -152,8 +158,11 @@ def _place_on_channel(
         return value_or_list[channel_index] if isinstance(value_or_list, list) else value_or_list
 
     kind, type_bits = TYPES.get(rule["type"], ("", None))
+    # The bits of a register, such as "5:0". Without them, the data type determines the number of bits.
     high_bit, low_bit = _parse_bits(str(rule.get("at", "")))
-    place_bits = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
+    place_bits = type_bits
+    if high_bit is not None and low_bit is not None:
+        place_bits = high_bit - low_bit + 1
     default = None if rule["default"] == NOT_GIVEN else rule["default"]
     return SettingPlace(
         device=device.name,
@@ -258,11 +267,12 @@ def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[Ma
         unit = f"unit {words.unit}" if words.unit not in ("", "none") else ""
         default = f"factory default {words.default}" if words.default else ""
         advice = "leave it" if words.is_default else ""
-        facts = list(filter(None, (words.location, words.type, unit, words.range, default, advice)))
+        facts = [words.location, words.type, unit, words.range, default, advice]
+        facts = [fact for fact in facts if fact]
         texts = {"place": words.location, "data type": words.type, "unit": words.unit, "factory default": words.default}
-        missing = [name for name, text in texts.items() if not text]
-        if missing:
-            facts.append(f"{join_words(missing)} not given")
+        missing_facts = [name for name, text in texts.items() if not text]
+        if missing_facts:
+            facts.append(f"{join_words(missing_facts)} not given")
         devices_prefix = f"{words.devices}: " if words.devices else ""
         yield f"{devices_prefix}{', '.join(facts)}{words.mark} [{words.source}]"
 

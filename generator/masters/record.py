@@ -66,9 +66,9 @@ class EncoderFacts:
     parts: tuple[FramePart, ...]
     timeout: str
     cables: CableTable
-    notes: tuple[str, ...]
-    answers: Mapping[str, str]
     mentioned: Mapping[Topic, str]
+    notes: tuple[str, ...] = ()
+    answers: Mapping[str, str] = dataclasses.field(default_factory=dict)
     cable_m: int | None = None
     cable_row: CableRow | None = None
     step: Fraction | None = None
@@ -122,22 +122,29 @@ def record(
             this cable length.
     """
     frame = _position_frame(device, variant, answers)
-    deciding_alternatives = device.alternatives_of(frame.placed_layout.layout)
+    placed_layout = frame.placed_layout
+    deciding_alternatives = device.alternatives_of(placed_layout.layout)
+    needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
     parts, obstacle = _parts_and_obstacle(frame)
-    crc_obstacle = _crc_obstacle(device, frame.placed_layout)
+    crc_obstacle = _crc_obstacle(device, placed_layout)
+    obstacles = [reason for reason in (obstacle, crc_obstacle) if reason]
     numbers = _numbers_by_name(frame, parts)
     cables = cable_table(device, frame.interface, variant.code)
-    needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
     notes = (
         *answer_notes(deciding_alternatives, needed_answers),
         *clock_notes(numbers, cables, cable_m),
-        *frame_notes(device, frame.measurement.of, frame.placed_layout, parts, as_delivered),
-        *split_notes(device, frame.placed_layout, frame.measurement, frame.variant),
-        *channel_notes(frame.interface, frame.placed_layout),
-        *filter(None, (obstacle, crc_obstacle)),
+        *frame_notes(device, placed_layout, parts, position_name=frame.measurement.of, as_delivered=as_delivered),
+        *split_notes(device, placed_layout, frame.measurement, frame.variant),
+        *channel_notes(frame.interface, placed_layout),
+        *obstacles,
     )
-    record_for_any_cable = _build_record(frame, parts, numbers, cables, notes, needed_answers)
-    record_for_any_cable = replace(record_for_any_cable, obstacle=obstacle, crc_obstacle=crc_obstacle)
+    record_for_any_cable = replace(
+        _build_record(frame, parts, numbers, cables),
+        notes=notes,
+        answers=needed_answers,
+        obstacle=obstacle,
+        crc_obstacle=crc_obstacle,
+    )
     return record_for_any_cable if cable_m is None else _limit_to_cable(record_for_any_cable, cable_m)
 
 
@@ -206,14 +213,9 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
 
 
 def _build_record(
-    frame: _PositionFrame,
-    frame_parts: tuple[FramePart, ...],
-    numbers: Mapping[str, int | None],
-    cables: CableTable,
-    notes: tuple[str, ...],
-    answers: Mapping[str, str],
+    frame: _PositionFrame, frame_parts: tuple[FramePart, ...], numbers: Mapping[str, int | None], cables: CableTable
 ) -> EncoderFacts:
-    """Return the facts about an order code for any cable length, without the reasons why masters cannot read it."""
+    """Return the facts about an order code for any cable length, without notes, answers and obstacles for masters."""
     device, interface = frame.device, frame.interface
     timeout = interface.timeout_of(frame.variant.code) if isinstance(interface, Biss) else None
     clock = interface.clock_of(frame.variant.code)
@@ -225,8 +227,6 @@ def _build_record(
         parts=frame_parts,
         timeout=timeout_words(timeout) if timeout is not None else "",
         cables=cables,
-        notes=notes,
-        answers=answers,
         step=frame.measurement.micrometres(frame.variant.parameters),
         document=word_for_document(device),
         channels=frame_channels(interface, frame.placed_layout),

@@ -18,7 +18,8 @@ from ..say.text import count_with_unit, hertz
 from .frame_parts import FramePart
 from .record import EncoderFacts
 
-Raw = Mapping[str, Any]
+#: Mapping from the file that describes a master, such as a rule.
+YamlMapping = Mapping[str, Any]
 #: Bound of a clock that is known to work with the encoder, while its highest clock is unknown.
 START_WITH = "start_with"
 _HZ_BY_UNIT = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
@@ -50,7 +51,7 @@ class UnsupportedFeature(Exception):
     """The master does not support a feature that the encoder needs."""
 
 
-def rule_applies(rule: Raw, record: EncoderFacts) -> bool:
+def rule_applies(rule: YamlMapping, record: EncoderFacts) -> bool:
     """Return whether a rule of a master's description applies to an encoder: all conditions in ``when`` are met.
 
     A condition on a number that the spec does not give is not met.
@@ -58,14 +59,14 @@ def rule_applies(rule: Raw, record: EncoderFacts) -> bool:
     return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
 
 
-def _condition_holds(condition: Raw, record: EncoderFacts) -> bool:
+def _condition_holds(condition: YamlMapping, record: EncoderFacts) -> bool:
     """Return whether a fact about the encoder is known, and meets a condition."""
     name = condition["item"]
     is_known = name in record.words or record.numbers[name] is not None
     return is_known and is_within_limits(condition, record)
 
 
-def is_within_limits(limit: Raw, record: EncoderFacts) -> bool:
+def is_within_limits(limit: YamlMapping, record: EncoderFacts) -> bool:
     """Return whether a fact about the encoder meets a limit of a master, or is a number that the spec does not give.
 
     A fact that is a word must be in the list ``is``. A number has the limits ``at_least``, ``at_most``, ``one_of`` and
@@ -140,7 +141,7 @@ def encoder_has(name: str, record: EncoderFacts) -> str:
     return f"This encoder has {value}." if is_noun else f"For this encoder: {value}."
 
 
-def value_of_setting(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
+def value_of_setting(rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
     """Return the value of a setting for an encoder, such as ``(5000, "5000 kHz", "at_most")``.
 
     ``rule`` describes how the master's setting follows from facts about the encoder: an expression, a choice, a clock,
@@ -153,11 +154,11 @@ def value_of_setting(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
     if "unknown" in rule:
         raise UnknownValue(rule["unknown"])
     if "value" in rule:
-        number = _evaluate_expression(rule["value"], rule["name"], record, may_be_negative=rule.get("as") == "signed")
-        if rule.get("as") == "boolean":
-            text = "TRUE" if number else "FALSE"
-            return ValueOfSetting(bool(number), text)
-        text = f"0x{number:02X}" if rule.get("as") == "hex" else str(number)
+        notation = rule.get("as")
+        number = _evaluate_expression(rule["value"], rule["name"], record, may_be_negative=notation == "signed")
+        if notation == "boolean":
+            return ValueOfSetting(bool(number), text="TRUE" if number else "FALSE")
+        text = f"0x{number:02X}" if notation == "hex" else str(number)
         return ValueOfSetting(number, text, bound=rule.get("bound", ""))
     if "choice" in rule:
         chosen_value = _choose_value(rule, record)
@@ -196,7 +197,7 @@ def _evaluate_expression(
     return number
 
 
-def _choose_value(rule: Raw, record: EncoderFacts) -> int | str:
+def _choose_value(rule: YamlMapping, record: EncoderFacts) -> int | str:
     """Return the value of a setting that depends on one fact about the encoder, such as the coding of the position.
 
     The choice in the rule lists cases: ``is`` is a value of the fact, and ``set`` is the value of the setting.
@@ -234,17 +235,18 @@ def _clock_limits_hz(record: EncoderFacts) -> tuple[int, int]:
     return slowest_hz or 0, fastest_hz
 
 
-def _listed_clock(rule: Raw, record: EncoderFacts) -> ValueOfSetting:
+def _listed_clock(rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
     """Return the value of a clock setting for which the master has a list of clocks: ``(3, "3 (5 MHz)", "")``."""
     best_clock = best_listed_clock(rule, record)
     frequency_text = hertz(best_clock["hz"])
     value = best_clock["set"]
+    # Some masters are set to the text of a frequency, and others to its number in their list.
     text = frequency_text if str(value) == frequency_text else f"{value} ({frequency_text})"
     bound = "" if _is_highest_clock_known(record) else START_WITH
     return ValueOfSetting(value, text, bound)
 
 
-def best_listed_clock(rule: Raw, record: EncoderFacts) -> Raw:
+def best_listed_clock(rule: YamlMapping, record: EncoderFacts) -> YamlMapping:
     """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
 
     If the highest clock of the encoder is unknown, it is the fastest one of those with which the encoder is known to
@@ -269,7 +271,7 @@ def best_listed_clock(rule: Raw, record: EncoderFacts) -> Raw:
     return _fastest_of(supported_clocks)
 
 
-def _fastest_of(clocks: Sequence[Raw]) -> Raw:
+def _fastest_of(clocks: Sequence[YamlMapping]) -> YamlMapping:
     """Return the fastest of the clocks in the list of a master."""
     return max(clocks, key=lambda clock: int(clock["hz"]))
 
@@ -282,31 +284,33 @@ def _fastest_clock_text(record: EncoderFacts) -> str:
     return hertz(record.known_numbers["clock_max_hz"])
 
 
-def _selectable_clock(clock_rule: Raw, record: EncoderFacts) -> ValueOfSetting:
+def _selectable_clock(clock_rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
     """Return the value of a clock setting for which the master takes any number: ``(5000, "5000 kHz", "at_most")``.
 
     The number has the unit of the rule, or Hz if that is not a unit of frequency.
     """
     clock_hz = best_selectable_clock(clock_rule, record)
     bound = "at_most" if _is_highest_clock_known(record) else START_WITH
-    row = record.cable_row
+    cable_row = record.cable_row
     # The table of cable lengths may give an exclusive limit. It is shown as printed.
-    is_limited_by_row = row is not None and row.is_below and clock_hz == row.highest_hz
-    if row is not None and is_limited_by_row:
-        clock_hz = row.hz
-        bound = "below"
+    if cable_row is not None and cable_row.is_below:
+        is_limited_by_cable = clock_hz == cable_row.highest_hz
+        if is_limited_by_cable:
+            clock_hz = cable_row.hz
+            bound = "below"
     unit = clock_rule["unit"]
     if unit not in _HZ_BY_UNIT:
-        return ValueOfSetting(clock_hz, hertz(clock_hz), bound)
-    whole_number, remainder_hz = divmod(clock_hz, _HZ_BY_UNIT[unit])
-    number_text = f"{clock_hz / _HZ_BY_UNIT[unit]:g}" if remainder_hz else str(whole_number)
+        return ValueOfSetting(clock_hz, text=hertz(clock_hz), bound=bound)
+    hz_per_unit = _HZ_BY_UNIT[unit]
+    is_whole_number = clock_hz % hz_per_unit == 0
+    number_text = str(clock_hz // hz_per_unit) if is_whole_number else f"{clock_hz / hz_per_unit:g}"
     text = f"{number_text} Hz ({hertz(clock_hz)})" if unit == "Hz" else f"{number_text} {unit}"
     # A number with decimals, such as "1.25", remains a text.
     value: int | str = int(number_text) if number_text.isdigit() else number_text
     return ValueOfSetting(value, text, bound)
 
 
-def best_selectable_clock(clock_rule: Raw, record: EncoderFacts) -> int:
+def best_selectable_clock(clock_rule: YamlMapping, record: EncoderFacts) -> int:
     """Return the fastest clock in Hz that both the encoder and the master support, for a master that takes any number.
 
     If the highest clock of the encoder is unknown, it is the fastest one that the master supports of those with which
@@ -318,17 +322,19 @@ def best_selectable_clock(clock_rule: Raw, record: EncoderFacts) -> int:
     """
     lowest_of_master = clock_rule.get("at_least_hz", 0)
     highest_of_master = clock_rule.get("at_most_hz", math.inf)
-    used_clocks = [hz for hz in record.used_hz if lowest_of_master <= hz <= highest_of_master]
+    used_clocks = [clock_hz for clock_hz in record.used_hz if lowest_of_master <= clock_hz <= highest_of_master]
     if used_clocks:
         return max(used_clocks)
-    slowest_hz, fastest_hz = _clock_limits_hz(record)
-    best_hz = min(fastest_hz, int(clock_rule.get("at_most_hz", fastest_hz)))
-    if best_hz < max(slowest_hz, lowest_of_master):
-        supported = f"at least {hertz(lowest_of_master)}"
-        if highest_of_master < slowest_hz:
-            supported = f"at most {hertz(highest_of_master)}"
-        needed = f"{hertz(slowest_hz)} to {_fastest_clock_text(record)}"
-        raise UnsupportedFeature(f"The master supports clocks of {supported}, but the encoder needs {needed}")
+    slowest_of_encoder, fastest_of_encoder = _clock_limits_hz(record)
+    best_hz = int(min(fastest_of_encoder, highest_of_master))
+    if best_hz < max(slowest_of_encoder, lowest_of_master):
+        supported_clocks = f"at least {hertz(lowest_of_master)}"
+        if highest_of_master < slowest_of_encoder:
+            supported_clocks = f"at most {hertz(highest_of_master)}"
+        needed_clocks = f"{hertz(slowest_of_encoder)} to {_fastest_clock_text(record)}"
+        raise UnsupportedFeature(
+            f"The master supports clocks of {supported_clocks}, but the encoder needs {needed_clocks}"
+        )
     return best_hz
 
 
@@ -340,8 +346,10 @@ def _fill_known_template(text: str, record: EncoderFacts) -> str:
     """
     for name in NUMBERS:
         is_in_text = f"{{{name}}}" in text
-        is_known = record.numbers[name] is not None or (name == "step_um" and record.step)
-        if is_in_text and not is_known:
+        is_known = record.numbers[name] is not None
+        # fill_template() can also write a size of a count that is not a whole number of micrometers.
+        is_known_step = name == "step_um" and bool(record.step)
+        if is_in_text and not is_known and not is_known_step:
             raise _unknown_number(name, record.step)
     return fill_template(text, record)
 
@@ -355,12 +363,14 @@ def fill_template(text: str, record: EncoderFacts) -> str:
         return text
     if record.step is not None:
         text = text.replace("{step_um}", decimal(record.step))
-    for name, value in {**record.words, **record.numbers}.items():
-        text = text.replace(f"{{{name}}}", "unknown" if value is None else str(value))
+    facts = {**record.words, **record.numbers}
+    for name, value in facts.items():
+        name_in_braces = f"{{{name}}}"
+        text = text.replace(name_in_braces, "unknown" if value is None else str(value))
     return text
 
 
-def _field_texts(rule: Raw, setting_name: str, record: EncoderFacts) -> Iterator[str]:
+def _field_texts(rule: YamlMapping, setting_name: str, record: EncoderFacts) -> Iterator[str]:
     """Yield the texts that describe a frame to a master, one for each part of the frame, after a text for the start.
 
     The rule has a template for each kind of part. The kind is the role of the part, such as ``crc``, or for a status
@@ -377,18 +387,20 @@ def _field_texts(rule: Raw, setting_name: str, record: EncoderFacts) -> Iterator
             template_by_kind.setdefault(field_rule["of"], field_rule["text"])
     yield _fill_known_template(rule.get("start", ""), record)
     has_whole_position = "position" in template_by_kind
-    parts = _with_whole_position(record) if has_whole_position else _with_two_parts_of_position(record)
+    frame_parts = _with_whole_position(record) if has_whole_position else _with_two_parts_of_position(record)
     # The parts are in the order in which they are sent.
     if rule["first"] != "sent_first":
-        parts = parts[::-1]
-    for part in parts:
-        kind = part.role
-        if part.role == "status":
-            kind = f"status_active_{part.active or 'low'}"
-        if kind not in template_by_kind:
-            raise UnsupportedFeature(f"{fill_template(setting_name, record)} cannot express '{part.name}'")
-        template = template_by_kind[kind]
-        part_text = template.replace("{bits}", str(part.bits)).replace("{name}", part.name)
+        frame_parts = frame_parts[::-1]
+    for frame_part in frame_parts:
+        part_kind = frame_part.role
+        if frame_part.role == "status":
+            # A status bit that never changes counts as active low.
+            part_kind = f"status_active_{frame_part.active or 'low'}"
+        if part_kind not in template_by_kind:
+            setting_title = fill_template(setting_name, record)
+            raise UnsupportedFeature(f"{setting_title} cannot express '{frame_part.name}'")
+        part_text = template_by_kind[part_kind].replace("{bits}", str(frame_part.bits))
+        part_text = part_text.replace("{name}", frame_part.name)
         yield _fill_known_template(part_text, record)
 
 
@@ -417,7 +429,8 @@ def _merge_adjacent_parts(frame_parts: Sequence[FramePart], roles: Collection[st
         if part.role not in roles:
             merged_parts.append(part)
         elif merged_parts and merged_parts[-1].role == part.role:
-            merged_parts[-1] = replace(merged_parts[-1], bits=merged_parts[-1].bits + part.bits)
+            previous_part = merged_parts.pop()
+            merged_parts.append(replace(previous_part, bits=previous_part.bits + part.bits))
         else:
             merged_parts.append(replace(part, name=part.role))
     return merged_parts

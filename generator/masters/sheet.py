@@ -22,9 +22,9 @@ from .places import MasterDevice, SettingPlace, devices_of, places_of, reason_fo
 from .record import EncoderFacts
 from .setting_values import (
     START_WITH,
-    Raw,
     UnknownValue,
     UnsupportedFeature,
+    YamlMapping,
     best_listed_clock,
     best_selectable_clock,
     encoder_has,
@@ -52,11 +52,11 @@ class Master:
     documents: tuple[Document, ...]
     devices: tuple[MasterDevice, ...]
     standing: str
-    limits: tuple[Raw, ...]
-    settings: tuple[Raw, ...]
-    writing: tuple[Raw, ...]
-    notes: tuple[Raw, ...]
-    files: tuple[Raw, ...] = ()
+    limits: tuple[YamlMapping, ...]
+    settings: tuple[YamlMapping, ...]
+    writing: tuple[YamlMapping, ...]
+    notes: tuple[YamlMapping, ...]
+    files: tuple[YamlMapping, ...] = ()
     several_channels: str = ""
 
 
@@ -112,7 +112,7 @@ class SettingsSheet:
     unusable_devices: frozenset[str] = frozenset()
     gaps: tuple[MasterRefusal, ...] = ()
 
-    def devices_with(self, file: Raw) -> list[str]:
+    def devices_with(self, file: YamlMapping) -> list[str]:
         """Return the names of the usable devices to which a file of the master applies.
 
         The file lists its devices under ``on``. Without this key, it applies to all devices.
@@ -170,18 +170,21 @@ def shipped_masters() -> tuple[Master, ...]:
     return masters
 
 
-def _master_from_spec(master_data: Raw) -> Master:
+def _master_from_spec(master_data: YamlMapping) -> Master:
     """Return the master for a checked description. A list of rules that the description lacks is empty."""
-    documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in master_data["documents"].items())
+    documents: list[Document] = []
+    for key, description in master_data["documents"].items():
+        documents.append(Document(key=key, title=description["title"], url=description.get("url", "")))
+    rule_lists = {list_name: tuple(master_data.get(list_name, ())) for list_name in _RULE_LISTS}
     return Master(
         name=master_data["master"],
         title=master_data["title"],
         takes=tuple(master_data["takes"]),
-        documents=documents,
+        documents=tuple(documents),
         devices=devices_of(master_data),
         standing=master_data.get("standing", "documented"),
         several_channels=master_data.get("several_channels", {}).get("text", ""),
-        **{name: tuple(master_data.get(name, ())) for name in _RULE_LISTS},
+        **rule_lists,
     )
 
 
@@ -192,13 +195,16 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     """
     interface = record.words["interface"]
     if interface not in master.takes:
-        return replace(_refusing_sheet(master, _interface_refusal(master, record)), is_described=False)
+        refusing_sheet = _refusing_sheet(master, _interface_refusal(master, record))
+        return replace(refusing_sheet, is_described=False)
     if record.obstacle:
         return _refusing_sheet(master, MasterRefusal(reason=record.obstacle, standing="inferred", source=""))
     # A text with the parts of the frame that the description does not cover, or empty.
     uncovered = uncovered_parts((master.limits, master.settings, master.notes), record.parts)
     settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
-    unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
+    unusable_devices: set[str] = set()
+    for _, refusing_devices in device_refusals:
+        unusable_devices |= refusing_devices
     refusals = list(_refusals_of_order_code(master, record))
     # If only some devices cannot use the order code, this becomes a note.
     are_all_devices_unusable = len(unusable_devices) == len(master.devices)
@@ -216,8 +222,8 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
         refusals=(),
         settings=tuple(settings),
         notes=(*device_notes, *_notes_of_master(master, record)),
-        writing=writing_of(writing_rules, setting_names, master.devices, master.standing),
-        unusable_devices=unusable_devices,
+        writing=writing_of(writing_rules, setting_names, devices=master.devices, standing=master.standing),
+        unusable_devices=frozenset(unusable_devices),
         gaps=tuple(_gaps_in_description(master, record, uncovered)),
     )
 
@@ -285,14 +291,13 @@ def _settings_and_device_refusals(
             unknown_parts = uncovered if depends_on_whole_frame(rule) else ""
             settings.append(_setting_of_rule(rule, master, record, unknown_parts))
         except UnsupportedFeature as reason:
-            refusal = MasterRefusal(
-                reason=f"{reason}.", standing=rule.get("standing", master.standing), source=rule["source"]
-            )
+            standing = rule.get("standing", master.standing)
+            refusal = MasterRefusal(reason=f"{reason}.", standing=standing, source=rule["source"])
             device_refusals.append((refusal, _devices_with_setting(rule, master)))
     return settings, device_refusals
 
 
-def _limit_refusal(rule: Raw, master: Master, record: EncoderFacts) -> MasterRefusal:
+def _limit_refusal(rule: YamlMapping, master: Master, record: EncoderFacts) -> MasterRefusal:
     """Return the refusal for a limit of a master that the order code does not meet."""
     reason = f"{rule['reason']} {encoder_has(rule['item'], record)}"
     return MasterRefusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
@@ -322,7 +327,7 @@ def _refusal_of_gap(uncovered: str) -> MasterRefusal:
     return MasterRefusal(reason=reason, standing="inferred", source="")
 
 
-def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
+def _devices_with_setting(rule: YamlMapping, master: Master) -> set[str]:
     """Return the names of the devices of a master that have a setting.
 
     A location of the setting lists its devices under ``on``. Without this key, it applies to all devices.
@@ -334,7 +339,7 @@ def _devices_with_setting(rule: Raw, master: Master) -> set[str]:
     return names_with_setting
 
 
-def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
+def _with_setting_names(rule: YamlMapping, record: EncoderFacts) -> YamlMapping:
     """Return a condition for writing in which names of settings have their braces filled in, as on the sheet."""
     named_rule = dict(rule)
     for key in ("of", "after"):
@@ -343,7 +348,7 @@ def _with_setting_names(rule: Raw, record: EncoderFacts) -> Raw:
     return named_rule
 
 
-def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_parts: str) -> Setting:
+def _setting_of_rule(rule: YamlMapping, master: Master, record: EncoderFacts, unknown_parts: str) -> Setting:
     """Return one setting of a master for an order code.
 
     Its value is None if the spec does not give a number that it needs, or if it depends on ``unknown_parts``: a text
@@ -361,6 +366,13 @@ def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_pa
         text = f"unknown: {reason}"
         bound = ""
     notes = (rule.get("note", ""), _start_note(bound, record), _cable_note(rule, value, record))
+    places = places_of(
+        rule,
+        value,
+        devices=master.devices,
+        standing=master.standing,
+        fill_in=lambda symbol: fill_template(symbol, record),
+    )
     return Setting(
         name=fill_template(rule["name"], record),
         at=fill_template(rule.get("at", ""), record),
@@ -370,7 +382,7 @@ def _setting_of_rule(rule: Raw, master: Master, record: EncoderFacts, unknown_pa
         standing=rule.get("standing", master.standing),
         source=rule["source"],
         note=" ".join(filter(None, notes)),
-        places=places_of(rule, value, master.devices, master.standing, lambda symbol: fill_template(symbol, record)),
+        places=places,
     )
 
 
@@ -381,7 +393,7 @@ def _start_note(bound: str, record: EncoderFacts) -> str:
     return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
-def _cable_note(rule: Raw, value: int | bool | str | None, record: EncoderFacts) -> str:
+def _cable_note(rule: YamlMapping, value: int | bool | str | None, record: EncoderFacts) -> str:
     """Return a note on the cable lengths that allow the clock of a setting.
 
     It is empty if the setting is not a clock, or if the user gave a cable length.

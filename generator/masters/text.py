@@ -239,8 +239,8 @@ def _lines_of_needed_values(rule: WriteCondition, master: Master, indent: str) -
     """Return lines with the values to write before (``needs``) and after (``then``) a setting, and their locations."""
     lines: list[str] = []
     for write in (*rule.needs, *rule.then):
-        places = place_lines(write.places, write.text, master.devices)
-        lines += (wrap_text(f"{write.title}: {place}", WIDTH, prefix=f"{indent}  ", first=indent) for place in places)
+        for place_line in place_lines(write.places, write.text, master.devices):
+            lines.append(wrap_text(f"{write.title}: {place_line}", WIDTH, prefix=f"{indent}  ", first=indent))
     return lines
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
 from ..language.problems import join_words
 from ..model.record import dataclass
-from .places import MasterDevice, Raw, SettingPlace, places_of
+from .places import MasterDevice, SettingPlace, YamlMapping, places_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +43,8 @@ class WriteCondition:
     """A condition for writing settings.
 
     Exactly one of ``needs``, ``after``, ``then`` and ``takes_effect`` is not empty. ``of`` names the settings, and is
-    empty if the condition applies to all. ``needs`` are values to write before these
-    settings, ``after`` names settings to write before them, and ``then`` are values to write after them.
+    empty if the condition applies to all. ``needs`` are values to write before these settings, ``after`` names settings
+    to write before them, and ``then`` are values to write after them.
     """
 
     of: tuple[str, ...]
@@ -57,7 +58,7 @@ class WriteCondition:
 
 
 def writing_of(
-    rules: Iterable[Raw], names: Collection[str], devices: Sequence[MasterDevice], standing: str
+    rules: Iterable[YamlMapping], names: Collection[str], *, devices: Sequence[MasterDevice], standing: str
 ) -> tuple[WriteCondition, ...]:
     """Return the conditions for writing the settings with these names.
 
@@ -67,47 +68,51 @@ def writing_of(
     conditions: list[WriteCondition] = []
     for rule in rules:
         settings = _known_names(rule, "of", names)
-        after = _known_names(rule, "after", names)
+        predecessors = _known_names(rule, "after", names)
         has_no_setting = "of" in rule and not settings
-        has_no_predecessor = "after" in rule and not after
-        if not has_no_setting and not has_no_predecessor:
-            conditions.append(_write_condition(rule, settings, after, devices, standing))
+        has_no_predecessor = "after" in rule and not predecessors
+        if has_no_setting or has_no_predecessor:
+            continue
+        condition = _write_condition(
+            rule, settings=settings, predecessors=predecessors, devices=devices, standing=standing
+        )
+        conditions.append(condition)
     return tuple(conditions)
 
 
-def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]:
+def _known_names(rule: YamlMapping, key: str, names: Collection[str]) -> tuple[str, ...]:
     """Return the names that a rule lists under ``key`` and that are also in ``names``."""
     return tuple(name for name in rule.get(key, ()) if name in names)
 
 
 def _write_condition(
-    rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[MasterDevice], standing: str
+    rule: YamlMapping,
+    *,
+    settings: tuple[str, ...],
+    predecessors: tuple[str, ...],
+    devices: Sequence[MasterDevice],
+    standing: str,
 ) -> WriteCondition:
     """Return a condition for writing, with its text.
 
-    ``settings`` are the settings to which it applies, and ``after`` are settings to write before them.
+    ``settings`` are the settings to which it applies, and ``predecessors`` are settings to write before them.
     """
-    needs = _writes_of_rule(rule, "needs", devices, standing)
-    then = _writes_of_rule(rule, "then", devices, standing)
-    effect = WriteEffect(**rule["takes_effect"]) if "takes_effect" in rule else None
-    return WriteCondition(
+    writes_before = tuple(_write_from_rule(write_rule, devices, standing) for write_rule in rule.get("needs", ()))
+    writes_after = tuple(_write_from_rule(write_rule, devices, standing) for write_rule in rule.get("then", ()))
+    condition = WriteCondition(
         of=settings,
-        needs=needs,
-        after=after,
-        then=then,
-        takes_effect=effect,
+        needs=writes_before,
+        after=predecessors,
+        then=writes_after,
+        takes_effect=WriteEffect(**rule["takes_effect"]) if "takes_effect" in rule else None,
         standing=rule.get("standing", standing),
         source=rule["source"],
-        text=_condition_text(settings, needs, after, then, effect),
+        text="",
     )
+    return replace(condition, text=_condition_text(condition))
 
 
-def _writes_of_rule(rule: Raw, key: str, devices: Sequence[MasterDevice], standing: str) -> tuple[ObjectWrite, ...]:
-    """Return the values to write that a rule lists under ``key``, which is ``needs`` or ``then``."""
-    return tuple(_write_from_rule(raw_write, devices, standing) for raw_write in rule.get(key, ()))
-
-
-def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> ObjectWrite:
+def _write_from_rule(rule: YamlMapping, devices: Sequence[MasterDevice], standing: str) -> ObjectWrite:
     """Return a value to write with its locations. Its text is hexadecimal if the rule has ``as: hex``."""
     value = rule["value"]
     return ObjectWrite(
@@ -115,7 +120,8 @@ def _write_from_rule(rule: Raw, devices: Sequence[MasterDevice], standing: str) 
         name=rule.get("name", ""),
         value=value,
         text=f"0x{value:X}" if rule.get("as") == "hex" else str(value),
-        places=places_of(rule, value, devices, standing, str),
+        # Locations of such values contain no names in braces to fill in.
+        places=places_of(rule, value, devices=devices, standing=standing, fill_in=str),
     )
 
 
@@ -154,29 +160,25 @@ def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) ->
     return tuple(written_names)
 
 
-def _condition_text(
-    settings: tuple[str, ...],
-    needs: tuple[ObjectWrite, ...],
-    after: tuple[str, ...],
-    then: tuple[ObjectWrite, ...],
-    effect: WriteEffect | None,
-) -> str:
+def _condition_text(condition: WriteCondition) -> str:
     """Return a condition for writing as one sentence.
 
     It is about values to write before or after the settings, about the order of settings, or about the time when they
-    take effect. ``settings`` is empty if the condition applies to all.
+    take effect.
     """
-    if needs:
-        values_text = join_words(f"{write.title} must be {write.text}" for write in needs)
-        return f"Before writing {join_words(settings) or 'any setting'}, {values_text}."
-    if after:
-        return f"Write {join_words(settings)} after {join_words(after)}."
-    if then:
-        values_text = join_words(f"{write.title} to {write.text}" for write in then)
-        return f"After writing {join_words(settings) or 'all settings'}, set {values_text}."
-    assert effect is not None
-    verb = "takes" if len(settings) == 1 else "take"
-    return f"{join_words(settings) or 'All settings'} {verb} effect {_when_effective(effect)}."
+    # Empty if the condition applies to all settings.
+    setting_names = join_words(condition.of)
+    if condition.needs:
+        needed_values = join_words(f"{write.title} must be {write.text}" for write in condition.needs)
+        return f"Before writing {setting_names or 'any setting'}, {needed_values}."
+    if condition.after:
+        return f"Write {setting_names} after {join_words(condition.after)}."
+    if condition.then:
+        values_to_set = join_words(f"{write.title} to {write.text}" for write in condition.then)
+        return f"After writing {setting_names or 'all settings'}, set {values_to_set}."
+    assert condition.takes_effect is not None
+    verb = "takes" if len(condition.of) == 1 else "take"
+    return f"{setting_names or 'All settings'} {verb} effect {_when_effective(condition.takes_effect)}."
 
 
 def _when_effective(effect: WriteEffect) -> str:

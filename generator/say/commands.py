@@ -1,4 +1,4 @@
-"""Commands, presets, resets and saving: which of them an encoder has, and statements about procedures and steps."""
+"""Commands, presets, resets and saving: which of them an encoder has, and statements about procedures and inputs."""
 
 from __future__ import annotations
 
@@ -67,8 +67,9 @@ def describe_step(device: Device, step: Step) -> Statement:
         case WaitStep():
             return statement(f"Wait at least {time_text(step.microseconds)}")
         case SendStep():
+            name = CodeText(step.data_id)
             request_bytes = CodeText(step.request.hex(" ").upper())
-            return statement("Send the request ", CodeText(step.data_id), f"{_repetition_text(step)}: ", request_bytes)
+            return statement("Send the request ", name, f"{_repetition_text(step)}: ", request_bytes)
         case _:
             return statement(*_register_access(device, step))
 
@@ -94,9 +95,8 @@ def read_back(device: Device, register: Register, field: str) -> Statement:
     An empty ``field`` means the whole register.
     """
     register_or_field = _register_or_field(device, register.name, field)
-    return statement(
-        "Read back ", register_or_field, f", {register_at(register)}, and stop unless it holds the written value"
-    )
+    stop_condition = "and stop unless it holds the written value"
+    return statement("Read back ", register_or_field, f", {register_at(register)}, {stop_condition}")
 
 
 def _register_access(device: Device, step: RegisterStep) -> Iterator[TextPart]:
@@ -105,25 +105,29 @@ def _register_access(device: Device, step: RegisterStep) -> Iterator[TextPart]:
     If the step writes a fixed value to a whole register, the instruction ends with the bytes to write.
     """
     register = device.register(step.register)
-    address_text = f", {register_at(register)}"
+    register_reference = reference_to_register(device, register.name)
+    addresses = register_at(register)
     match step:
-        case ReadStep(field=field):
-            yield from ("Read ", _register_or_field(device, register.name, field), address_text)
-        case PollStep(field=field, value=value):
-            yield from ("Poll ", _register_or_field(device, register.name, field))
-            yield f"{address_text}, until it is {value}"
-        case WriteStep(value_name=name, value=value):
-            yield from ("Write ", *_value_or_argument(name, value), " to ")
-            if value is None and name == register.name:
-                yield register_at(register)
+        case ReadStep(field=field_name):
+            register_or_field = _register_or_field(device, register.name, field_name)
+            yield from ("Read ", register_or_field, f", {addresses}")
+        case PollStep(field=field_name, value=value):
+            register_or_field = _register_or_field(device, register.name, field_name)
+            yield from ("Poll ", register_or_field, f", {addresses}, until it is {value}")
+        case WriteStep(value_name=value_name, value=value):
+            yield from ("Write ", *_value_or_argument(value_name, value), " to ")
+            # An argument with the name of the register already says which register it is.
+            if value is None and value_name == register.name:
+                yield addresses
             else:
-                yield from (reference_to_register(device, register.name), address_text)
+                yield from (register_reference, f", {addresses}")
             if value is not None:
-                yield from (": ", CodeText(register.bytes_of(value).hex(" ").upper()))
-        case ModifyStep(field=field, value_name=name, value=value):
-            yield from ("Write ", *_value_or_argument(name, value), " to ")
-            yield from (_register_or_field(device, register.name, field), address_text)
-            yield ", leaving the register's other fields unchanged"
+                bytes_to_write = register.bytes_of(value).hex(" ").upper()
+                yield from (": ", CodeText(bytes_to_write))
+        case ModifyStep(field=field_name, value_name=value_name, value=value):
+            register_or_field = _register_or_field(device, register.name, field_name)
+            yield from ("Write ", *_value_or_argument(value_name, value), " to ")
+            yield from (register_or_field, f", {addresses}, leaving the register's other fields unchanged")
         case _:
             assert_never(step)
 
@@ -176,19 +180,23 @@ class Commands:
         """True if anything other than a reset may change the position."""
         if self.settings or self.inputs:
             return True
-        return any(_PRESET_WORDS.search(text) for text in (*self._texts_on_commands(), *self._request_texts()))
+        texts = (*self._texts_on_commands(), *self._request_texts())
+        return any(_PRESET_WORDS.search(text) for text in texts)
 
     @property
     def may_save(self) -> bool:
         """True if anything may save settings."""
-        if self.settings or any(_SAVE_TO.search(text) for text in self._texts_on_commands()):
+        if self.settings:
             return True
-        return any(_SAVE_WORDS.search(text) for text in self._request_texts())
+        may_command_save = any(_SAVE_TO.search(text) for text in self._texts_on_commands())
+        may_request_save = any(_SAVE_WORDS.search(text) for text in self._request_texts())
+        return may_command_save or may_request_save
 
     @property
     def resets(self) -> tuple[DataId, ...]:
         """Requests that reset the encoder or its position."""
-        return tuple(request for request in self.requests if isinstance(request, DataId) and request.purpose == "reset")
+        t_format_requests = [request for request in self.requests if isinstance(request, DataId)]
+        return tuple(request for request in t_format_requests if request.purpose == "reset")
 
     def _texts_on_commands(self) -> Iterator[str]:
         """Yield the names and texts of registers, inputs, and procedures that do more than send resets."""
@@ -234,13 +242,12 @@ def commands_over(device: Device, interface: Interface) -> Commands:
         elif register.name != bank_select:
             settings.append(register)
     procedures = [procedure for procedure in device.procedures if procedure.interface == interface.name]
+    requests = _requests_of_interface(interface)
     return Commands(
-        procedures=tuple(procedure for procedure in procedures if _changes_encoder(procedure)),
+        procedures=tuple(filter(_changes_encoder, procedures)),
         registers=tuple(command_registers),
         settings=tuple(settings),
-        requests=tuple(
-            request for request in _requests_of_interface(interface) if request.purpose not in _READING_PURPOSES
-        ),
+        requests=tuple(request for request in requests if request.purpose not in _READING_PURPOSES),
         inputs=device.inputs,
         has_control_data=isinstance(interface, Biss) and bool(interface.control_data),
     )
@@ -281,9 +288,9 @@ def describe_remedy(remedy: str, procedure_names: Sequence[str]) -> Iterator[Sta
     if not procedure_names:
         yield from spec_text(remedy, label="Remedy")
         return
-    references = list_parts([Reference("by-hand", name, heading(name)) for name in procedure_names], " or ")
+    references = [Reference(kind="by-hand", name=name, title=heading(name)) for name in procedure_names]
     introduction = f"{as_sentence(remedy)} Steps: " if remedy else "Steps: "
-    yield statement(introduction, *references, label="Remedy")
+    yield statement(introduction, *list_parts(references, " or "), label="Remedy")
 
 
 def remedy_with_procedures(remedy: str, procedure_names: Sequence[str]) -> str:
@@ -292,3 +299,19 @@ def remedy_with_procedures(remedy: str, procedure_names: Sequence[str]) -> str:
         return remedy
     titles = " or ".join(map(heading, procedure_names))
     return f"{as_sentence(remedy)} Steps on the hardware page: {titles}".strip()
+
+
+def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
+    """Yield the facts about a hardware input: the meaning of its levels, its shortest pulse, and rules for its use."""
+    yield from spec_text(hardware_input.low, label="Low level")
+    yield from spec_text(hardware_input.high, label="High level")
+    if hardware_input.pulse_at_least_us is not None:
+        yield statement(f"at least {time_text(hardware_input.pulse_at_least_us)}", label="Pulse")
+    if hardware_input.inverts:
+        yield statement("A high level inverts ", register_field(device, hardware_input.inverts))
+    if hardware_input.needs:
+        yield statement(
+            "The input has an effect only if it is enabled by ", register_field(device, hardware_input.needs)
+        )
+    if hardware_input.when_unused:
+        yield statement(f"Connect it to {hardware_input.when_unused} when it is not used")

@@ -81,13 +81,15 @@ def paths_in_words(paths: str) -> str:
 
     ``registers.bank.default, supply and 2 more`` becomes ``the default of the register bank, the supply and 2 more``.
     """
-    unlisted_paths = _MORE_ITEMS.search(paths)
+    # "and 2 more" at the end.
+    more_paths = _MORE_ITEMS.search(paths)
     listed_paths = _MORE_ITEMS.sub("", paths).split(", ")
     phrases = [_path_in_words(listed_path.split(".")) for listed_path in listed_paths]
-    if unlisted_paths is not None:
-        number_of_more_paths = unlisted_paths[1]
+    if more_paths is not None:
+        (number_of_more_paths,) = more_paths.groups()
         phrases.append(number_of_more_paths)
-    return "".join(map(str, list_parts(phrases)))
+    phrases_and_separators = map(str, list_parts(phrases))
+    return "".join(phrases_and_separators)
 
 
 def change_in_words(printed: str) -> str:
@@ -150,7 +152,8 @@ def _path_in_words(keys: Sequence[str]) -> str:
             case [row, *later_keys] if row.isdecimal():
                 words = _of_owner(f"row {row}", words)
             case [key, *later_keys]:
-                words = _of_owner(f"the {_WORDS_FOR_KEYS.get(key, key.replace('_', ' '))}", words)
+                words_for_key = _WORDS_FOR_KEYS.get(key, key.replace("_", " "))
+                words = _of_owner(f"the {words_for_key}", words)
         remaining_keys = later_keys
     return words
 
@@ -183,18 +186,20 @@ def errata(
     the wording of the manual are included only if ``wording`` is True, for pages that show the manual's text.
     """
 
-    def is_about(affected_path: str) -> bool:
+    def is_requested(affected_path: str) -> bool:
         if affected_path in exactly:
             return True
         return _is_within(affected_path, paths) and not _is_within(affected_path, without)
 
     candidates = [erratum for erratum in device.errata if wording or erratum.severity != "wording"]
-    return tuple(erratum for erratum in candidates if any(map(is_about, erratum.affects)))
+    # ``affects`` are the paths of the parts of the spec that an erratum is about.
+    return tuple(erratum for erratum in candidates if any(map(is_requested, erratum.affects)))
 
 
-def _is_within(path: str, parts: Collection[str]) -> bool:
-    """Return whether a path names one of the parts, or something inside it."""
-    return path in parts or path.startswith(tuple(f"{part}." for part in parts))
+def _is_within(path: str, outer_paths: Collection[str]) -> bool:
+    """Return whether a path is one of ``outer_paths``, or leads to something inside one of these parts of the spec."""
+    beginnings = tuple(f"{outer_path}." for outer_path in outer_paths)
+    return path in outer_paths or path.startswith(beginnings)
 
 
 def describe_erratum(erratum: Erratum, *, whole: bool = False) -> Statement:
@@ -208,20 +213,20 @@ def describe_erratum(erratum: Erratum, *, whole: bool = False) -> Statement:
         return _change_statement(erratum)
     may_send_wrong_bytes = erratum.severity == "wrong_data"
     shows_reason = whole or may_send_wrong_bytes or len(erratum.why) <= _LONGEST_INLINE_REASON
-    used = as_sentence(erratum.used)
+    value_used = as_sentence(erratum.used)
     if erratum.only:
-        used += " " + as_sentence(f"This applies only to {erratum.only}")
+        value_used += f" This applies only to {as_sentence(erratum.only)}"
     label = f"Erratum: {erratum.title} ({STATUS_IN_WORDS[erratum.status]})"
     brief_needs_all = may_send_wrong_bytes and erratum.status == "open"
-    used_in_brief = used if brief_needs_all else _first_sentence(used)
-    labelled_texts = [("Printed", erratum.printed), ("Used", used)]
+    value_in_brief = value_used if brief_needs_all else _first_sentence(value_used)
+    labelled_texts = [("Printed", erratum.printed), ("Used", value_used)]
     if shows_reason:
         labelled_texts.append(("Why", erratum.why))
     return Statement(
         parts=(),
         label=label,
         source=erratum.source,
-        brief=f"{label}. Used: {used_in_brief}",
+        brief=f"{label}. Used: {value_in_brief}",
         below=tuple(_labelled_statements(labelled_texts)),
     )
 
@@ -253,11 +258,11 @@ def _change_statement(erratum: Erratum) -> Statement:
         label=layer_in_words(erratum.overlay, erratum.edition),
         source=erratum.source,
         brief=brief,
-        below=tuple(_labelled_statements([*changed(erratum), ("Why", erratum.why)])),
+        below=tuple(_labelled_statements([*content_before_and_after(erratum), ("Why", erratum.why)])),
     )
 
 
-def changed(erratum: Erratum) -> Iterator[tuple[str, str]]:
+def content_before_and_after(erratum: Erratum) -> Iterator[tuple[str, str]]:
     """Yield the content before and after a change by an overlay or in another edition, each with a label.
 
     For example ``("In the spec", "the default of register bank: 50")`` and ``("With the overlay", "20")``. A part that

@@ -47,7 +47,8 @@ def grade_below_manual(device: Device) -> Iterator[Statement]:
 
 def lowest_grade() -> str:
     """Return the lowest grade, with its meaning."""
-    return f"{GRADES[-1]} ({_MEANING_BY_GRADE[GRADES[-1]]})"
+    lowest = GRADES[-1]
+    return f"{lowest} ({_MEANING_BY_GRADE[lowest]})"
 
 
 def mark_in_lists(device: Device) -> str:
@@ -136,10 +137,10 @@ def removals(device: Device) -> Iterator[Statement]:
     omitted.
     """
     for erratum in device.errata:
-        is_change = erratum.overlay or erratum.edition
-        is_part_absent = device.base or erratum.overlay or not erratum.affects
+        is_change = bool(erratum.overlay or erratum.edition) and erratum.severity != "wording"
+        is_part_absent = bool(device.base or erratum.overlay) or not erratum.affects
         is_removal = erratum.used in (LEFT_OUT, NOT_KNOWN)
-        if is_change and is_part_absent and is_removal and erratum.severity != "wording":
+        if is_change and is_part_absent and is_removal:
             yield describe_erratum(erratum)
 
 
@@ -192,7 +193,10 @@ def reference_to_mention(device: Device, interface: Interface, subject: Topic) -
     if not place:
         return ""
     reference = f"see the {place} in the {word_for_document(device)}"
-    return f"{reference}: {interface.note.rstrip('.')}" if place == _PLACE_OF_NOTE else reference
+    if place == _PLACE_OF_NOTE:
+        quoted_note = interface.note.rstrip(".")
+        return f"{reference}: {quoted_note}"
+    return reference
 
 
 @lru_cache
@@ -213,11 +217,13 @@ def _interface_texts(device: Device, interface: Interface) -> Iterator[tuple[str
     for timing in (*interface.timings, *device.timings):
         yield "times", f"{_with_spaces(timing.name)}: {timing.symbol} {timing.meaning}"
     for characteristic in device.characteristics:
+        name = _with_spaces(characteristic.name)
         quantities = [value.quantity for value in characteristic.values]
-        yield "characteristics", " ".join([_with_spaces(characteristic.name), characteristic.value, *quantities])
+        yield "characteristics", " ".join([name, characteristic.value, *quantities])
     for table in device.tables:
         first_cells = [table_row[0] for table_row in table.rows if table_row]
-        yield "tables", " ".join([table.title, *table.columns, *first_cells, table.note])
+        table_texts = [table.title, *table.columns, *first_cells, table.note]
+        yield "tables", " ".join(table_texts)
     for connector in device.connectors:
         yield "notes on the connectors", connector.note
     yield _PLACE_OF_NOTE, interface.note

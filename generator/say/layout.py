@@ -1,4 +1,4 @@
-"""Sentences that describe a frame and its CRC, and the labels of its fields in pictures."""
+"""Sentences that describe a frame, its CRC and the range of its position, and the labels of its fields in pictures."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from ..model import (
     Interface,
     Join,
     Layout,
+    LayoutRange,
+    Measurement,
     Parity,
     Rs485,
     Sign,
@@ -26,6 +28,7 @@ from .plain_text import count_with_unit
 from .report import conditions_text
 from .text import (
     VERDICT_CLAUSES,
+    Amount,
     CodeText,
     Statement,
     TextPart,
@@ -126,7 +129,7 @@ def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Stat
     and the combinations of values that decide the verdict on the position.
     """
     yield from describe_selector(interface, layout)
-    yield from _gray_code(layout)
+    yield from _gray_code_facts(layout)
     if _has_parity_over_gray(layout):
         yield statement("A parity bit covers the bits as they are sent, before Gray code is converted")
     if layout.gaps:
@@ -139,20 +142,20 @@ def describe_layout_facts(interface: Interface, layout: Layout) -> Iterator[Stat
             yield describe_combination(layout, sign, combinations[sign.flag.name])
 
 
-def _gray_code(layout: Layout) -> Iterator[Statement]:
+def _gray_code_facts(layout: Layout) -> Iterator[Statement]:
     """Yield which number of a frame is in Gray code, when it is, and what is added to it before it is sent.
 
     Nothing is yielded for a frame without Gray code.
     """
     number_name = CodeText(layout.gray_of)
+    excess = _excess_number_or_parameter(layout)
+    # ``gray_when`` is the parameter that selects Gray code, and is empty if the code never changes.
     if layout.gray_when:
         parameter = CodeText(layout.gray_when)
         yield statement(number_name, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
         if has_excess(layout):
-            excess = _excess_number_or_parameter(layout)
             yield statement("In Gray code, ", excess, " is added to it before it is sent (Gray excess)")
     elif has_excess(layout):
-        excess = _excess_number_or_parameter(layout)
         yield statement(number_name, " is in Gray excess: it is sent in Gray code after ", excess, " is added")
     elif layout.gray_of:
         yield statement(number_name, " is in Gray code")
@@ -164,13 +167,15 @@ def describe_combination(layout: Layout, sign: Sign, combination: Combination) -
     An example is ``While a is 1 and b is 0, the position is not usable: …``. ``sign.conditions`` are pairs of a field
     name and its value.
     """
-    value_parts = conditions_text((layout.field(name), value) for name, value in sign.conditions).parts
+    fields_and_values = [(layout.field(name), value) for name, value in sign.conditions]
+    conditions = conditions_text(fields_and_values)
     manual_texts = (combination.meaning, combination.remedy, combination.note)
+    manual_sentences = [as_sentence(manual_text) for manual_text in manual_texts if manual_text]
     # A statement has no full stop at its end.
-    description = " ".join(as_sentence(manual_text) for manual_text in manual_texts if manual_text).removesuffix(".")
+    description = " ".join(manual_sentences).removesuffix(".")
     return statement(
         "While ",
-        *value_parts,
+        *conditions.parts,
         f", {VERDICT_CLAUSES[combination.makes_position]}: ",
         description,
         label=combination.name,
@@ -190,7 +195,8 @@ def describe_selector(interface: Interface, layout: Layout) -> Iterator[Statemen
         data_id_names = {data_id.id: data_id.name for data_id in interface.data_ids}
     selector_values = []
     for value in layout.selects:
-        selector_values.append(f"{value:X} ({data_id_names[value]})" if value in data_id_names else f"{value:X}")
+        name = f" ({data_id_names[value]})" if value in data_id_names else ""
+        selector_values.append(f"{value:X}{name}")
     yield statement("Its ", CodeText(layout.selector), " is ", *list_parts(selector_values, " or "))
 
 
@@ -224,10 +230,9 @@ def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
 
 def crc_head(device: Device, checksum: Crc) -> Statement:
     """Return one sentence with the name, the width and the parameters of a CRC."""
-    return statement(
-        f"CRC {checksum.name} of {count_with_unit(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
-        source=checksum.source,
-    )
+    width = count_with_unit(checksum.width, "bit")
+    parameters = crc_parameters(device, checksum)
+    return statement(f"CRC {checksum.name} of {width}: {parameters}", source=checksum.source)
 
 
 def crc_parameters(device: Device, checksum: Crc) -> str:
@@ -239,9 +244,12 @@ def crc_parameters(device: Device, checksum: Crc) -> str:
 
 def crc_reflected(device: Device, checksum: Crc) -> str:
     """Return which sides of a CRC are reflected, such as ``input and output reflected``, or "" if neither is."""
-    sides = {"input": device.reflects_input(checksum), "output": checksum.refout}
-    reflected_words = [side for side, is_reflected in sides.items() if is_reflected]
-    return f"{' and '.join(reflected_words)} reflected" if reflected_words else ""
+    reflected_sides = []
+    if device.reflects_input(checksum):
+        reflected_sides.append("input")
+    if checksum.refout:
+        reflected_sides.append("output")
+    return f"{' and '.join(reflected_sides)} reflected" if reflected_sides else ""
 
 
 def crc_sent(checksum: Crc) -> str:
@@ -295,3 +303,50 @@ def box_label(field: Field) -> str:
 def name_as_words(name: str) -> str:
     """Return a name from a spec with spaces in place of underscores."""
     return name.replace("_", " ")
+
+
+def describe_measurement(measurement: Measurement) -> Statement:
+    """Return the resolution and the range of a position, as far as the spec states them.
+
+    The resolution is the counts per revolution and the number of revolutions, or the length of a count. The range is
+    the total number of counts and the highest position.
+    """
+    quantities: list[tuple[TextPart, ...]] = []
+    if measurement.counts_per_turn is not None:
+        quantities.append((Amount(measurement.counts_per_turn, "counts"), " per revolution"))
+    if measurement.turns is not None:
+        quantities.append((Amount(measurement.turns, "revolutions"),))
+    if measurement.step_um is not None:
+        quantities.append((Amount(measurement.step_um, "µm"), " per count"))
+    if measurement.step_nm is not None and measurement.per_counts is None:
+        quantities.append((Amount(measurement.step_nm, "nm"), " per count"))
+    if measurement.step_nm is not None and measurement.per_counts is not None:
+        step = Amount(measurement.step_nm, "nm")
+        counts = Amount(measurement.per_counts, "counts")
+        quantities.append((step, " per ", counts))
+    if measurement.modulus is not None:
+        quantities.append((Amount(measurement.modulus, "counts"), " in total"))
+    if measurement.highest is not None:
+        quantities.append(("maximum ", measurement.highest))
+    return statement(*join_groups(quantities), source=measurement.source)
+
+
+def describe_position_range(layout_range: LayoutRange) -> Statement:
+    """Return the range of the position in one frame: that it never wraps, or its revolutions, counts and maximum."""
+    if not layout_range.wraps:
+        return statement("never wraps around", source=layout_range.source)
+    quantities: list[tuple[TextPart, ...]] = []
+    if layout_range.turns is not None:
+        quantities.append((Amount(layout_range.turns, "revolutions"),))
+    if layout_range.modulus is not None:
+        quantities.append((Amount(layout_range.modulus, "counts"), " in total"))
+    if layout_range.highest is not None:
+        quantities.append(("maximum ", layout_range.highest))
+    return statement(*join_groups(quantities), source=layout_range.source)
+
+
+def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRange]]:
+    """Yield the name of each frame of an interface whose position has a range of its own, with that range."""
+    for layout in device.interface(interface).layouts:
+        if layout.position_range is not None:
+            yield layout.name, layout.position_range

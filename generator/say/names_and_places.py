@@ -80,7 +80,8 @@ def full_title(named: HasOtherNames) -> str:
 
 def register_reference(device: Device, name: str) -> Reference:
     """Return a reference to the register with this name."""
-    return Reference("register", name, title_of(device.register(name)))
+    register = device.register(name)
+    return Reference(kind="register", name=name, title=title_of(register))
 
 
 def register_field(device: Device, path: str) -> Reference:
@@ -89,7 +90,8 @@ def register_field(device: Device, path: str) -> Reference:
     if not field_name:
         return register_reference(device, register_name)
     register = device.register(register_name)
-    return Reference("register", path, f"{title_of(register.layout.field(field_name))} in {title_of(register)}")
+    field_title = title_of(register.layout.field(field_name))
+    return Reference(kind="register", name=path, title=f"{field_title} in {title_of(register)}")
 
 
 def order_codes_text(codes: str) -> Iterator[Statement]:
@@ -153,10 +155,10 @@ def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
     return f"{bits(high, low)} of the frame as one number"
 
 
-def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
+def bit_place(layout: Layout, length: int, high: int, low: int) -> str:
     """Return the position of a field in short: ``46:31``, or ``byte 2.7:4`` for bits 7 to 4 of byte 2.
 
-    ``high`` and ``low`` are its highest and lowest bit in the frame as one number of ``bits`` bits. The first byte is
+    ``high`` and ``low`` are its highest and lowest bit in the frame as one number of ``length`` bits. The first byte is
     byte 0. ``bytes 1.3-2.7`` means from bit 3 of byte 1 to bit 7 of byte 2.
     """
     is_one_bit = high == low
@@ -168,7 +170,7 @@ def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
     else:
         first_bit, last_bit = high, low
         # The byte with the highest bits is sent first.
-        last_byte_of_frame = bits // 8 - 1
+        last_byte_of_frame = length // 8 - 1
         first_byte, last_byte = last_byte_of_frame - high // 8, last_byte_of_frame - low // 8
     if first_byte != last_byte:
         is_whole_bytes = low % 8 == 0 and high % 8 == 7  # From the lowest bit of a byte to the highest bit of a byte.
@@ -198,9 +200,10 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
     possible_places: list[list[TextPart]] = []
     # If no alternative decides, there is one combination, without answers.
     for answers, answered_parameters in answer_combinations(deciding):
-        place = _place_text(layout, high.value(answered_parameters), field.low.value(answered_parameters))
-        explanation: list[TextPart] = [" (", *answer_names(answers), ")"] if answers else []
-        possible_places.append([place, *explanation])
+        high_bit = high.value(answered_parameters)
+        low_bit = field.low.value(answered_parameters)
+        answers_in_parentheses: list[TextPart] = [" (", *answer_names(answers), ")"] if answers else []
+        possible_places.append([_place_text(layout, high_bit, low_bit), *answers_in_parentheses])
     yield from join_groups(possible_places, " or ")
 
 

@@ -1,4 +1,4 @@
-"""Statements about order codes and interfaces: parts, parameters, labels, clock, port, times and inputs."""
+"""Statements about order codes and interfaces: parts, parameters, labels, clock, port and times."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ from ..model import (
     Device,
     Exchange,
     Fact,
-    Input,
     Interface,
     MemoryAccess,
     Network,
@@ -140,7 +139,8 @@ def parameter_origin(device: Device, parameter: Parameter) -> Iterator[Statement
     if parameter.by_code:
         code_meanings = []
         for coded_value in parameter.by_code:
-            code_meanings.append(f"{coded_value.code} means {parameter_value(parameter, coded_value.value)}")
+            value_text = parameter_value(parameter, coded_value.value)
+            code_meanings.append(f"{coded_value.code} means {value_text}")
         yield statement(f"The register holds a code: {', '.join(code_meanings)}")
 
 
@@ -267,8 +267,8 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
     match fact:
         case Clock():
             return "Clock", f"{clock_words(fact)}{_only_with(fact)}"
-        case CableLength(shorter_than_m=metres, below_hz=clock):
-            return "Clock", f"below {hertz(clock)} with cables shorter than {metres} m{_only_with(fact)}"
+        case CableLength(shorter_than_m=metres, below_hz=clock_hz):
+            return "Clock", f"below {hertz(clock_hz)} with cables shorter than {metres} m{_only_with(fact)}"
         case BankSelect(register):
             return "Bank select", reference_to_register(device, register)
         case Network():
@@ -331,7 +331,8 @@ def _clock_range(lowest: int | None, highest: int | None) -> str:
 
 def clocks_in_use(clocks: Sequence[int]) -> str:
     """Return a clause about the clocks in Hz that programs or masters use, such as "1 MHz and 5 MHz are in use"."""
-    clocks_text = "".join(map(str, list_parts([hertz(hz) for hz in clocks])))
+    clocks_and_separators = map(str, list_parts([hertz(clock_hz) for clock_hz in clocks]))
+    clocks_text = "".join(clocks_and_separators)
     verb = "is" if len(clocks) == 1 else "are"
     return f"{clocks_text} {verb} in use"
 
@@ -391,13 +392,13 @@ def _network_words(network: Network) -> str:
 
 def _channel_words(channels: DataChannels) -> str:
     """Return the order of the data channels in a frame, and which of their bits must agree."""
-    order = f"{' and '.join(channels.order)} in one frame, in this order"
+    order_text = f"{' and '.join(channels.order)} in one frame, in this order"
     if channels.compared_bits is None:
-        return order
-    fields = " and ".join(f"{field} of {layout}" for layout, field in channels.compared.items())
-    bits = channels.compared_bits.render()
+        return order_text
+    compared_fields = [f"{field_name} of {layout_name}" for layout_name, field_name in channels.compared.items()]
+    number_of_bits = channels.compared_bits.render()
     tolerance = f", with a difference of at most {channels.tolerance}" if channels.tolerance else ""
-    return f"{order}. The highest {bits} bits of {fields} must agree{tolerance}"
+    return f"{order_text}. The highest {number_of_bits} bits of {' and '.join(compared_fields)} must agree{tolerance}"
 
 
 def describe_data_id(request: DataId) -> Statement:
@@ -437,23 +438,6 @@ def control_field(bits_field: ControlField) -> Statement:
     if bits_field.meaning:
         width_and_meaning += f": {bits_field.meaning}"
     parts_of_values = [describe_value(named_value, bits_field.bits).parts for named_value in bits_field.values]
+    all_parts = join_groups([(width_and_meaning,), *parts_of_values], "; ")
     label = printed_name_of(bits_field) or name_in_words(bits_field.name)
-    return statement(
-        *join_groups([(width_and_meaning,), *parts_of_values], "; "), label=label, source=bits_field.source
-    )
-
-
-def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
-    """Yield the facts about a hardware input: the meaning of its levels, its shortest pulse, and rules for its use."""
-    yield from spec_text(hardware_input.low, label="Low level")
-    yield from spec_text(hardware_input.high, label="High level")
-    if hardware_input.pulse_at_least_us is not None:
-        yield statement(f"at least {time_text(hardware_input.pulse_at_least_us)}", label="Pulse")
-    if hardware_input.inverts:
-        yield statement("A high level inverts ", register_field(device, hardware_input.inverts))
-    if hardware_input.needs:
-        yield statement(
-            "The input has an effect only if it is enabled by ", register_field(device, hardware_input.needs)
-        )
-    if hardware_input.when_unused:
-        yield statement(f"Connect it to {hardware_input.when_unused} when it is not used")
+    return statement(*all_parts, label=label, source=bits_field.source)

@@ -205,9 +205,11 @@ def wrap_text(text: object, width: int, prefix: str = "", first: str | None = No
     words = [word for word in text_on_one_line(text).split(" ") if word]
     if not words:
         return ""
+    first_word, *further_words = words
+    first_prefix = prefix if first is None else first
     lines: list[str] = []
-    current_line = (prefix if first is None else first) + words[0]
-    for word in words[1:]:
+    current_line = f"{first_prefix}{first_word}"
+    for word in further_words:
         length_with_word = len(current_line) + 1 + len(word)  # with a space between them
         if length_with_word > width:
             lines.append(current_line)

@@ -1,4 +1,4 @@
-"""Statements about registers, about fields of frames and registers, and about the unit and range of a position."""
+"""Statements about registers, and about fields of frames and registers."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from ..model import (
     Digits,
     Field,
     Flag,
-    LayoutRange,
-    Measurement,
     Number,
     Parity,
     Register,
@@ -35,7 +33,6 @@ from .names_and_places import register_reference as reference_to_register
 from .plain_text import formula
 from .text import (
     VERDICT_CLAUSES,
-    Amount,
     CodeText,
     Hex,
     Level,
@@ -65,9 +62,8 @@ def describe_access(register: Register) -> str:
 def head(device: Device, register: Register, name: TextPart) -> Statement:
     """Return the register's ``name``, address, access and interface: ``command, register 77h, write only, over …``."""
     interface_title = device.interface(register.interface).title
-    return statement(
-        name, f", {register_at(register)}, {describe_access(register)}, over {interface_title}", source=register.source
-    )
+    access = describe_access(register)
+    return statement(name, f", {register_at(register)}, {access}, over {interface_title}", source=register.source)
 
 
 def describe_register(device: Device, register: Register) -> Iterator[Statement]:
@@ -137,11 +133,8 @@ def _access_rules(device: Device, register: Register) -> Iterator[Statement]:
     if register.above_max:
         yield statement(_ABOVE_MAX[register.above_max])
     if register.write_clears:
-        yield statement(
-            "A write sets ",
-            *list_parts([reference_to_register(device, name) for name in register.write_clears]),
-            " to zero",
-        )
+        cleared_registers = [reference_to_register(device, name) for name in register.write_clears]
+        yield statement("A write sets ", *list_parts(cleared_registers), " to zero")
 
 
 def describe_reserved_bits(user: str) -> Statement:
@@ -156,9 +149,8 @@ def _registers_at_same_address(device: Device, register: Register) -> Iterator[S
             continue
         if (other_register.address, other_register.bank) == (register.address, register.bank):
             action = "Writing to" if other_register.access == "write_only" else "Reading"
-            yield statement(
-                f"{action} the same address accesses ", reference_to_register(device, other_register.name), " instead"
-            )
+            other_reference = reference_to_register(device, other_register.name)
+            yield statement(f"{action} the same address accesses ", other_reference, " instead")
 
 
 def _opening_condition(device: Device, register: Register) -> Statement:
@@ -168,17 +160,17 @@ def _opening_condition(device: Device, register: Register) -> Statement:
     if register.opened_by_field:
         opening_path = f"{register.opened_by}.{register.opened_by_field}"
         opening_field = opening_register.layout.field(register.opened_by_field)
-        value_text = f"{opening_field.value_named(value_name).value}"
+        opening_value = opening_field.value_named(value_name).value
+        value_text = f"{opening_value}"
     else:
         # Without a field, the value is the value of the whole register.
         opening_path = register.opened_by
         opening_field = opening_register.layout.fields[0]
-        digits = 2 * opening_register.length
-        value_text = hexadecimal(opening_field.value_named(value_name).value, digits)
+        opening_value = opening_field.value_named(value_name).value
+        value_text = hexadecimal(opening_value, digits=2 * opening_register.length)
     reference = register_field(device, opening_path)
-    return statement(
-        "The register can be written only while ", reference, f" is {value_text} (", CodeText(value_name), ")"
-    )
+    condition: list[TextPart] = [reference, f" is {value_text} (", CodeText(value_name), ")"]
+    return statement("The register can be written only while ", *condition)
 
 
 def _register_meaning(device: Device, meaning: RegisterMeaning) -> Statement:
@@ -277,8 +269,9 @@ def _constant_rule(field: Field, value: int) -> Iterator[Statement]:
 
 def _covered_by_crc(crc_value: CrcValue) -> Statement:
     """Return the CRC of a field, and the fields that it covers: ``CRC x24 over mode, position``."""
-    covered: list[TextPart] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
-    return statement("CRC ", Reference("crc", crc_value.crc, crc_value.crc), " over ", *covered)
+    covered_fields: list[TextPart] = _names_as_code(crc_value.of) if crc_value.of else ["everything before it"]
+    crc_reference = Reference(kind="crc", name=crc_value.crc, title=crc_value.crc)
+    return statement("CRC ", crc_reference, " over ", *covered_fields)
 
 
 def covered_by_parity_bit(field: Field) -> Statement | None:
@@ -378,9 +371,8 @@ def _flag_verdict(device: Device, flag: Flag) -> Iterator[Statement]:
             verdict_text += ". If a flag that it combines is active in the same frame, that flag decides instead"
         yield statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
     if flag.verdict_if_set is not None:
-        yield statement(
-            "If you set ", CodeText(flag.verdict_parameter), f" to 1, {VERDICT_CLAUSES[flag.verdict_if_set]}"
-        )
+        parameter = CodeText(flag.verdict_parameter)
+        yield statement("If you set ", parameter, f" to 1, {VERDICT_CLAUSES[flag.verdict_if_set]}")
 
 
 def _flag_levels(flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
@@ -445,50 +437,3 @@ def _verdict_in_parentheses(named_value: Value) -> str:
 def short_number(number: int) -> str:
     """Return a number below 10 in decimal, and any other number in hexadecimal: ``7``, ``1Fh``."""
     return f"{number}" if number < 10 else f"{number:X}h"
-
-
-def describe_measurement(measurement: Measurement) -> Statement:
-    """Return the resolution and the range of a position, as far as the spec states them.
-
-    The resolution is the counts per revolution and the number of revolutions, or the length of a count. The range is
-    the total number of counts and the highest position.
-    """
-    quantities: list[tuple[TextPart, ...]] = []
-    if measurement.counts_per_turn is not None:
-        quantities.append((Amount(measurement.counts_per_turn, "counts"), " per revolution"))
-    if measurement.turns is not None:
-        quantities.append((Amount(measurement.turns, "revolutions"),))
-    if measurement.step_um is not None:
-        quantities.append((Amount(measurement.step_um, "µm"), " per count"))
-    if measurement.step_nm is not None and measurement.per_counts is None:
-        quantities.append((Amount(measurement.step_nm, "nm"), " per count"))
-    if measurement.step_nm is not None and measurement.per_counts is not None:
-        step = Amount(measurement.step_nm, "nm")
-        counts = Amount(measurement.per_counts, "counts")
-        quantities.append((step, " per ", counts))
-    if measurement.modulus is not None:
-        quantities.append((Amount(measurement.modulus, "counts"), " in total"))
-    if measurement.highest is not None:
-        quantities.append(("maximum ", measurement.highest))
-    return statement(*join_groups(quantities), source=measurement.source)
-
-
-def describe_position_range(layout_range: LayoutRange) -> Statement:
-    """Return the range of the position in one frame: that it never wraps, or its revolutions, counts and maximum."""
-    if not layout_range.wraps:
-        return statement("never wraps around", source=layout_range.source)
-    quantities: list[tuple[TextPart, ...]] = []
-    if layout_range.turns is not None:
-        quantities.append((Amount(layout_range.turns, "revolutions"),))
-    if layout_range.modulus is not None:
-        quantities.append((Amount(layout_range.modulus, "counts"), " in total"))
-    if layout_range.highest is not None:
-        quantities.append(("maximum ", layout_range.highest))
-    return statement(*join_groups(quantities), source=layout_range.source)
-
-
-def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRange]]:
-    """Yield the name of each frame of an interface whose position has a range of its own, with that range."""
-    for layout in device.interface(interface).layouts:
-        if layout.position_range is not None:
-            yield layout.name, layout.position_range

@@ -42,9 +42,8 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield the flag that shows an alarm, its cause, its duration, its remedy, and the procedures that clear it."""
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
-        yield statement(
-            CodeText(device_alarm.field), " in ", Reference("group", group.name, title_of(group)), label="Flag"
-        )
+        group_reference = Reference(kind="group", name=group.name, title=title_of(group))
+        yield statement(CodeText(device_alarm.field), " in ", group_reference, label="Flag")
     elif device_alarm.register:
         # Without a field, the whole register is the flag, and the path has no period.
         flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
@@ -61,7 +60,7 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     yield from describe_remedy(device_alarm.remedy, device_alarm.by_hand)
     yield from order_codes_text(device_alarm.only)
     if device_alarm.cleared_by:
-        procedures = [Reference("procedure", name, name) for name in device_alarm.cleared_by]
+        procedures = [Reference(kind="procedure", name=name, title=name) for name in device_alarm.cleared_by]
         yield statement(*list_parts(procedures, " or "), label="Cleared by")
 
 
@@ -103,8 +102,9 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
         return when_active or "active, although the manual says that this encoder does not have it"
     if when_active and field.meaning:
         return f"{as_sentence(when_active)} {as_sentence(field.meaning)}"
-    alarm_meaning = alarm.meaning if alarm is not None else ""
-    return when_active or field.meaning or alarm_meaning or "active"
+    meaning_of_flag = when_active or field.meaning
+    meaning_of_alarm = alarm.meaning if alarm is not None else ""
+    return meaning_of_flag or meaning_of_alarm or "active"
 
 
 def deciding_value(field: Field) -> str:
@@ -141,7 +141,8 @@ def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:
         # The bit of an active flag is 1, or 0 if the flag is active low. It is inverted while the flag is inactive.
         bit = int(is_active != field.kind.active_low)
         return CodeText(field.name), f" is {bit}"
-    return CodeText(field.name), f" is {short_number(value)} (", CodeText(field.value_of(value).name), ")"
+    value_name = field.value_of(value).name
+    return CodeText(field.name), f" is {short_number(value)} (", CodeText(value_name), ")"
 
 
 def remedy(field: Field, alarm: Alarm | None) -> str:

@@ -60,14 +60,14 @@ from codewheel.model import (
 )
 from codewheel.model.expressions import Expression
 from codewheel.say import commands, evidence, layout, names_and_places, order_code, register, report
+from codewheel.say import commands as hardware_input
 from codewheel.say import errata as erratum
 from codewheel.say import evidence as origin
 from codewheel.say import layout as crc
-from codewheel.say import order_code as hardware_input
+from codewheel.say import layout as measurement
 from codewheel.say import order_code as interface
 from codewheel.say import order_code as timing
 from codewheel.say import register as field
-from codewheel.say import register as measurement
 from codewheel.say import report as alarm
 from codewheel.say.text import PLAIN_STYLE, Statement
 from codewheel.targets import Library
@@ -84,7 +84,7 @@ from codewheel.targets.docs import (
     verdict_page,
     wiring_tables,
 )
-from codewheel.targets.docs import order_code_tables as frame_facts
+from codewheel.targets.docs import verdict_table as frame_facts
 from codewheel.targets.docs.verdict_table import verdict_table
 from codewheel.targets.registry import load_target
 

@@ -14,7 +14,8 @@ from codewheel.model.expressions import Expression
 from codewheel.order_codes.quantities import with_quantities
 from codewheel.targets import Library
 from codewheel.targets.docs.order_code_page import RESERVED_NAMES
-from codewheel.targets.docs.order_code_tables import code_patterns, frame_facts
+from codewheel.targets.docs.order_code_tables import code_patterns
+from codewheel.targets.docs.verdict_table import frame_facts
 from codewheel.targets.registry import names_of_codes
 
 Files = Mapping[str, str]

@@ -60,7 +60,8 @@ def test_a_drive_takes_the_configuration(
                 continue
             path = tmp_path / "encoder.xcf"
             path.write_text(
-                file_text(device, [record.code], settings_sheet, rule, master.devices[0].name), encoding="utf-8"
+                file_text(device, [record.code], settings_sheet, rule=rule, master_device=master.devices[0].name),
+                encoding="utf-8",
             )
             assert len(configuration.load_from_xcf(str(path)).registers) == 8
             if (record.numbers["position_bits"] or 0) + (record.numbers["padding_left"] or 0) > servo.max_position_bits:
@@ -85,7 +86,13 @@ def test_a_wrong_register_is_reported(
     """With a register that the drive lacks, its software does not report success."""
     device = next(device for device in library.devices if device.name == "amm5")
     master = masters["novanta"]
-    text = file_text(device, ["AMM5A17/1SC1"], sheet(master, record_of("AMM5A17/1SC1")), master.files[0], master.title)
+    text = file_text(
+        device,
+        ["AMM5A17/1SC1"],
+        sheet(master, record_of("AMM5A17/1SC1")),
+        rule=master.files[0],
+        master_device=master.title,
+    )
     path = tmp_path / "encoder.xcf"
     path.write_text(text.replace("FRAME_SIZE", "FRAME_LENGTH"), encoding="utf-8")
     with pytest.raises(Exception, match="FRAME_LENGTH"):

@@ -216,7 +216,7 @@ def test_json_has_its_shape(capsys: pytest.CaptureFixture[str], code: str) -> No
 
 def test_every_page_is_linked(pages: dict[str, str], library: Library) -> None:
     for device in library.devices:
-        kinds = masters_page.kinds_with_masters(device)
+        kinds = masters_page.interfaces_with_masters(device)
         assert kinds == [interface.name for interface in device.interfaces if interface.name != "rs485"]
         for kind in kinds:
             name = f"{device.name}-{kind}-masters.md"
@@ -230,7 +230,7 @@ def test_every_page_is_linked(pages: dict[str, str], library: Library) -> None:
 
 def test_every_order_code_is_on_the_page(pages: dict[str, str], library: Library) -> None:
     for device in library.devices:
-        for kind in masters_page.kinds_with_masters(device):
+        for kind in masters_page.interfaces_with_masters(device):
             page = pages[f"docs/{device.name}-{kind}-masters.md"]
             for variant in device.variants:
                 is_on_page = f"`{variant.code}`" in page
@@ -284,11 +284,11 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
 def test_a_device_without_masters(library: Library) -> None:
     """A family with only RS-485 has no page."""
     device: Device = next(device for device in library.devices if device.name == "amm5")
-    assert masters_page.kinds_with_masters(device) == ["ssi", "biss"]
+    assert masters_page.interfaces_with_masters(device) == ["ssi", "biss"]
     from dataclasses import replace
 
     alone = replace(device, variants=tuple(variant for variant in device.variants if variant.interface == "rs485"))
-    assert masters_page.kinds_with_masters(alone) == []
+    assert masters_page.interfaces_with_masters(alone) == []
     assert not any(path.endswith("-masters.md") for path in generate(Library((alone,))))
 
 

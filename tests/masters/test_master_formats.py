@@ -99,7 +99,9 @@ def file_of(devices: Mapping[str, Device], sheet_of: SheetOf) -> FileOf:
         settings_sheet = settings_sheet or sheet_of(master, code)
         rule = rule_of(settings_sheet.master, name)
         family = next(name for start, name in FAMILY_BY_START.items() if code.startswith(start))
-        return file_text(devices[family], [code], settings_sheet, rule, on or settings_sheet.devices_with(rule)[0])
+        return file_text(
+            devices[family], [code], settings_sheet, rule=rule, master_device=on or settings_sheet.devices_with(rule)[0]
+        )
 
     return written_file
 
@@ -333,7 +335,7 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
                 continue
             for rule in master.files:
                 for on in settings_sheet.devices_with(rule):
-                    text = file_text(device, [encoder_record.code], settings_sheet, rule, on)
+                    text = file_text(device, [encoder_record.code], settings_sheet, rule=rule, master_device=on)
                     assert "Not yet tested on hardware." in " ".join(text.split())
                     _read_back(rule["format"], text, settings_sheet, on, rule)
                     file_count += 1

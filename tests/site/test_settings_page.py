@@ -90,7 +90,9 @@ def printed_texts(
                     master_sheet = sheet(master, code_record)
                     if master_sheet.is_described:
                         files = {
-                            (rule["format"], name): file_text(device, [code], master_sheet, rule, name).rstrip("\n")
+                            (rule["format"], name): file_text(
+                                device, [code], master_sheet, rule=rule, master_device=name
+                            ).rstrip("\n")
                             for rule in (() if master_sheet.refusals else master.files)
                             for name in master_sheet.devices_with(rule)
                         }

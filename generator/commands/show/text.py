@@ -29,10 +29,10 @@ from ...order_codes.quantities import with_output_code
 from ...order_codes.reduction import for_interface, reduced_to_codes
 from ...say import errata as say_errata
 from ...say import layout as say_layout
+from ...say import layout as say_measurement
 from ...say import order_code as say_interface
 from ...say import order_code as say_order_code
 from ...say import register as say_field
-from ...say import register as say_measurement
 from ...say import register as say_register
 from ...say.errata import describe_answer as say_answer
 from ...say.errata import describe_question, needed_answers

@@ -81,8 +81,10 @@ def _wrapped_lines(paragraph: str, width: int) -> Sequence[str]:
 
 def ascii_text(text: object) -> Markup:
     """Return ``text`` for an element, in ASCII, with character references such as ``&#176;`` for other characters."""
-    escaped_text = str(escape(without_invalid_characters(text_on_one_line(text))))
-    return Markup(escaped_text.encode("ascii", "xmlcharrefreplace").decode())
+    valid_text = without_invalid_characters(text_on_one_line(text))
+    escaped_text = str(escape(valid_text))
+    ascii_bytes = escaped_text.encode("ascii", "xmlcharrefreplace")
+    return Markup(ascii_bytes.decode())
 
 
 @dataclass(frozen=True)
@@ -171,6 +173,7 @@ _PROFILE_NOTE = (
 def master_settings(
     device: Device,
     layout: Layout,
+    *,
     crc: Crc | None,
     lengths: Sequence[DataLength],
     ids: Sequence[IdBits],
@@ -190,10 +193,11 @@ def master_settings(
     lines.append(f"  sent in this order, most significant bit first: {_sent_fields(layout)}")
     lines.append(f"  code: {_number_code(device, layout)}")
     if crc is not None:
-        lines.append(f"  CRC: {_crc_text(device, crc)}. CrcPoly is the polynomial with its top bit")
+        crc_text = _crc_text(device, crc)
+        lines.append(f"  CRC: {crc_text}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
-    settings = say_order_code.describe_settings(device, device.interface(Biss.name))
-    lines += [f"  {PLAIN_STYLE.sentence(setting)}" for setting in settings]
+    for setting in say_order_code.describe_settings(device, device.interface(Biss.name)):
+        lines.append(f"  {PLAIN_STYLE.sentence(setting)}")
     lines += _one_profile(device, lengths)
     lines += _errata_lines(device, layout, ids)
     lines.append(f"  registers, procedures and everything else: {device.manufacturer.name}-{device.name}.xml")
@@ -222,7 +226,10 @@ def _codes_and_answers_text(length: DataLength) -> str:
     An example is ``X-24, X-25 with wide``.
     """
     order_codes = ", ".join(length.codes)
-    return f"{order_codes} with {' and '.join(length.answers)}" if length.answers else order_codes
+    if not length.answers:
+        return order_codes
+    answers = " and ".join(length.answers)
+    return f"{order_codes} with {answers}"
 
 
 def _errata_lines(device: Device, layout: Layout, ids: Sequence[IdBits]) -> list[str]:
@@ -295,11 +302,11 @@ def _other_channels(device: Device, layout: Layout) -> list[str]:
         crcs = device.crcs_of(channel_layout)
         if channel_layout is layout or channel_layout.channel is None or not crcs:
             continue
-        data_fields = (field for field in channel_layout.fields if field not in channel_layout.crc_fields)
-        widths = ", ".join(f"{field.name} {field.width.render()}" for field in data_fields)
-        channel = f"  other data channel {channel_layout.channel}, {channel_layout.name}"
+        data_fields = [field for field in channel_layout.fields if field not in channel_layout.crc_fields]
+        names_and_widths = ", ".join(f"{field.name} {field.width.render()}" for field in data_fields)
+        channel = f"other data channel {channel_layout.channel}, {channel_layout.name}"
         crc_texts = " or ".join(_crc_text(device, crc) for crc in crcs)
-        lines.append(f"{channel}: {widths} bits, CRC of {crc_texts}")
+        lines.append(f"  {channel}: {names_and_widths} bits, CRC of {crc_texts}")
     return lines
 
 

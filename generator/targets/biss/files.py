@@ -55,12 +55,18 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files: dict[str, str] = {}
     identifiers = []
     for maker, devices in library.by_manufacturer():
-        nodes, left_out = _identified_nodes(devices)
+        nodes, sentence_on_missing = _identified_nodes(devices)
         if maker.biss_id is not None and nodes:
             file_name = identifier_name(maker.biss_id)
             identifiers.append(f"`{file_name}`")
-            about = [f"{maker.title}: encoders with a BiSS C interface."]
-            files[f"biss/{file_name}"] = _render_identifier(maker, maker.biss_id, about, nodes, library, left_out)
+            files[f"biss/{file_name}"] = _render_identifier(
+                maker,
+                maker.biss_id,
+                library,
+                first_lines=[f"{maker.title}: encoders with a BiSS C interface."],
+                nodes=nodes,
+                left_out=sentence_on_missing,
+            )
         for device in devices:
             files |= library.files_of(_files_of_family, device, options)
     if files:
@@ -94,7 +100,8 @@ def _files_of_order_codes(folder: str, device: Device) -> Iterator[tuple[str, Ca
 
 def _order_code_xml(device: Device, variant: Variant) -> str:
     """Return the description of an order code, with numbers instead of expressions."""
-    return to_xml(variant_dump(device, LabelMatch(variant, (), "", special=False)))
+    code_match = LabelMatch(variant, unlisted=(), tail="", special=False)
+    return to_xml(variant_dump(device, code_match))
 
 
 def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
@@ -150,16 +157,18 @@ def _encoder_xml(
     maker = device.manufacturer
     encoder = _narrow_to_encoder(device, variant, answer_by_question)
     node = _device_element(encoder, device_bits(device), one_encoder=True)
-    nodes = [node] if node is not None else []
-    about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
+    first_lines = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
     questions = {question.name: question for question in device.alternatives}
-    about += [_about_answer(questions[name], answer) for name, answer in answer_by_question.items()]
-    return _render_identifier(maker, biss_id, about, nodes, library)
+    for question_name, answer in answer_by_question.items():
+        first_lines.append(_about_answer(questions[question_name], answer))
+    nodes = [node] if node is not None else []
+    return _render_identifier(maker, biss_id, library, first_lines=first_lines, nodes=nodes)
 
 
 def _encoder_name(variant: Variant, answers: Iterable[Answer]) -> str:
     """Return the order code and the names of the answers, such as ``X-24-wide``."""
-    return "-".join((variant.code, *(answer.name for answer in answers)))
+    answer_names = [answer.name for answer in answers]
+    return "-".join([variant.code, *answer_names])
 
 
 def _narrow_to_encoder(device: Device, variant: Variant, answer_by_question: Mapping[str, Answer]) -> Device:
@@ -180,20 +189,29 @@ def _about_answer(question: Alternative, answer: Answer) -> str:
 
 
 def _render_identifier(
-    maker: Manufacturer, biss_id: int, about: Sequence[str], nodes: Sequence[Node], library: Library, left_out: str = ""
+    maker: Manufacturer,
+    biss_id: int,
+    library: Library,
+    *,
+    first_lines: Sequence[str],
+    nodes: Sequence[Node],
+    left_out: str = "",
 ) -> str:
     """Return the idbiss file with these encoders from one manufacturer.
 
-    Its first comment is the warning, and ``about`` begins the second one. ``left_out`` is a comment about encoders that
-    the file does not contain, or empty.
+    Its first comment is the warning, and ``first_lines`` begin the second one. ``left_out`` is a comment about encoders
+    that the file does not contain, or empty.
     """
-    root = Node((manufacturer_bits(biss_id),), label=maker.title, notes=(_MANUFACTURER_NOTE,), devices=tuple(nodes))
+    root = Node(
+        ids=(manufacturer_bits(biss_id),),
+        label=maker.title,
+        notes=(_MANUFACTURER_NOTE,),
+        devices=tuple(nodes),
+    )
+    about_file = "\n".join([*first_lines, _ABOUT])
+    trademarks = [f"Trademarks: {notice}" for notice in maker.trademarks]
     values: Identifier = {
-        "notes": [
-            _warning_comment(biss_id),
-            "\n".join([*about, _ABOUT]),
-            *(f"Trademarks: {text}" for text in maker.trademarks),
-        ],
+        "notes": [_warning_comment(biss_id), about_file, *trademarks],
         "root": root,
         "left_out": left_out,
     }
@@ -245,12 +263,13 @@ def _device_element(device: Device, ids: tuple[IdBits, ...], *, one_encoder: boo
     crc = only_crc(device, layout, lengths)
     manual = device.manual
     is_length_changing = not one_encoder and bool(run_time_widths(device, layout))
+    settings_comment = master_settings(device, layout, crc=crc, lengths=lengths, ids=ids, one_encoder=one_encoder)
     return Node(
         ids=ids,
         label=f", {device.title}",
         label_position=1,
         notes=(f"{device.title}; manual {manual.title}, revision {manual.revision}.",),
-        notes_of_data=(master_settings(device, layout, crc, lengths, ids, one_encoder),),
+        notes_of_data=(settings_comment,),
         crc_polynomial=f"0x{crc.poly_with_top_bit:02X}" if crc is not None else "",
         devices=() if is_length_changing else channels_by_length(device, layout, ids, lengths),
     )

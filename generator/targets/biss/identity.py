@@ -9,6 +9,7 @@ The module also computes the lengths of the single cycle data, the frame that a 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from ...model import Biss, Crc, Device, Field, Layout, PlacedLayout, Register, Variant, answer_combinations
 from ...model.expressions import Expression
@@ -25,7 +26,7 @@ _MANUFACTURER_BITS = 16
 class IdBits:
     """Bits ``high`` to ``low`` of the identity of a device, and their content ``number``.
 
-    ``what`` is the name of these bits with their registers, ``text`` is the content as characters if it is a text, and
+    ``what`` is the name of these bits with their registers. ``text`` is the content as characters if it is a text, and
     ``register`` is the register in the spec.
     """
 
@@ -187,7 +188,8 @@ def data_lengths(device: Device, layout: Layout) -> tuple[DataLength, ...]:
             layout_by_widths.setdefault(widths, placed_layout)
         answer_names = tuple(answer.name for answer in answers)
         for widths, order_codes in codes_by_widths.items():
-            lengths.append(_data_length(device, layout_by_widths[widths], tuple(order_codes), answer_names))
+            length = _data_length(device, layout_by_widths[widths])
+            lengths.append(replace(length, codes=tuple(order_codes), answers=answer_names))
     return tuple(sorted(lengths, key=lambda length: (length.data_bits, length.codes)))
 
 
@@ -209,10 +211,12 @@ def profile_ids(device: Device) -> dict[int, tuple[str, ...]]:
         return {} if register.default is None else {register.default: codes}
     codes_by_id: dict[int, list[str]] = {}
     for variant in variants:
-        placed = register.layout.place(variant.parameters)
-        number = sum(_stated_value(register.layout, field.field, variant) << field.low for field in placed.fields)
-        codes_by_id.setdefault(number, []).append(variant.code)
-    return {number: tuple(codes) for number, codes in codes_by_id.items()}
+        profile_id = 0
+        for placed_field in register.layout.place(variant.parameters).fields:
+            value = _stated_value(register.layout, placed_field.field, variant)
+            profile_id += value << placed_field.low
+        codes_by_id.setdefault(profile_id, []).append(variant.code)
+    return {profile_id: tuple(codes) for profile_id, codes in codes_by_id.items()}
 
 
 def _is_stated(layout: Layout, field: Field) -> bool:
@@ -229,16 +233,17 @@ def _stated_value(layout: Layout, field: Field, variant: Variant) -> int:
     return only_value(layout, field) or 0
 
 
-def _data_length(
-    device: Device, placed_layout: PlacedLayout, order_codes: tuple[str, ...], answers: tuple[str, ...]
-) -> DataLength:
-    """Return the length of a frame whose fields have their places: its data bits, its status bits and its CRC."""
+def _data_length(device: Device, placed_layout: PlacedLayout) -> DataLength:
+    """Return the length of a frame whose fields have their places: its data bits, its status bits and its CRC.
+
+    The order codes and the answers that it applies to are empty.
+    """
     status_names = [field.name for field in placed_layout.layout.status_fields]
     fields_before_crc = [field for field in placed_layout.fields if field != placed_layout.crc_field]
     data_widths = {field.name: field.width for field in fields_before_crc if field.name not in status_names}
     return DataLength(
-        codes=order_codes,
-        answers=answers,
+        codes=(),
+        answers=(),
         data_bits=sum(data_widths.values()),
         status_bits=sum(field.width for field in placed_layout.fields if field.name in status_names),
         crc=device.crc_of(placed_layout),

@@ -7,7 +7,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Device, Erratum, Manufacturer, cite, layer_in_words
 from ...model.record import dataclass
-from ...say.errata import STATUS_IN_WORDS, changed, consequence, paths_in_words
+from ...say.errata import STATUS_IN_WORDS, consequence, content_before_and_after, paths_in_words
 from .device import manual_title
 from .names import errata_page_name
 
@@ -61,7 +61,7 @@ def _family_errata(device: Device) -> FamilyErrata:
     for erratum in device.errata:
         if erratum.overlay or erratum.edition:
             layer = layer_in_words(erratum.overlay, erratum.edition)
-            labeled_texts = (*changed(erratum), *_reason_and_source(erratum))
+            labeled_texts = (*content_before_and_after(erratum), *_reason_and_source(erratum))
             changes_by_layer.setdefault(layer, []).append(labeled_texts)
         else:
             errata_of_manual.append(_erratum_text(erratum))

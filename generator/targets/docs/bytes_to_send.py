@@ -8,6 +8,7 @@ from ...model import (
     Biss,
     DataId,
     Device,
+    Input,
     Interface,
     Layout,
     ModifyStep,
@@ -64,21 +65,22 @@ def sending_section(
     # In this order, because ``errata_at`` lists the errata in the order of its calls.
     requests = tuple(_request_rows(device, interface, errata_at))
     commands = tuple(_command_rows(device, variant, errata_at))
-    presets = list(_registers_with_known_zero(device, variant))
-    possible_commands = commands_over(device, interface)
+    preset_registers = list(_registers_with_known_zero(device, variant))
     introduction = _introduction_paragraphs(
-        device, interface, possible_commands, has_rows=bool(commands), has_preset=bool(presets)
+        device,
+        interface,
+        possible_commands=commands_over(device, interface),
+        has_rows=bool(commands),
+        has_preset=bool(preset_registers),
     )
     facts = list(introduction)
-    input_links = [
-        markdown_link(escape(title_of(hardware_input)), f"#input-{hardware_input.name}")
-        for hardware_input in device.inputs
-    ]
+    input_links = ", ".join(map(_input_link, device.inputs))
     if input_links:
-        facts.append(f"Inputs: {', '.join(input_links)}.")
+        facts.append(f"Inputs: {input_links}.")
     other_value = ""
-    if presets:
-        other_value = _how_to_write_other_positions(family_device.register(presets[0].name), variant)
+    if preset_registers:
+        preset_register = family_device.register(preset_registers[0].name)
+        other_value = _how_to_write_other_positions(preset_register, variant)
     return SendingSection(
         facts=tuple(facts),
         requests=requests,
@@ -88,8 +90,13 @@ def sending_section(
     )
 
 
+def _input_link(hardware_input: Input) -> str:
+    """Return a link to the section about a hardware input, labeled with its title."""
+    return markdown_link(escape(title_of(hardware_input)), f"#input-{hardware_input.name}")
+
+
 def _introduction_paragraphs(
-    device: Device, interface: Interface, possible_commands: Commands, *, has_rows: bool, has_preset: bool
+    device: Device, interface: Interface, *, possible_commands: Commands, has_rows: bool, has_preset: bool
 ) -> Iterator[str]:
     """Yield sentences on the notation of the bytes, and on what the interface does not have, such as a preset.
 
@@ -191,20 +198,25 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     Return an empty string if the field of the position has no bits for this order code.
     """
     # The limits of a preset register apply to the field of the position, which may begin above bit 0.
-    low, width = register.layout.place(variant.parameters).place_of(register.limits_of)
-    if not width:
+    placed_layout = register.layout.place(variant.parameters)
+    position_low, position_width = placed_layout.place_of(register.limits_of)
+    if not position_width:
         return ""
-    order = register.byte_order.replace("_", " ")
-    shift = f" × 2^{low}" if low else ""
-    highest_position = (1 << width) - 1
+    length = count_with_unit(register.length, "byte")
+    # The byte order is "high byte first" or "low byte first".
+    byte_order = register.byte_order.replace("_", " ")
+    shift = f" × 2^{position_low}" if position_low else ""
+    highest_position = (1 << position_width) - 1
     example_position = min(1000, highest_position)
-    example_bytes = register.bytes_of(example_position << low).hex(" ").upper()
+    example_bytes = register.bytes_of(example_position << position_low)
+    example_in_hexadecimal = code_span(example_bytes.hex(" ").upper())
     # The script of the page finds the rows of commands by the text of the link, which is only the addresses.
     addresses = addresses_text(register)
-    linked_place = register_at(register).replace(addresses, markdown_link(addresses, f"#register-{register.name}"))
+    addresses_link = markdown_link(addresses, f"#register-{register.name}")
+    linked_register = register_at(register).replace(addresses, addresses_link)
     return (
-        f"For a different position, write position{shift} as {count_with_unit(register.length, 'byte')}, {order}, to "
-        f"{linked_place}. For {example_position:,}: {code_span(example_bytes)}."
+        f"For a different position, write position{shift} as {length}, {byte_order}, to "
+        f"{linked_register}. For {example_position:,}: {example_in_hexadecimal}."
     )
 
 
@@ -241,19 +253,22 @@ def _data_id_row(device: Device, interface: Rs485, data_id: DataId, errata_at: C
     The request is shown as its control byte, followed by the names of its other parts: ``C2, address, data``. The
     meaning is followed by the repetitions in procedures that send only this request, by the data ID, and by errata.
     """
-    request = _layout_with_data_id(interface, "master", data_id.id)
-    reply = _layout_with_data_id(interface, "encoder", data_id.id)
+    request = _layout_with_data_id(interface, sender="master", data_id=data_id.id)
+    reply = _layout_with_data_id(interface, sender="encoder", data_id=data_id.id)
     part_names = _names_after_control_field(request) if request is not None else []
-    sent_bytes = ", ".join([code_span(f"{data_id.control:02X}"), *part_names])
-    reply_link = ""
+    control_byte = code_span(f"{data_id.control:02X}")
+    frames_cell = ", ".join([control_byte, *part_names])
     if reply is not None:
-        reply_link = f" → {markdown_link(count_with_unit(reply.widest // 8, 'byte'), f'#layout-{reply.name}')}"
+        reply_length = count_with_unit(reply.widest // 8, "byte")
+        reply_link = markdown_link(reply_length, f"#layout-{reply.name}")
+        frames_cell += f" → {reply_link}"
     procedures = _procedures_sending_only(device, data_id)
-    repetitions = (_repetition_text(procedure) for procedure in procedures)
+    repetitions = map(_repetition_text, procedures)
     description = join_filled([escape(data_id.meaning or data_id.purpose), *repetitions], ". ")
     identifier = f"<small>Data ID {data_id.id:X} {code_span(data_id.name)}</small>"
-    errata_links = errata_at(*(f"procedures.{procedure.name}" for procedure in procedures))
-    return sent_bytes + reply_link, join_filled([f"{description}.", identifier, errata_links], " ")
+    spec_paths = [f"procedures.{procedure.name}" for procedure in procedures]
+    meaning_cell = join_filled([f"{description}.", identifier, errata_at(*spec_paths)], " ")
+    return frames_cell, meaning_cell
 
 
 def _names_after_control_field(request: Layout) -> list[str]:
@@ -290,9 +305,11 @@ def _repetition_text(procedure: Procedure) -> str:
     return "Send it " + join_filled([times, interval, *waits], ", ")
 
 
-def _layout_with_data_id(interface: Rs485, sender: str, data_id: int) -> Layout | None:
-    """Return the frame from a sender that a data ID identifies, or None if there is none."""
-    return next((layout for layout in interface.layouts if layout.sender == sender and data_id in layout.selects), None)
+def _layout_with_data_id(interface: Rs485, *, sender: str, data_id: int) -> Layout | None:
+    """Return the frame from a sender, ``master`` or ``encoder``, that a data ID identifies, or None without one."""
+    layouts_of_sender = [layout for layout in interface.layouts if layout.sender == sender]
+    # ``selects`` are the data IDs that identify a frame.
+    return next((layout for layout in layouts_of_sender if data_id in layout.selects), None)
 
 
 def _writing_procedures(device: Device) -> list[Procedure]:
@@ -310,11 +327,12 @@ def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str
     Errata about a field that a step changes are in its row. Errata about whole registers are not in the rows.
     """
     for procedure in _writing_procedures(device):
-        bytes_to_write = join_filled((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
-        bit_changes = [step for step in procedure.steps if isinstance(step, ModifyStep)]
-        changed_fields = [f"registers.{step.register}.{step.field}" for step in bit_changes]
+        steps_in_bytes = [_step_in_bytes(device, step, variant) for step in procedure.steps]
+        modify_steps = [step for step in procedure.steps if isinstance(step, ModifyStep)]
+        changed_fields = [f"registers.{step.register}.{step.field}" for step in modify_steps]
         errata_links = errata_at(exactly=changed_fields) if changed_fields else ""
         task = markdown_link(escape(procedure.title), f"#procedure-{procedure.name}")
+        bytes_to_write = join_filled(steps_in_bytes, ", ")
         yield task, join_filled([bytes_to_write, errata_links], ". ")
 
 
@@ -337,18 +355,21 @@ def _step_in_bytes(device: Device, step: Step, variant: Variant) -> str:
         case SendStep():
             return code_span(step.request.hex(" ").upper())
         case ReadStep():
-            return f"read {addresses_text(device.register(step.register))}"
+            addresses = addresses_text(device.register(step.register))
+            return f"read {addresses}"
         case PollStep():
-            return (
-                f"read {addresses_text(device.register(step.register))} until {code_span(step.field)} is {step.value}"
-            )
+            addresses = addresses_text(device.register(step.register))
+            return f"read {addresses} until {code_span(step.field)} is {step.value}"
         case ModifyStep():
             register = device.register(step.register)
-            bit_value = "the new value" if step.value is None else f"{step.value}"
-            return f"{addresses_text(register)}: {_bits_of_field(register, step.field, variant)} = {bit_value}"
+            field_bits = _bits_of_field(register, step.field, variant)
+            # Without a value in the spec, the caller of the procedure provides it.
+            new_value = "the new value" if step.value is None else f"{step.value}"
+            return f"{addresses_text(register)}: {field_bits} = {new_value}"
         case WriteStep():
             register = device.register(step.register)
-            return f"{addresses_text(register)}: {_bytes_to_write(device, register, step.value, variant)}"
+            bytes_to_write = _bytes_to_write(device, register, step.value, variant)
+            return f"{addresses_text(register)}: {bytes_to_write}"
         case _:
             assert_never(step)
 

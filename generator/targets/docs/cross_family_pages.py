@@ -160,8 +160,9 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
     """
     for interface, layout in device.layouts():
         if device.sends_position(interface.name, layout):
-            crcs = [f"{crc.polynomial}, {crc_sent(crc)}" for crc in device.crcs_of(layout)]
-            without_crc = [] if layout.always_has_crc else ["none"]
+            crc_texts = [f"{crc.polynomial}, {crc_sent(crc)}" for crc in device.crcs_of(layout)]
+            if not layout.always_has_crc:
+                crc_texts.append("none")
             byte_order = layout.byte_order.replace("_", " ")
             yield (
                 interface.title,
@@ -169,7 +170,7 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
                 link_to_layout(device, layout, code_span(layout.name)),
                 _range_of_lengths(device, interface, layout),
                 byte_order if layout.in_bytes else "most significant bit first",
-                escape(" or ".join([*crcs, *without_crc])),
+                escape(" or ".join(crc_texts)),
             )
 
 
@@ -221,9 +222,7 @@ def _register_link(device: Device, register: Register) -> str:
 
 def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
     """Return the values of the page that lists the registers of all families by address."""
-    registers_and_devices: list[tuple[Register, Device]] = []
-    for device in devices:
-        registers_and_devices += [(register, device) for register in device.registers]
+    registers_and_devices = [(register, device) for device in devices for register in device.registers]
     registers_and_devices.sort(key=_address_and_family)
     return {"register_rows": [_register_row(register, device) for register, device in registers_and_devices]}
 
@@ -305,7 +304,7 @@ def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
 
 
 #: File name of the page, which no family can have.
-PAGE = "glossary-of-terms.md"
+GLOSSARY = "glossary-of-terms.md"
 
 
 class GlossaryPage(TypedDict):
@@ -314,14 +313,14 @@ class GlossaryPage(TypedDict):
 
 @dataclass(frozen=True, slots=True)
 class _InterfacePage:
-    """Page of an interface. ``names`` are pairs of a name on the page, in lowercase, and its anchor."""
+    """Page of an interface. ``names_and_anchors`` are pairs of a name on the page, in lowercase, and its anchor."""
 
     device: Device
     interface: Interface
-    names: tuple[tuple[str, str], ...]
+    names_and_anchors: tuple[tuple[str, str], ...]
 
 
-def page_values(devices: Sequence[Device]) -> GlossaryPage:
+def glossary_values(devices: Sequence[Device]) -> GlossaryPage:
     """Return the values of the glossary, which has the terms that the pages of these families explain or use."""
     pages: list[_InterfacePage] = []
     for device in devices:
@@ -337,7 +336,8 @@ def page_values(devices: Sequence[Device]) -> GlossaryPage:
 def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
     """Return the page of an interface with the names on it."""
     interface_device = for_interface(device, interface.name)
-    return _InterfacePage(interface_device, interface, tuple(_anchors_by_name(interface_device, interface)))
+    names_and_anchors = tuple(_names_and_anchors(interface_device, interface))
+    return _InterfacePage(interface_device, interface, names_and_anchors)
 
 
 def _links_to_term(term: GlossaryTerm, pages: Sequence[_InterfacePage]) -> str:
@@ -347,9 +347,8 @@ def _links_to_term(term: GlossaryTerm, pages: Sequence[_InterfacePage]) -> str:
         anchor = _anchor_of_term(term, page)
         if anchor:
             page_title = f"{page.device.name.upper()} {page.interface.short}"
-            page_links.append(
-                markdown_link(escape(page_title), path_to_anchor(page.device, page.interface.name, anchor))
-            )
+            path = path_to_anchor(page.device, page.interface.name, anchor)
+            page_links.append(markdown_link(escape(page_title), path))
     return ", ".join(page_links)
 
 
@@ -363,10 +362,10 @@ def _anchor_of_term(term: GlossaryTerm, page: _InterfacePage) -> str:
         # The name of a section is also its anchor.
         is_on_page = isinstance(page.interface, term.interface) and _has_section(page, term.section)
         return term.section if is_on_page else ""
-    for lowercase_name, anchor in page.names:
+    for lowercase_name, anchor in page.names_and_anchors:
         if lowercase_name in term.spellings:
             return anchor
-    for lowercase_name, anchor in page.names:
+    for lowercase_name, anchor in page.names_and_anchors:
         # With spaces around both, a spelling is found only as a whole word.
         contains_term = any(f" {spelling} " in f" {lowercase_name} " for spelling in term.spellings)
         if contains_term:
@@ -385,7 +384,7 @@ def _has_section(page: _InterfacePage, section: str) -> bool:
     return section not in optional_contents or bool(optional_contents[section])
 
 
-def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
+def _names_and_anchors(device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
     """Yield the names on the pages of an interface, in lowercase, with their anchors: ``("crc", "crc-x24")``.
 
     Names that have a section of their own come first. A name can occur several times.
@@ -402,9 +401,12 @@ def _anchors_by_name(device: Device, interface: Interface) -> Iterator[tuple[str
     for timing in interface.timings:
         yield timing.symbol.casefold(), "timings"
     for layout in interface.layouts:
+        layout_anchor = f"layout-{layout.name}"
         for field in layout.fields:
-            yield from _names_with_anchor(field, f"group-{field.group}" if field.group else f"layout-{layout.name}")
-        yield from ((join.name, f"layout-{layout.name}") for join in layout.joins)
+            anchor = f"group-{field.group}" if field.group else layout_anchor
+            yield from _names_with_anchor(field, anchor)
+        # A join is a number that several fields form together.
+        yield from ((join.name, layout_anchor) for join in layout.joins)
     for register in device.registers:
         for field in register.layout.fields:
             yield from _names_with_anchor(field, f"register-{register.name}")

@@ -25,21 +25,23 @@ from ...model import (
     RegisterExample,
     Scale,
     Sources,
+    Supply,
     Timing,
+    Variant,
     assert_never,
 )
 from ...plan.procedures import plan_procedure
 from ...plan.steps import VerifyWrite
 from ...say import register as say_register
 from ...say.commands import describe_step, read_back
-from ...say.errata import changed, errata
-from ...say.layout import crc_sent
+from ...say.errata import content_before_and_after, errata
+from ...say.layout import crc_sent, describe_measurement, describe_position_range, own_ranges
 from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
 from ...say.plain_text import count_with_unit, group_digits, quantity_text
 from ...say.register import describe_value
-from ...say.text import as_sentence, statement
+from ...say.text import as_sentence, statement, volts
 from .layout_tables import (
     field_cell,
     field_place_cell,
@@ -50,6 +52,7 @@ from .layout_tables import (
     name_cell,
     value_rows,
 )
+from .order_code_tables import order_codes
 from .page_links import ERRATA
 
 _SEVERITY_TEXTS = {
@@ -106,6 +109,8 @@ def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     """Yield the parameters of a CRC as label and value, with the polynomial in every notation that masters expect."""
     with_top_bit = crc.poly_with_top_bit
+    is_input_reflected = _yes_or_no(device.reflects_input(crc))
+    is_output_reflected = _yes_or_no(crc.refout)
     # In the notation of manuals, such as "x^6 + x + 1".
     yield "Polynomial", escape(crc.polynomial)
     yield "with its top bit", f"`0x{with_top_bit:X}` = {with_top_bit} = `{with_top_bit:b}b`"
@@ -114,7 +119,7 @@ def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
         yield "without its trailing 1 (Koopman notation)", f"`0x{with_top_bit >> 1:X}`"
     yield "Width", count_with_unit(crc.width, "bit")
     yield "Start value", f"`0x{crc.init:X}`"
-    yield "Input, output reflected", f"{_yes_or_no(device.reflects_input(crc))}, {_yes_or_no(crc.refout)}"
+    yield "Input, output reflected", f"{is_input_reflected}, {is_output_reflected}"
     yield "Final XOR", f"`0x{crc.xorout:X}` ({crc_sent(crc)})"
     if crc.is_xor:
         yield "In short", "XOR of the preceding bytes"
@@ -135,7 +140,8 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
     listed_errata = {erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)}
     if example.erratum and example.erratum not in listed_errata:
         titles = {erratum.name: erratum.title for erratum in device.errata}
-        yield "Erratum", markdown_link(escape(titles[example.erratum]), f"{ERRATA}#erratum-{example.erratum}")
+        title = titles[example.erratum]
+        yield "Erratum", markdown_link(escape(title), f"{ERRATA}#erratum-{example.erratum}")
     if example.note:
         yield "Note", escape(example.note)
     yield "Source", citation(example.source)
@@ -149,8 +155,9 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
                 yield "Frame", markdown_link(code_span(example.layout), f"#layout-{example.layout}")
             yield "Order code", code_span(example.order_code)
             yield "Sent by", f"the {example.sender}"
-            for name, answer in example.alternatives.items():
-                yield "Alternative", f"{markdown_link(code_span(name), f'#alternative-{name}')} = {code_span(answer)}"
+            for question, answer in example.alternatives.items():
+                question_link = markdown_link(code_span(question), f"#alternative-{question}")
+                yield "Alternative", f"{question_link} = {code_span(answer)}"
             yield _bytes_fact(example.bytes)
             yield "Bits", code_span(example.bits)
             layouts = [layout for _, layout in device.layouts() if layout.name == example.layout]
@@ -161,24 +168,31 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
             yield "Register", markdown_link(code_span(example.register), f"#register-{example.register}")
             yield "Order code", code_span(example.order_code)
             yield _bytes_fact(example.bytes)
-            yield _values_fact(example.values, [device.register(example.register).layout])
+            register = device.register(example.register)
+            yield _values_fact(example.values, [register.layout])
         case CrcExample():
             yield "CRC", markdown_link(code_span(example.crc), f"#crc-{example.crc}")
             yield _bytes_fact(example.bytes)
             yield "Check value", f"`{hexadecimal(example.check)}`"
         case ProcedureExample():
-            yield "Procedure", markdown_link(code_span(example.procedure), f"#procedure-{example.procedure}")
-            yield "Order code", code_span(example.order_code)
-            for name, value in example.arguments.items():
-                # A single digit is the same in both notations.
-                in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
-                yield f"Argument {code_span(name)}", f"{group_digits(value)}{in_hexadecimal}"
-            yield "Writes", ", ".join(f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes)
+            yield from _facts_of_procedure_example(example)
         case MeasureExample():
             yield "Order code", code_span(example.order_code)
             yield "Length", f"{group_digits(example.counts)} counts are {group_digits(example.micrometres)} µm"
         case _:
             assert_never(example)
+
+
+def _facts_of_procedure_example(example: ProcedureExample) -> Iterator[tuple[str, str]]:
+    """Yield as label and value: the procedure, the order code, the arguments, and the bytes that it writes."""
+    yield "Procedure", markdown_link(code_span(example.procedure), f"#procedure-{example.procedure}")
+    yield "Order code", code_span(example.order_code)
+    for argument, value in example.arguments.items():
+        # A single digit is the same in both notations.
+        in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
+        yield f"Argument {code_span(argument)}", f"{group_digits(value)}{in_hexadecimal}"
+    writes = [f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes]
+    yield "Writes", ", ".join(writes)
 
 
 def _bytes_fact(data: bytes) -> tuple[str, str]:
@@ -190,7 +204,10 @@ def _bytes_fact(data: bytes) -> tuple[str, str]:
 def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
     """Return the label and the field values of an example, with quantities for fields that have a scale in a layout."""
     scales = {field.name: field.scale for layout in layouts for field in layout.fields}
-    assignments = [f"{code_span(name)} = {_value_text(value, scales.get(name))}" for name, value in values.items()]
+    assignments = []
+    for field_name, value in values.items():
+        value_text = _value_text(value, scales.get(field_name))
+        assignments.append(f"{code_span(field_name)} = {value_text}")
     return "Values", ", ".join(assignments)
 
 
@@ -212,7 +229,7 @@ def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
     if erratum.edition:
         yield "Edition", escape(erratum.edition)
     if erratum.overlay or erratum.edition:
-        yield from ((label, escape(part)) for label, part in changed(erratum))
+        yield from ((label, escape(change_text)) for label, change_text in content_before_and_after(erratum))
     else:
         yield "Printed", escape(erratum.printed)
         yield "Used", escape(erratum.used)
@@ -241,9 +258,8 @@ def _document_row(document: Document) -> tuple[str, ...]:
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
     """Yield rows of name, number of bits, meaning, source for the fields of the BiSS control frame."""
     for control_field in interface.control_data:
-        value_phrases = [
-            MARKDOWN.phrase(describe_value(named_value, control_field.bits)) for named_value in control_field.values
-        ]
+        value_statements = [describe_value(named_value, control_field.bits) for named_value in control_field.values]
+        value_phrases = map(MARKDOWN.phrase, value_statements)
         crc_link = markdown_link(code_span(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
             name_cell(control_field),
@@ -317,37 +333,46 @@ def _value_table(field: Field) -> list[Row]:
 def register_rows(device: Device) -> Iterator[Row]:
     """Yield rows of bank, addresses, register. The bank is empty for a register without a bank."""
     for register in device.registers:
+        default_text = ""
         default_bytes = register.default_bytes()
-        default = f", default {code_span(default_bytes.hex(' ').upper())}" if default_bytes is not None else ""
+        if default_bytes is not None:
+            default_text = f", default {code_span(default_bytes.hex(' ').upper())}"
         register_link = markdown_link(escape(title_of(register)), f"#register-{register.name}")
         bank = "" if register.bank is None else f"{register.bank}"
-        access_text = f"{say_register.describe_access(register)}{default}"
-        about = f"{register_link} <small>{code_span(register.name)}</small> {access_text}"
-        yield bank, addresses_text(register), about
+        access = say_register.describe_access(register)
+        register_cell = f"{register_link} <small>{code_span(register.name)}</small> {access}{default_text}"
+        yield bank, addresses_text(register), register_cell
 
 
 def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
     """Yield the steps of a procedure as sentences, each with its reason in parentheses."""
     for procedure_step in procedure.steps:
+        instruction = MARKDOWN.phrase(describe_step(device, procedure_step))
         reason = f" ({escape(procedure_step.meaning)})" if procedure_step.meaning else ""
-        yield MARKDOWN.phrase(describe_step(device, procedure_step)) + reason + "."
+        yield f"{instruction}{reason}."
 
 
 def time_rows(timings: Iterable[Timing]) -> Iterator[Row]:
     """Yield rows of duration, time."""
     for timing in timings:
-        identifiers = "</small> <small>".join(filter(None, (escape(timing.symbol), code_span(timing.name))))
-        time_cell = f"{escape(timing.meaning)} <small>{identifiers}</small> <small>{citation(timing.source)}</small>"
-        yield escape(bounds_with_codes(timing)), time_cell
+        symbol = f"<small>{escape(timing.symbol)}</small> " if timing.symbol else ""
+        name = f"<small>{code_span(timing.name)}</small>"
+        source = f"<small>{citation(timing.source)}</small>"
+        duration = escape(bounds_with_codes(timing))
+        yield duration, f"{escape(timing.meaning)} {symbol}{name} {source}"
 
 
 def example_rows(device: Device, examples: Iterable[Example]) -> Iterator[Row]:
     """Yield rows of example, facts with their source. The order code is omitted, because the page is about it."""
     for example in examples:
-        labelled_values = example_facts(device, example)
-        fact_lines = [f"{label}: {value}" for label, value in labelled_values if label not in ("Order code", "Source")]
-        source = f" <small>{citation(example.source)}</small>"
-        yield anchor_of(f"example-{example.name}") + escape(heading(example.name)), join_filled(fact_lines) + source
+        fact_lines = []
+        for label, value in example_facts(device, example):
+            if label not in ("Order code", "Source"):
+                fact_lines.append(f"{label}: {value}")
+        anchor = anchor_of(f"example-{example.name}")
+        title = escape(heading(example.name))
+        source = f"<small>{citation(example.source)}</small>"
+        yield f"{anchor}{title}", f"{join_filled(fact_lines)} {source}"
 
 
 def led_rows(device: Device) -> Iterator[Row]:
@@ -355,12 +380,13 @@ def led_rows(device: Device) -> Iterator[Row]:
     for led in device.leds:
         yield f"**{escape(led.title)}**", f"<small>{citation(led.source)}</small>"
         for state in led.states:
-            step_links = (markdown_link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in state.by_hand)
-            order_codes = [f"This applies only to {code_span(state.only)}."] if state.only else []
-            yield (
-                escape(state.state),
-                join_filled([escape(as_sentence(state.meaning)), *order_codes, *step_links], " "),
-            )
+            sentences = [escape(as_sentence(state.meaning))]
+            if state.only:
+                sentences.append(f"This applies only to {code_span(state.only)}.")
+            for procedure_name in state.by_hand:
+                steps_link = markdown_link("Step by step", f"hardware.md#by-hand-{procedure_name}")
+                sentences.append(f"{steps_link}.")
+            yield escape(state.state), join_filled(sentences, " ")
 
 
 def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
@@ -368,3 +394,30 @@ def setting_lines(device: Device, interface: Interface) -> Iterator[str]:
     for setting in describe_settings(device, interface):
         value = MARKDOWN.phrase(statement(*setting.parts))
         yield f"{escape(setting.label)}: {value} <small>{citation(setting.source)}</small>"
+
+
+def overview_rows(device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
+    """Yield rows of fact, value, source: the unit and range of the position, the supplies, the interface's facts."""
+    position_measurement = device.measurement_of(interface.name)
+    if position_measurement is not None:
+        resolution_and_range = MARKDOWN.phrase(describe_measurement(position_measurement))
+        yield "Position", resolution_and_range, citation(position_measurement.source)
+        for layout_name, own_range in own_ranges(device, interface.name):
+            range_text = MARKDOWN.phrase(describe_position_range(own_range))
+            yield f"Position in {code_span(layout_name)}", range_text, citation(own_range.source)
+    for supply, codes in _codes_by_supply(device, variants).items():
+        has_all_codes = len(codes) == len(variants)
+        label = "Supply" if has_all_codes else f"Supply ({order_codes(device, codes)})"
+        voltage_range = f"{volts(supply.min_mv)} to {volts(supply.max_mv)}"
+        yield label, voltage_range, citation(supply.source)
+    yield from interface_rows(device, interface)
+
+
+def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
+    """Return the order codes that have each supply. Order codes whose supply is unknown are omitted."""
+    codes_by_supply: dict[Supply, list[str]] = {}
+    for variant in variants:
+        supply = device.supply_of(variant)
+        if supply is not None:
+            codes_by_supply.setdefault(supply, []).append(variant.code)
+    return codes_by_supply

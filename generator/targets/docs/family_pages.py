@@ -43,18 +43,17 @@ class ChangesPage(TypedDict):
     ]
 
 
-def file_name(device: Device) -> str:
+def changes_file_name(device: Device) -> str:
     """Return the file name of the page with the changes."""
     return f"{device.name}-changes.md"
 
 
-def page_values(device: Device) -> ChangesPage:
+def changes_values(device: Device) -> ChangesPage:
     """Return the values of the page with the changes between releases."""
-    manual = device.manual
     return {
         "device": device,
         "version": device.manufacturer.version,
-        "manual": escape(manual.revision) + (f" of {manual.date}" if manual.date else ""),
+        "manual": revision_and_date(device.manual),
         "rule": _VERSION_RULE,
         "releases": [_release_section(release) for release in device.releases],
     }
@@ -81,8 +80,8 @@ def _release_section(release: Release) -> dict[str, Any]:
 
 def _change_line(change: ReleasedChange) -> str:
     """Return a change with its rule, and with the encoders and outputs that it affects."""
-    about = "; ".join(filter(None, (change.reach, change.outputs)))
-    return f"{escape(change.text)} ({code_span(change.rule)}): {escape(about)}"
+    encoders_and_outputs = join_filled([change.reach, change.outputs], "; ")
+    return f"{escape(change.text)} ({code_span(change.rule)}): {escape(encoders_and_outputs)}"
 
 
 Rows = list[tuple[str, ...]]
@@ -137,7 +136,7 @@ def index_values(family_codes: OrderCodes) -> FamilyPage:
         "part_rows": list(order_code_tables.part_rows(device)),
         "spelling_rows": list(order_code_tables.spelling_rows(device)),
         "measurement_rows": list(order_code_tables.measurement_rows(device)),
-        "changes_page": file_name(device),
+        "changes_page": changes_file_name(device),
     }
 
 
@@ -186,13 +185,11 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
     for procedure in device.procedures:
         yield escape(procedure.title), page_links.link_to_procedure(device, procedure)
     for manual_procedure in manual_procedures(device):
-        anchor_of_steps = f"by-hand-{manual_procedure.characteristic.name}"
-        yield escape(manual_procedure.title), markdown_link("by hand", f"{device.name}/hardware.md#{anchor_of_steps}")
+        path_to_steps = f"{device.name}/hardware.md#by-hand-{manual_procedure.characteristic.name}"
+        yield escape(manual_procedure.title), markdown_link("by hand", path_to_steps)
     if device.characteristics:
-        yield (
-            "Mount it and look up its limits",
-            markdown_link("mounting and characteristics", f"{device.name}/hardware.md"),
-        )
+        hardware_link = markdown_link("mounting and characteristics", f"{device.name}/hardware.md")
+        yield "Mount it and look up its limits", hardware_link
     master_links = masters_page.page_links(device)
     if master_links:
         yield "Set up a BiSS or SSI master", "master settings: " + ", ".join(master_links)
@@ -242,8 +239,13 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -
         name = characteristic.name
         has_steps = name in names_with_steps
         value_cell = markdown_link("step by step", f"#by-hand-{name}") if has_steps else escape(characteristic.value)
-        value_and_errata = join_filled([value_cell, errata_at.links_in_cell(f"characteristics.{name}")])
-        yield code_span(name), value_and_errata, code_span(characteristic.only), citation(characteristic.source)
+        errata_links = errata_at.links_in_cell(f"characteristics.{name}")
+        yield (
+            code_span(name),
+            join_filled([value_cell, errata_links]),
+            code_span(characteristic.only),
+            citation(characteristic.source),
+        )
 
 
 def manual_values(device: Device) -> ManualPage:
@@ -286,12 +288,11 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
         yield evidence.label, MARKDOWN.phrase(replace(evidence, label=""))
     yield "Manufacturer", escape(device.manufacturer.title)
     for edition in manual.editions:
-        language_and_title = [escape(language_name(edition.language)), escape(edition.title)]
-        yield (
-            "Other edition",
-            join_filled([*language_and_title, f"revision {escape(edition.revision)}", edition.date], ", "),
-        )
-    yield "Version", f"{escape(device.manufacturer.version)}, {markdown_link('changes', f'../{file_name(device)}')}"
+        language = escape(language_name(edition.language))
+        revision = f"revision {escape(edition.revision)}"
+        yield "Other edition", join_filled([language, escape(edition.title), revision, edition.date], ", ")
+    changes_link = markdown_link("changes", f"../{changes_file_name(device)}")
+    yield "Version", f"{escape(device.manufacturer.version)}, {changes_link}"
 
 
 def _second_reading_text(counts: TimesRead | None) -> str:
@@ -331,16 +332,18 @@ def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 def _edition_errata(device: Device, edition_name: str) -> str:
     """Return links to the differences in an edition. ``edition_name`` is such as ``1.4`` or ``before 1.4``."""
-    differences = [erratum for erratum in device.errata if erratum.edition == edition_name]
-    errata_links = [
-        markdown_link(escape(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences
-    ]
+    errata_links = []
+    for erratum in device.errata:
+        if erratum.edition == edition_name:
+            path = f"{page_links.ERRATA}#erratum-{erratum.name}"
+            errata_links.append(markdown_link(escape(erratum.title), path))
     return link_list(errata_links)
 
 
 def revision_and_date(manual: Manual) -> str:
     """Return the revision of a manual, followed by its date if the spec states one: ``1.9 of 2021-12-09``."""
-    return escape(manual.revision) + (f" of {manual.date}" if manual.date else "")
+    date = f" of {manual.date}" if manual.date else ""
+    return f"{escape(manual.revision)}{date}"
 
 
 def table_rows(table: Table) -> Rows:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import partial
-from typing import Annotated, Any, TypedDict
+from typing import Annotated, Any, NamedTuple, TypedDict
 
 from ...masters.sheet import Master, shipped_masters
 from ...model import Device
@@ -27,8 +27,15 @@ from . import (
     timing_pictures,
     verdict_page,
 )
-from . import family_pages as changes_page
 from .interface_page import Rows, Section
+
+
+class _Page(NamedTuple):
+    """Page of a family. ``path`` is relative to the folder ``docs``, and ``values`` returns those of its template."""
+
+    path: str
+    template: str
+    values: Callable[[], Mapping[str, Any]]
 
 
 class Index(TypedDict):
@@ -67,7 +74,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             cross_family_pages.alarms_page_values(library.devices),
         ),
         inline_errata.ALL_ERRATA: (f"{inline_errata.ALL_ERRATA}.jinja", inline_errata.all_values(library.devices)),
-        cross_family_pages.PAGE: (f"{cross_family_pages.PAGE}.jinja", cross_family_pages.page_values(library.devices)),
+        cross_family_pages.GLOSSARY: (
+            f"{cross_family_pages.GLOSSARY}.jinja",
+            cross_family_pages.glossary_values(library.devices),
+        ),
     }
     for name, (template, values) in pages.items():
         files[f"docs/{name}"] = _page_text(template, values, library)
@@ -86,26 +96,24 @@ def _files_of_family(device: Device, library: Library, options: Options) -> Iter
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
-    codes = order_code_page.OrderCodes(device)
-    for name, picture in _pictures_of_family(codes):
-        yield f"docs/{device.name}/{name}", picture
-    for name, template, page_values in _pages_of_family(codes, masters):
-        yield f"docs/{name}", partial(_family_page, device, name, template, page_values, library)
+    family_codes = order_code_page.OrderCodes(device)
+    for picture_name, svg_function in _pictures_of_family(family_codes):
+        yield f"docs/{device.name}/{picture_name}", svg_function
+    for page in _pages_of_family(family_codes, masters):
+        yield f"docs/{page.path}", partial(_family_page_text, device, page, library)
 
 
-def _family_page(
-    device: Device, name: str, template: str, page_values: Callable[[], Mapping[str, Any]], library: Library
-) -> str:
-    """Return the text of a page of a family. ``name`` is its path in the folder ``docs``.
+def _family_page_text(device: Device, page: _Page, library: Library) -> str:
+    """Return the text of a page of a family.
 
     Names of errata in the rendered text become links. On a page about an interface, the file name is added to links
     whose anchor is on another page of this interface.
     """
-    values = page_values()
-    page_text = _page_text(template, values, library)
-    if template in ("interface.md.jinja", "interface-subject.md.jinja"):
+    values = page.values()
+    page_text = _page_text(page.template, values, library)
+    if page.template in ("interface.md.jinja", "interface-subject.md.jinja"):
         page_text = page_links.with_other_subjects_linked(values["interface"].name, page_text)
-    return page_links.with_errata_linked(device, name, page_text)
+    return page_links.with_errata_linked(device, page.path, page_text)
 
 
 def _page_text(template: str, values: Mapping[str, Any], library: Library) -> str:
@@ -113,51 +121,51 @@ def _page_text(template: str, values: Mapping[str, Any], library: Library) -> st
     return _without_surplus_spaces(TEMPLATES.render(template, values, library.own_templates))
 
 
-def _pages_of_family(
-    family_codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
-) -> Iterator[tuple[str, str, Callable[[], Mapping[str, Any]]]]:
-    """Yield the path of each page of a family, its template, and a function that returns its values."""
+def _pages_of_family(family_codes: order_code_page.OrderCodes, masters: tuple[Master, ...]) -> Iterator[_Page]:
+    """Yield the pages of a family, its interfaces and its order codes."""
     device = family_codes.device
     folder = device.name
-    kinds_with_masters = masters_page.kinds_with_masters(device)
-    yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, family_codes)
-    yield from _pages_of_interfaces(family_codes, kinds_with_masters)
+    interfaces_with_masters = masters_page.interfaces_with_masters(device)
+    yield _Page(f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, family_codes))
+    yield from _pages_of_interfaces(family_codes, interfaces_with_masters)
     for group in family_codes.groups:
-        code_values = partial(_code_values, family_codes, group, kinds_with_masters)
-        yield f"{folder}/{group.name}.md", "code.md.jinja", code_values
-    yield f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device)
-    yield f"{folder}/{page_links.ERRATA}", "errata.md.jinja", partial(inline_errata.page_values, device)
-    yield f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device)
-    for kind in kinds_with_masters:
-        page_values = partial(masters_page.page_values, device, kind, masters)
-        yield masters_page.file_name(device, kind), "masters.md.jinja", page_values
-    yield verdict_page.file_name(device), "verdicts.md.jinja", partial(verdict_page.page_values, device)
-    yield changes_page.file_name(device), "changes.md.jinja", partial(changes_page.page_values, device)
+        code_values = partial(_code_values, family_codes, group, interfaces_with_masters)
+        yield _Page(f"{folder}/{group.name}.md", "code.md.jinja", code_values)
+    yield _Page(f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device))
+    yield _Page(f"{folder}/{page_links.ERRATA}", "errata.md.jinja", partial(inline_errata.page_values, device))
+    yield _Page(f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device))
+    for interface_name in interfaces_with_masters:
+        masters_values = partial(masters_page.page_values, device, interface_name, masters)
+        yield _Page(masters_page.file_name(device, interface_name), "masters.md.jinja", masters_values)
+    verdict_values = partial(verdict_page.page_values, device)
+    yield _Page(verdict_page.file_name(device), "verdicts.md.jinja", verdict_values)
+    changes_values = partial(family_pages.changes_values, device)
+    yield _Page(family_pages.changes_file_name(device), "changes.md.jinja", changes_values)
 
 
 def _pages_of_interfaces(
-    family_codes: order_code_page.OrderCodes, kinds_with_masters: Collection[str]
-) -> Iterator[tuple[str, str, Callable[[], Mapping[str, Any]]]]:
-    """Yield the path, the template and a function for the values of each page about an interface or its subjects."""
+    family_codes: order_code_page.OrderCodes, interfaces_with_masters: Collection[str]
+) -> Iterator[_Page]:
+    """Yield the page of each interface, and the pages about its subjects."""
     device = family_codes.device
     for interface in device.interfaces:
-        interface_values = partial(_interface_values, family_codes, interface.name, kinds_with_masters)
-        page_path = page_links.interface_page_path(device, interface)
-        yield page_path, "interface.md.jinja", interface_values
+        interface_values = partial(_interface_values, family_codes, interface.name, interfaces_with_masters)
+        yield _Page(page_links.interface_page_path(device, interface), "interface.md.jinja", interface_values)
         for subject in interface_page.subjects(device, interface.name):
             subject_path = f"{device.name}/{page_links.page_in_folder(interface.name, subject)}"
-            yield subject_path, "interface-subject.md.jinja", partial(_subject_values, subject, interface_values)
+            subject_values = partial(_subject_values, subject, interface_values)
+            yield _Page(subject_path, "interface-subject.md.jinja", subject_values)
 
 
 def _interface_values(
-    family_codes: order_code_page.OrderCodes, interface_name: str, kinds_with_masters: Collection[str]
+    family_codes: order_code_page.OrderCodes, interface_name: str, interfaces_with_masters: Collection[str]
 ) -> interface_page.InterfacePage:
     """Return the values of the page of an interface."""
     return interface_page.page_values(
         family_codes.device,
         interface_name,
         links=family_codes.links_in_folder,
-        has_masters=interface_name in kinds_with_masters,
+        has_masters=interface_name in interfaces_with_masters,
         pictures=family_codes.pictures,
     )
 
@@ -170,17 +178,22 @@ def _subject_values(
 
 
 def _code_values(
-    family_codes: order_code_page.OrderCodes, code_group: order_code_page.CodeGroup, kinds_with_masters: Collection[str]
+    family_codes: order_code_page.OrderCodes,
+    code_group: order_code_page.CodeGroup,
+    interfaces_with_masters: Collection[str],
 ) -> order_code_page.CodePage:
     """Return the values of the page about a group of order codes."""
-    has_masters = code_group.interface.name in kinds_with_masters
+    has_masters = code_group.interface.name in interfaces_with_masters
     return order_code_page.page_values(code_group, has_masters, family_codes.pictures)
 
 
 def _pictures_of_family(family_codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the file name of each picture of a family and its order codes, with a function for its text."""
-    for pictures in (family_codes.pictures, *(group.pictures for group in family_codes.groups)):
-        yield from ((picture.name, partial(str, picture.svg)) for picture in pictures.values())
+    pictures_of_groups = [group.pictures for group in family_codes.groups]
+    for pictures in (family_codes.pictures, *pictures_of_groups):
+        for picture in pictures.values():
+            # A function that returns the finished picture.
+            yield picture.name, partial(str, picture.svg)
     for interface in family_codes.device.interfaces:
         diagram = timing_pictures.timing_diagram(family_codes.device, interface)
         if diagram is not None:
@@ -204,13 +217,12 @@ def _order_code_sections(family_codes: order_code_page.OrderCodes) -> Iterator[S
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in device.variants_over(interface.name)]
         if interface_codes:
-            count = count_with_unit(len(interface_codes), "order code")
+            title = f"{device.name.upper()}, {interface.title}"
+            number_of_codes = count_with_unit(len(interface_codes), "order code")
             yield {
                 "pages": family_codes.page_links(interface.name),
-                "counted": f"All {count}" if len(interface_codes) > 1 else "The order code",
-                "interface": markdown_link(
-                    f"{device.name.upper()}, {interface.title}", f"{device.name}/{interface.name}.md"
-                ),
+                "counted": f"All {number_of_codes}" if len(interface_codes) > 1 else "The order code",
+                "interface": markdown_link(title, f"{device.name}/{interface.name}.md"),
                 "links": [family_codes.links[order_code] for order_code in interface_codes],
             }
 
@@ -254,7 +266,7 @@ TEMPLATES = Templates(
         "errata.md.jinja": inline_errata.ErrataPage,
         "manual.md.jinja": family_pages.ManualPage,
         "masters.md.jinja": masters_page.MastersPage,
-        "changes.md.jinja": changes_page.ChangesPage,
+        "changes.md.jinja": family_pages.ChangesPage,
         "usable.md.jinja": verdict_page.UsablePage,
         "verdicts.md.jinja": verdict_page.VerdictPage,
         f"{cross_family_pages.WHICH_ENCODER}.jinja": cross_family_pages.WhichPage,
@@ -262,7 +274,7 @@ TEMPLATES = Templates(
         f"{cross_family_pages.REGISTERS}.jinja": cross_family_pages.RegistersPage,
         f"{cross_family_pages.ALARMS}.jinja": cross_family_pages.AlarmsPage,
         f"{inline_errata.ALL_ERRATA}.jinja": inline_errata.AllErrataPage,
-        f"{cross_family_pages.PAGE}.jinja": cross_family_pages.GlossaryPage,
+        f"{cross_family_pages.GLOSSARY}.jinja": cross_family_pages.GlossaryPage,
     },
     filters={
         "md": markdown.escape,

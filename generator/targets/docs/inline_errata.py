@@ -52,26 +52,28 @@ class ErrataLines:
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
             mistakes = "mistake" if len(wording_errata) == 1 else "mistakes"
-            links = link_list(self._link_to_erratum(erratum, escape(erratum.title)) for erratum in wording_errata)
-            list_items.append(f"- Wording {mistakes} in the manual: {links}")
+            wording_links = link_list(map(self._title_link, wording_errata))
+            list_items.append(f"- Wording {mistakes} in the manual: {wording_links}")
         if edition_errata:
-            edition_links = [
-                self._link_to_erratum(erratum, escape(_edition_phrase(erratum))) for erratum in edition_errata
-            ]
-            list_items.append(f"- Other editions of the manual differ: {', '.join(dict.fromkeys(edition_links))}")
+            edition_links = [self._link_to_erratum(erratum, _edition_phrase(erratum)) for erratum in edition_errata]
+            # Each link once.
+            different_links = ", ".join(dict.fromkeys(edition_links))
+            list_items.append(f"- Other editions of the manual differ: {different_links}")
         return "\n".join(list_items)
 
     def links_in_cell(self, *paths: str) -> str:
         """Return links for a table cell to the errata about these paths, including errata about wording."""
         affecting_errata = errata(self._device, *paths, wording=True)
-        links = [
-            f"{status_badge(erratum)} {self._link_to_erratum(erratum, escape(erratum.title))}"
-            for erratum in affecting_errata
-        ]
+        links = [f"{status_badge(erratum)} {self._title_link(erratum)}" for erratum in affecting_errata]
         return link_list(links)
 
+    def _title_link(self, erratum: Erratum) -> str:
+        """Return a link to an erratum on the errata page, labeled with its title."""
+        return self._link_to_erratum(erratum, erratum.title)
+
     def _link_to_erratum(self, erratum: Erratum, label: str) -> str:
-        return markdown_link(label, f"{self._page}#erratum-{erratum.name}")
+        """Return a link to an erratum on the errata page. ``label`` is plain text."""
+        return markdown_link(escape(label), f"{self._page}#erratum-{erratum.name}")
 
     def _erratum_line(self, erratum: Erratum) -> str:
         """Return an erratum as a list item: its text at the first mention on the page, or else a link to this text."""
@@ -119,10 +121,12 @@ class ErrataLinks:
         counts: list[str] = []
         links: list[str] = []
         for status, mark in _MARK_BY_STATUS.items():
+            status_word = STATUS_IN_WORDS[status]
             errata_of_status = [erratum for erratum in linked_errata if erratum.status == status]
             if errata_of_status:
-                counts.append(f"{mark} {len(errata_of_status)} {STATUS_IN_WORDS[status]}")
-                links.append(f"{mark} {STATUS_IN_WORDS[status]}: {link_list(map(_html_link, errata_of_status))}")
+                links_of_status = link_list(map(_html_link, errata_of_status))
+                counts.append(f"{mark} {len(errata_of_status)} {status_word}")
+                links.append(f"{mark} {status_word}: {links_of_status}")
         if not links:
             return ""
         return f"<details><summary>Errata: {', '.join(counts)}</summary>{' '.join(links)}</details>"
@@ -131,7 +135,8 @@ class ErrataLinks:
         """Return the number of errata that the page has mentioned so far, such as ``1 open, 3 resolved``."""
         counts = Counter(erratum.status for erratum in self._errata.values())
         if counts:
-            return ", ".join(f"{counts[status]} {word}" for status, word in STATUS_IN_WORDS.items() if counts[status])
+            words_by_status = STATUS_IN_WORDS.items()
+            return ", ".join(f"{counts[status]} {word}" for status, word in words_by_status if counts[status])
         return "none that change these facts" if self._device.errata else "none known"
 
     def list_of_errata(self) -> str:
@@ -140,9 +145,10 @@ class ErrataLinks:
         The last item has links to the differences from other editions.
         """
         open_first = sorted(self._errata.values(), key=lambda erratum: erratum.status != "open")
-        list_items = [
-            f"- {anchor_of(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first
-        ]
+        list_items = []
+        for erratum in open_first:
+            anchor = anchor_of(f"erratum-{erratum.name}")
+            list_items.append(f"- {anchor}{erratum_line(erratum, ERRATA)}")
         targets_by_edition: dict[str, list[str]] = {}
         # In the order of the spec, not of the page.
         for difference in self._device.errata:
@@ -194,14 +200,13 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
 
     A change by an overlay also has its reason and its source, which the users of a special model need.
     """
-    name = listed_erratum.name
-    title_link = (
-        f"{status_badge(listed_erratum)} {markdown_link(escape(listed_erratum.title), f'{page}#erratum-{name}')}"
-    )
+    title_link = markdown_link(escape(listed_erratum.title), f"{page}#erratum-{listed_erratum.name}")
+    status_and_title = f"{status_badge(listed_erratum)} {title_link}"
     if listed_erratum.overlay:
         reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).below)
-        return " ".join([f"{title_link} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
-    return f"{title_link}: {escape(_shorten_sentences(as_sentence(listed_erratum.used)))}"
+        return " ".join([f"{status_and_title} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
+    value_used = _shorten_sentences(as_sentence(listed_erratum.used))
+    return f"{status_and_title}: {escape(value_used)}"
 
 
 def _shorten_sentences(sentences: str) -> str:
@@ -210,7 +215,8 @@ def _shorten_sentences(sentences: str) -> str:
         return sentences
     text_that_fits = sentences[:_LONGEST_TEXT]
     separator = ". " if ". " in text_that_fits else " "
-    return f"{text_that_fits.rpartition(separator)[0]} …"
+    complete_part, _, _ = text_that_fits.rpartition(separator)
+    return f"{complete_part} …"
 
 
 def status_badge(erratum: Erratum) -> str:
@@ -264,13 +270,12 @@ def _summary_of_counts(count: int, open_count: int) -> str:
 def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
     """Yield a heading with its errata for each status and impact: open errata first, and wrong bytes before wording."""
     for status, status_word in STATUS_IN_WORDS.items():
+        errata_of_status = [erratum for erratum in listed_errata if erratum.status == status]
         for severity in fact_tables.SEVERITIES:
-            errata_of_kind = [
-                erratum for erratum in listed_errata if _has_status_and_severity(erratum, status, severity)
-            ]
+            errata_of_kind = [erratum for erratum in errata_of_status if erratum.severity == severity]
             if errata_of_kind:
-                heading = escape(f"{status_word.capitalize()}: {fact_tables.severity_text(severity)}")
-                yield heading, list(map(_erratum_section, errata_of_kind))
+                heading = f"{status_word.capitalize()}: {fact_tables.severity_text(severity)}"
+                yield escape(heading), list(map(_erratum_section, errata_of_kind))
 
 
 def _sections_of_changes(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
@@ -280,10 +285,6 @@ def _sections_of_changes(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str
     for heading, changes in (("Overlays", overlay_changes), ("Other editions", edition_changes)):
         if changes:
             yield heading, list(map(_erratum_section, changes))
-
-
-def _has_status_and_severity(erratum: Erratum, status: str, severity: str) -> bool:
-    return erratum.status == status and erratum.severity == severity
 
 
 def all_values(devices: Sequence[Device]) -> AllErrataPage:
@@ -302,7 +303,7 @@ def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tu
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             for erratum in _errata_of_manual(device):
-                if _has_status_and_severity(erratum, status, severity):
+                if erratum.status == status and erratum.severity == severity:
                     yield (
                         escape(fact_tables.severity_text(severity)),
                         markdown_link(escape(device.name.upper()), f"{device.name}.md"),

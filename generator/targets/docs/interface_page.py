@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Annotated, Any, TypedDict
 
@@ -23,7 +23,6 @@ from ...model import (
     Procedure,
     Register,
     Rs485,
-    Supply,
     Variant,
 )
 from ...order_codes.parameters import follows_registers
@@ -31,7 +30,6 @@ from ...order_codes.reduction import for_interface
 from ...plan.frames import exchanges
 from ...say import commands as say_commands
 from ...say import layout as say_layout
-from ...say import order_code as say_order_code
 from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
@@ -39,8 +37,7 @@ from ...say.evidence import origin, other_editions, word_for_document
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
 from ...say.order_code import PURPOSES, initial
-from ...say.register import describe_measurement, describe_position_range, own_ranges
-from ...say.text import CodeText, Statement, list_parts, statement, volts
+from ...say.text import CodeText, Statement, list_parts, statement
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
@@ -108,7 +105,7 @@ def _input_section(device: Device, hardware_input: Input) -> Section:
     return {
         "input": hardware_input,
         "title": title_of(hardware_input),
-        "facts": say_order_code.input_facts(device, hardware_input),
+        "facts": say_commands.input_facts(device, hardware_input),
     }
 
 
@@ -230,10 +227,11 @@ def _group_title(field_group: FieldGroup) -> str:
 
 def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
     """Return a frame with its size, its facts, a row for each field, and the positions of its fields by order code."""
+    size = statement(*say_layout.describe_size(layout, device.alternatives))
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, CodeText(layout.name), device.alternatives),
-        "size": MARKDOWN.phrase(statement(*say_layout.describe_size(layout, device.alternatives))),
+        "size": MARKDOWN.phrase(size),
         "facts": [*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
@@ -246,19 +244,20 @@ def _register_section(device: Device, register: Register) -> Section:
     A single field with the name of the register has no row if it has neither a meaning nor a source of its own.
     """
     fields = register.layout.fields
+    is_only_field = len(fields) == 1
     rows = list(layout_tables.field_rows(device, register.layout))
     # A row consists of the field, its place, its width, its meaning and its source.
     _, _, _, meaning_cell, source_cell = rows[0]
-    is_single_number = len(fields) == 1 and fields[0].name == register.name
-    repeats_register = is_single_number and not meaning_cell and not source_cell
+    is_named_like_register = is_only_field and fields[0].name == register.name
+    adds_nothing = not meaning_cell and not source_cell
     return {
         "register": register,
         "title": title_of(register),
         "access": say_register.describe_access(register),
         "head": say_register.head(device, register, CodeText(register.name)),
         "facts": say_register.describe_register_facts(device, register),
-        "rows": [] if repeats_register else rows,
-        "value_tables": [_value_table(field, len(fields) == 1) for field in fields if has_value_table(field)],
+        "rows": [] if is_named_like_register and adds_nothing else rows,
+        "value_tables": [_value_table(field, is_only_field) for field in fields if has_value_table(field)],
         "joins": say_layout.describe_joins(register.layout),
         "placements": layout_tables.placement_table(device, register.layout, register.interface),
     }
@@ -271,13 +270,14 @@ def _value_table(field: Field, is_only_field: bool) -> Section:
 
 def _procedure_section(device: Device, procedure: Procedure) -> Section:
     """Return a procedure with its precondition and result, a row for each step, and its arguments."""
+    names_and_texts = [
+        (argument.name, say_commands.describe_argument(device, argument)) for argument in procedure.arguments
+    ]
     return {
         "procedure": procedure,
         "about": list(say_commands.about_procedure(procedure)),
         "rows": fact_tables.step_rows(device, procedure),
-        "arguments": [
-            (argument.name, say_commands.describe_argument(device, argument)) for argument in procedure.arguments
-        ],
+        "arguments": names_and_texts,
     }
 
 
@@ -369,7 +369,7 @@ def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
 
 
 def interface_values(
-    family_device: Device, device: Device, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
+    family_device: Device, device: Device, *, variants: Sequence[Variant], has_masters: bool, pictures: Pictures
 ) -> InterfaceValues:
     """Return the values of a page about one interface, to which ``family_device`` is reduced in ``device``."""
     (interface,) = device.interfaces
@@ -377,7 +377,7 @@ def interface_values(
     return {
         "interface": interface,
         "has_masters": has_masters,
-        "short_rows": list(_overview_rows(device, interface, variants)),
+        "short_rows": list(fact_tables.overview_rows(device, interface, variants)),
         "pictures": pictures,
         "timing": timing_diagram(device, interface),
         "frames_set_by_registers": [layout.name for layout in layouts if follows_registers(family_device, layout)],
@@ -394,38 +394,13 @@ def page_values(
     codes = [variant.code for variant in variants]
     return {
         **page_sections(interface_device),
-        **interface_values(device, interface_device, variants, has_masters, pictures),
+        **interface_values(device, interface_device, variants=variants, has_masters=has_masters, pictures=pictures),
         "order_codes": order_codes(device, codes),
         "code_table": order_code_tables.code_table(device, device.interface(interface_name), links),
         "parameter_rows": list(order_code_tables.parameter_rows(device, interface_name)),
         "run_time_rows": list(order_code_tables.run_time_rows(device, interface_name)),
         "name_rows": list(_name_rows(interface_device)),
     }
-
-
-def _overview_rows(device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
-    """Yield rows of fact, value, source: the unit and range of the position, the supplies, the interface's facts."""
-    position_measurement = device.measurement_of(interface.name)
-    if position_measurement is not None:
-        resolution_and_range = MARKDOWN.phrase(describe_measurement(position_measurement))
-        yield "Position", resolution_and_range, citation(position_measurement.source)
-        for layout_name, own_range in own_ranges(device, interface.name):
-            range_text = MARKDOWN.phrase(describe_position_range(own_range))
-            yield f"Position in {code_span(layout_name)}", range_text, citation(own_range.source)
-    for supply, codes in _codes_by_supply(device, variants).items():
-        with_codes = f" ({order_codes(device, codes)})" if len(codes) < len(variants) else ""
-        yield f"Supply{with_codes}", f"{volts(supply.min_mv)} to {volts(supply.max_mv)}", citation(supply.source)
-    yield from fact_tables.interface_rows(device, interface)
-
-
-def _codes_by_supply(device: Device, variants: Iterable[Variant]) -> dict[Supply, list[str]]:
-    """Return the order codes that have each supply. Order codes whose supply is unknown are omitted."""
-    codes_by_supply: dict[Supply, list[str]] = {}
-    for variant in variants:
-        supply = device.supply_of(variant)
-        if supply is not None:
-            codes_by_supply.setdefault(supply, []).append(variant.code)
-    return codes_by_supply
 
 
 def _name_rows(device: Device) -> Iterator[Row]:
@@ -445,9 +420,10 @@ def _parts_with_names(device: Device) -> Iterator[HasOtherNames]:
     """Yield the parts of an interface that can have names in other editions. If fields share a name, yield the last."""
     (interface,) = device.interfaces
     layouts = [*interface.layouts, *(register.layout for register in device.registers)]
-    all_fields = list(chain.from_iterable(layout.fields for layout in layouts))
-    named_values = chain.from_iterable(field.values for field in all_fields)
-    yield from {field.name: field for field in all_fields if field.names}.values()
+    fields = [field for layout in layouts for field in layout.fields]
+    named_values = [named_value for field in fields for named_value in field.values]
+    # ``names`` are the names in other editions, by language.
+    yield from {field.name: field for field in fields if field.names}.values()
     yield from {named_value.name: named_value for named_value in named_values if named_value.names}.values()
     yield from device.registers
     yield from device.field_groups

@@ -1,14 +1,13 @@
-"""Pictures of frames and registers as rows of bytes, and the SVG elements that all pictures share.
+"""Contents of the pictures of frames and registers as rows of bytes, and the SVG elements that all pictures share.
 
 A picture is as wide as the screen of a phone, so that its text is readable there and next to a table. Its background
-follows the light or dark color scheme of the screen. A name that does not fit into its box is below the row, with its
-bit numbers, and so is each active-low flag. Each picture has a description in words.
+follows the light or dark color scheme of the screen. Each picture has a description in words.
 """
 
 from __future__ import annotations
 
 import html
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from textwrap import wrap
 
 from ...model import Field, PlacedField, PlacedLayout
@@ -20,7 +19,7 @@ from ...say.plain_text import text_on_one_line
 from ..palette import palette
 
 #: Width in pixels that fits on the screen of a phone: 375 minus the margins of a page.
-WIDE = 340.0
+PICTURE_WIDTH = 340.0
 #: Average character width of sans-serif fonts as a fraction of the font size, rounded up to be safe.
 _LETTER_WIDTH = 0.58
 #: Class of an element, CSS property, and name of the color in the palette.
@@ -50,15 +49,18 @@ def _style_element() -> str:
 
 def create_picture(title: str, body: Sequence[str], width: float, height: float, description: str) -> str:
     """Return an SVG picture of this size. ``body`` are its elements, and ``description`` is its text alternative."""
+    picture_width, picture_height = number(width), number(height)
+    label = html.escape(text_on_one_line(title))
     svg_start = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{number(width)}" height="{number(height)}" '
-        f'viewBox="0 0 {number(width)} {number(height)}" role="img" '
-        f'aria-label="{html.escape(text_on_one_line(title))}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{picture_width}" height="{picture_height}" '
+        f'viewBox="0 0 {picture_width} {picture_height}" role="img" '
+        f'aria-label="{label}" '
         'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
     )
-    size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
     descriptions = [f"<title>{_escape_xml(title)}</title>", f"<desc>{_escape_xml(description)}</desc>"]
-    background = f'<rect x="0.5" y="0.5" {size} rx="6" class="card"/>'
+    # Half a pixel inside the picture on each side, so that the border is fully visible.
+    background_size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
+    background = f'<rect x="0.5" y="0.5" {background_size} rx="6" class="card"/>'
     return "\n".join([svg_start, *descriptions, _style_element(), background, *body, "</svg>", ""])
 
 
@@ -67,33 +69,26 @@ def _escape_xml(words: str) -> str:
     return html.escape(text_on_one_line(words), quote=False)
 
 
-def draw_box(x: float, top: float, box_width: float, box_height: float, fill: str) -> str:
+def draw_box(*, left: float, top: float, box_width: float, box_height: float, fill: str) -> str:
     """Return a rectangle. ``fill`` is its color class."""
     size = f'width="{number(box_width)}" height="{number(box_height)}"'
-    return f'<rect x="{number(x)}" y="{number(top)}" {size} class="{fill}"/>'
+    return f'<rect x="{number(left)}" y="{number(top)}" {size} class="{fill}"/>'
 
 
-def draw_swatch(x: float, top: float, box_width: float, box_height: float, colour: str) -> str:
+def draw_swatch(*, left: float, top: float, box_width: float, box_height: float, colour: str) -> str:
     """Return a rectangle in a color that is the same on light and dark screens, such as the color of a wire."""
     size = f'width="{number(box_width)}" height="{number(box_height)}"'
-    return f'<rect x="{number(x)}" y="{number(top)}" {size} fill="{colour}"/>'
+    return f'<rect x="{number(left)}" y="{number(top)}" {size} fill="{colour}"/>'
 
 
 def draw_text(
-    x: float,
-    y: float,
-    words: str,
-    size: int,
-    anchor: str,
-    *,
-    faint: bool = False,
-    bold: bool = False,
+    words: str, *, x: float, y: float, size: int, anchor: str, faint: bool = False, bold: bool = False
 ) -> str:
     """Return a line of text. ``anchor`` says which part of it is at ``x``: its ``start``, ``middle`` or ``end``."""
     weight = ' font-weight="600"' if bold else ""
     colour = "faint" if faint else "ink"
-    look = f'font-size="{size}" text-anchor="{anchor}" class="{colour}"{weight}'
-    return f'<text x="{number(x)}" y="{number(y)}" {look}>{_escape_xml(words)}</text>'
+    attributes = f'font-size="{size}" text-anchor="{anchor}" class="{colour}"{weight}'
+    return f'<text x="{number(x)}" y="{number(y)}" {attributes}>{_escape_xml(words)}</text>'
 
 
 def text_width(words: str, size: float) -> float:
@@ -113,11 +108,6 @@ def number(value: float) -> str:
 
 
 _GROUP, _NOTHING = "group", "nothing"
-_MARGIN, _LABELS, _BOX, _LINE, _GAP, _INDENT = 10.0, 50.0, 34.0, 16.0, 12.0, 16.0
-_BIT = (WIDE - 2 * _MARGIN - _LABELS) / 8
-_BIG, _SMALL = 13, 12
-#: Factor for the width of captions, which are order codes in bold capitals.
-_WIDE_LETTERS = 1.2
 
 
 @dataclass(frozen=True)
@@ -185,21 +175,31 @@ class _BitRun:
 
 def bit_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     """Return a frame that consists of bits as one number, with a row for each byte, highest bits first."""
-    runs = runs_of(placed_layout)
-    # The lowest bit of each byte of the number. The first byte may have fewer than eight bits.
-    lows = range((placed_layout.bits - 1) // 8 * 8, -1, -8)
-    labels = [bit_range(min(low + 7, placed_layout.bits - 1), low) for low in lows]
-    return Stack(caption, _byte_rows(runs, lows, labels), f"{placed_layout.bits} bits: {_runs_text(runs)}")
+    bit_runs = runs_of(placed_layout)
+    highest_bit = placed_layout.bits - 1
+    # The lowest bit of each byte of the number: 16, 8, 0 for 20 bits, whose first byte has only four of them.
+    lowest_bits = range(highest_bit // 8 * 8, -1, -8)
+    labels = [bit_range(min(low + 7, highest_bit), low) for low in lowest_bits]
+    return Stack(
+        caption=caption,
+        rows=_byte_rows(bit_runs, lowest_bits, labels),
+        text=f"{placed_layout.bits} bits: {_runs_text(bit_runs)}",
+    )
 
 
 def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
     """Return a register with a row for each byte, in address order. Bits are numbered in the whole register."""
-    runs = runs_of(placed_layout)
-    lows = _lowest_bits(placed_layout.bits, low_byte_first)
-    labels = [f"{address + index:02X}h" for index in range(len(lows))]
-    order = "low byte first" if low_byte_first else "high byte first"
-    first_byte = f"{labels[0]}, {order}" if len(lows) > 1 else labels[0]
-    return Stack(caption, _byte_rows(runs, lows, labels), f"{first_byte}: {_runs_text(runs)}")
+    bit_runs = runs_of(placed_layout)
+    lowest_bits = _lowest_bits(placed_layout.bits, low_byte_first)
+    byte_addresses = [f"{address + index:02X}h" for index in range(len(lowest_bits))]
+    place = byte_addresses[0]
+    if len(byte_addresses) > 1:
+        place += ", low byte first" if low_byte_first else ", high byte first"
+    return Stack(
+        caption=caption,
+        rows=_byte_rows(bit_runs, lowest_bits, byte_addresses),
+        text=f"{place}: {_runs_text(bit_runs)}",
+    )
 
 
 def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
@@ -208,17 +208,19 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     A group of fields has a single box in each byte, and so has a field with its padding. If they span several bytes,
     their bits are numbered in the number that these bytes form.
     """
-    runs = _runs_with_groups_merged(placed_layout)
+    bit_runs = _runs_with_groups_merged(placed_layout)
     is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
+    lowest_bits = _lowest_bits(placed_layout.bits, is_low_byte_first)
     byte_rows = []
     descriptions = []
     # ``byte_low`` is the lowest bit of the byte in the number that the frame forms.
-    for index, byte_low in enumerate(_lowest_bits(placed_layout.bits, is_low_byte_first)):
-        boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
-        byte_rows.append(ByteRow(f"byte {index}", boxes))
+    for index, byte_low in enumerate(lowest_bits):
+        runs_in_byte = [run for run in bit_runs if run.is_in_byte(byte_low)]
+        boxes = tuple(_box_in_byte(run, byte_low) for run in runs_in_byte)
         box_texts = [_box_text(box.name, box.place, box.active_low) for box in boxes]
+        byte_rows.append(ByteRow(f"byte {index}", boxes))
         descriptions.append(f"byte {index}: {', '.join(box_texts)}")
-    return Stack(caption, tuple(byte_rows), "; ".join(descriptions))
+    return Stack(caption=caption, rows=tuple(byte_rows), text="; ".join(descriptions))
 
 
 def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
@@ -237,10 +239,11 @@ def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
 
 def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
     """Return a group of fields as rows of bytes. Each field is given with its highest and lowest bit in the group."""
-    runs = [_run_of_field(field, high, low) for field, high, low in fields]
-    # The lowest bit of each byte, highest first.
-    lows = range((bits - 1) // 8 * 8, -1, -8)
-    return Stack(caption, _byte_rows(runs, lows, [""] * len(lows)), _runs_text(runs))
+    bit_runs = [_run_of_field(field, high, low) for field, high, low in fields]
+    # The lowest bit of each byte, highest first: 8, 0 for 12 bits.
+    lowest_bits = range((bits - 1) // 8 * 8, -1, -8)
+    empty_labels = [""] * len(lowest_bits)
+    return Stack(caption=caption, rows=_byte_rows(bit_runs, lowest_bits, empty_labels), text=_runs_text(bit_runs))
 
 
 def text_alternative(stacks: Sequence[Stack]) -> str:
@@ -271,21 +274,22 @@ def _lowest_bits(bits: int, low_byte_first: bool) -> range:
     return range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
 
 
-def _byte_rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
+def _byte_rows(bit_runs: Sequence[_BitRun], lowest_bits: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
     """Return a row for each byte, with its bits numbered in the whole layout.
 
-    ``lows`` are the lowest bits of the bytes, such as 8 and 0. ``labels`` are the names of the bytes, or empty texts.
+    ``lowest_bits`` has the lowest bit of each byte, such as 8 and 0. ``labels`` are the names of the bytes, or empty.
     """
     byte_rows = []
-    for low, row_label in zip(lows, labels, strict=True):
-        boxes = tuple(run.box(low, run.bits_in_byte(low)) for run in runs if run.is_in_byte(low))
+    for byte_low, row_label in zip(lowest_bits, labels, strict=True):
+        runs_in_byte = [run for run in bit_runs if run.is_in_byte(byte_low)]
+        boxes = tuple(run.box(byte_low, run.bits_in_byte(byte_low)) for run in runs_in_byte)
         byte_rows.append(ByteRow(row_label, boxes))
     return tuple(byte_rows)
 
 
-def _runs_text(runs: Sequence[_BitRun]) -> str:
+def _runs_text(bit_runs: Sequence[_BitRun]) -> str:
     """Return the description of consecutive bits: ``error 7 (0 = active), position 6:0``."""
-    return ", ".join(_box_text(run.name, bit_range(run.high, run.low), run.active_low) for run in runs)
+    return ", ".join(_box_text(run.name, bit_range(run.high, run.low), run.active_low) for run in bit_runs)
 
 
 def _box_text(name: str, place: str, active_low: bool) -> str:
@@ -299,11 +303,10 @@ def _box_text(name: str, place: str, active_low: bool) -> str:
 def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
     """Return the fields of a layout, and the bits outside all fields, highest bits first."""
     fields = placed_layout.fields
-    runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in fields]
-    runs += [
-        _BitRun(high=high, low=low, name="no field", fill=_NOTHING) for high, low in _gaps_between_fields(placed_layout)
-    ]
-    return sorted(runs, key=lambda run: -run.high)
+    bit_runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in fields]
+    for high, low in _gaps_between_fields(placed_layout):
+        bit_runs.append(_BitRun(high=high, low=low, name="no field", fill=_NOTHING))
+    return sorted(bit_runs, key=lambda run: -run.high)
 
 
 def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
@@ -312,23 +315,32 @@ def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
     Bits outside all fields are omitted.
     """
     field_names = {placed_field.name for placed_field in placed_layout.fields}
-    group_names = {placed_field.field.group for placed_field in placed_layout.fields} - {""}
-    fields_by_group_or_field: dict[str, list[PlacedField]] = {}
+    fields_by_group: dict[str, list[PlacedField]] = {}
+    fields_by_padded_field: dict[str, list[PlacedField]] = {}
     for placed_field in placed_layout.fields:
         field = placed_field.field
         # Padding belongs to the field that it pads, unless this field has no bits for the order code.
-        padded_field = field.padding_of if field.padding_of in field_names else ""
-        group_or_field = field.group or padded_field or field.name
-        fields_by_group_or_field.setdefault(group_or_field, []).append(placed_field)
-    runs = []
-    for name, merged_fields in fields_by_group_or_field.items():
-        low = min(placed_field.low for placed_field in merged_fields)
-        high = max(placed_field.high for placed_field in merged_fields)
-        if name in group_names:
-            runs.append(_BitRun(high=high, low=low, name=name_as_words(name), fill=_GROUP))
+        is_padding = field.padding_of in field_names
+        if field.group:
+            fields_by_group.setdefault(field.group, []).append(placed_field)
         else:
-            runs.append(_run_of_field(placed_layout.layout.field(name), high, low))
-    return sorted(runs, key=lambda run: -run.high)
+            padded_name = field.padding_of if is_padding else field.name
+            fields_by_padded_field.setdefault(padded_name, []).append(placed_field)
+    bit_runs = []
+    for group_name, group_fields in fields_by_group.items():
+        high, low = _range_of_fields(group_fields)
+        bit_runs.append(_BitRun(high=high, low=low, name=name_as_words(group_name), fill=_GROUP))
+    for padded_name, field_and_padding in fields_by_padded_field.items():
+        high, low = _range_of_fields(field_and_padding)
+        bit_runs.append(_run_of_field(placed_layout.layout.field(padded_name), high, low))
+    return sorted(bit_runs, key=lambda run: -run.high)
+
+
+def _range_of_fields(placed_fields: Sequence[PlacedField]) -> tuple[int, int]:
+    """Return the highest and the lowest bit of several fields."""
+    highest_bit = max(placed_field.high for placed_field in placed_fields)
+    lowest_bit = min(placed_field.low for placed_field in placed_fields)
+    return highest_bit, lowest_bit
 
 
 def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
@@ -346,100 +358,12 @@ def _gaps_between_fields(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
     """Return the highest and lowest bit of each gap between fields, or above or below them, highest first."""
     gaps: list[tuple[int, int]] = []
     # All bits from this one upward are in fields or in listed gaps.
-    top = placed_layout.bits
+    covered_from = placed_layout.bits
     for placed_field in sorted(placed_layout.fields, key=lambda field: -field.high):
-        if placed_field.high + 1 < top:
-            gaps.append((top - 1, placed_field.high + 1))
-        top = min(top, placed_field.low)
-    if top > 0:
-        gaps.append((top - 1, 0))
+        bit_above_field = placed_field.high + 1
+        if bit_above_field < covered_from:
+            gaps.append((covered_from - 1, bit_above_field))
+        covered_from = min(covered_from, placed_field.low)
+    if covered_from > 0:
+        gaps.append((covered_from - 1, 0))
     return gaps
-
-
-# -- drawing
-
-
-def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
-    """Return a picture with several frames, one below the other. Names that do not fit a box are below its row."""
-    body: list[str] = []
-    top = _MARGIN
-    for stack in stacks:
-        for text_line in wrap_to_width(stack.caption, WIDE - 2 * _MARGIN, _BIG * _WIDE_LETTERS):
-            body.append(draw_text(_MARGIN, top + 13, text_line, size=_BIG, anchor="start", bold=True))
-            top += _LINE + 4
-        for row in stack.rows:
-            body += _row_elements(row, top)
-            top += _BOX
-            lines_below = _lines_below(row)
-            for fill, text_line in lines_below:
-                if fill:
-                    body.append(draw_box(_MARGIN, top + 5, box_width=10, box_height=10, fill=fill))
-                body.append(draw_text(_MARGIN + _INDENT, top + 14, text_line, size=_SMALL, anchor="start"))
-                top += _LINE
-            top += 6 if lines_below else 0
-        top += _GAP
-    return create_picture(title, body, width=WIDE, height=top - _GAP + _MARGIN, description=text_alternative(stacks))
-
-
-def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
-    """Yield the elements of a byte: its name, and its boxes with their names and bit numbers."""
-    if row.label:
-        yield draw_text(_MARGIN, top + _BOX / 2 + 4, row.label, size=_SMALL, anchor="start", faint=True)
-    for box in row.boxes:
-        # Bit 7 is at the left.
-        left = _MARGIN + _LABELS + (7 - box.high) * _BIT
-        box_width = _width_of_box(box)
-        yield draw_box(left, top, box_width=box_width, box_height=_BOX, fill=box.fill)
-        name_lines = _lines_inside(box)
-        number_of_lines = len(name_lines) + bool(box.place)
-        center = left + box_width / 2
-        # The lines are 14 pixels apart and centered in the box.
-        baseline = top + _BOX / 2 + 4.5 - 7 * (number_of_lines - 1)
-        for name_line in name_lines:
-            yield draw_text(center, baseline, name_line, size=_SMALL, anchor="middle")
-            baseline += 14
-        if box.place:
-            yield draw_text(center, baseline, box.place, size=_SMALL, anchor="middle", faint=True)
-
-
-def _width_of_box(box: Box) -> float:
-    """Return the width of a box in pixels."""
-    return (box.high - box.low + 1) * _BIT
-
-
-def _lines_inside(box: Box) -> list[str]:
-    """Return the lines of a name inside its box, or no lines if the name goes below the row.
-
-    A name goes into its box if it fits on one line, or on two lines without breaking a word if the box has no bit
-    numbers. The names of active-low flags always go below.
-    """
-    if box.active_low:
-        return []
-    name_lines = wrap_to_width(box.name, _width_of_box(box) - 4, _SMALL)
-    has_whole_words = " ".join(name_lines) == box.name
-    fits_on_two_lines = len(name_lines) == 2 and not box.place and has_whole_words
-    return name_lines if len(name_lines) == 1 or fits_on_two_lines else []
-
-
-def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
-    """Return the color class and the text of each line below a row, for names that do not fit their boxes.
-
-    The color class is empty for the second and further lines of a name.
-    """
-    colours_and_lines = []
-    for box in row.boxes:
-        if not _lines_inside(box):
-            name_lines = wrap_to_width(_name_below(box), WIDE - 2 * _MARGIN - _INDENT, _SMALL)
-            colours_and_lines.append((box.fill, name_lines[0]))
-            colours_and_lines += [("", further_line) for further_line in name_lines[1:]]
-    return colours_and_lines
-
-
-def _name_below(box: Box) -> str:
-    """Return the name for a line below a row, with bit numbers and active level: ``error (bit 7, 0 = active)``."""
-    # A place with several bits looks like ``7:4``.
-    noun = "bits" if ":" in box.place else "bit"
-    bits_text = f"{noun} {box.place}" if box.place else ""
-    level = "0 = active" if box.active_low else ""
-    place_and_level = ", ".join(filter(None, (bits_text, level)))
-    return f"{box.name} ({place_and_level})" if place_and_level else box.name

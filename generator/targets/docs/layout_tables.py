@@ -1,4 +1,4 @@
-"""Markdown tables of the fields in a layout (a frame or register), and the contents of its pictures."""
+"""Markdown tables of the fields in a layout (a frame or register), and the shapes that a layout has."""
 
 from __future__ import annotations
 
@@ -16,18 +16,15 @@ from ...model import (
     Layout,
     PlacedField,
     PlacedLayout,
-    Register,
     answer_combinations,
     first_or_raise,
 )
-from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link, table
 from ...say.names_and_places import HasOtherNames, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.register import describe_value, rules
 from ...say.text import CodeText, Statement, join_groups, list_parts, spec_text, statement
-from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_tables import order_codes
 
 #: Highest number of named values in a cell. If there are more, they have their own table.
@@ -36,7 +33,7 @@ _NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 #: Fields with their highest and lowest bit in a group, highest field first.
 GroupFields = list[tuple[Field, int, int]]
 #: Name, lowest bit and width of each field.
-_Shape = tuple[tuple[str, int, int], ...]
+Shape = tuple[tuple[str, int, int], ...]
 
 
 @dataclass(frozen=True)
@@ -55,11 +52,11 @@ def distinct_placements(
     A shape is the names, lowest bits and widths of the fields. ``parameters`` are the values that answers to open
     questions set, if they differ from the first answers.
     """
-    codes_by_shape: dict[_Shape, list[str]] = {}
-    layouts_by_shape: dict[_Shape, PlacedLayout] = {}
+    codes_by_shape: dict[Shape, list[str]] = {}
+    layouts_by_shape: dict[Shape, PlacedLayout] = {}
     for variant in device.variants_over(interface_name):
         placed_layout = layout.place({**variant.parameters, **parameters})
-        shape = _shape_of(placed_layout)
+        shape = shape_of(placed_layout)
         layouts_by_shape.setdefault(shape, placed_layout)
         codes_by_shape.setdefault(shape, []).append(variant.code)
     placements = []
@@ -68,7 +65,7 @@ def distinct_placements(
     return tuple(sorted(placements, key=lambda placement: placement.placed_layout.bits))
 
 
-def _shape_of(placed_layout: PlacedLayout) -> _Shape:
+def shape_of(placed_layout: PlacedLayout) -> Shape:
     """Return the name, lowest bit and width of each field."""
     return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
 
@@ -103,8 +100,10 @@ def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
     elif in_register:
         yield statement("See the table of values below")
     else:
-        values_without_meaning = [replace(named_value, meaning="") for named_value in field.values]
-        numbers_and_names = (describe_value(named_value, field.widest).parts for named_value in values_without_meaning)
+        numbers_and_names = []
+        for named_value in field.values:
+            value_without_meaning = replace(named_value, meaning="")
+            numbers_and_names.append(describe_value(value_without_meaning, field.widest).parts)
         yield statement(*join_groups(numbers_and_names, ", "), label="Values")
 
 
@@ -133,12 +132,16 @@ def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
 
 def _group_row(device: Device, layout: Layout, field_group: FieldGroup) -> tuple[str, ...]:
     """Return a row of group, place, number of bits, names of its fields, and an empty source."""
-    group_cell = join_filled(
-        [markdown_link(code_span(field_group.name), f"#group-{field_group.name}"), escape(field_group.printed_name)]
-    )
+    group_link = markdown_link(code_span(field_group.name), f"#group-{field_group.name}")
     field_names = [CodeText(field.name) for field in layout.fields if field.group == field_group.name]
-    fields_sentence = MARKDOWN.sentence(statement(*list_parts(field_names), label="Fields"))
-    return group_cell, group_place(device, layout, field_group), f"{field_group.bits}", fields_sentence, ""
+    fields_statement = statement(*list_parts(field_names), label="Fields")
+    return (
+        join_filled([group_link, escape(field_group.printed_name)]),
+        group_place(device, layout, field_group),
+        f"{field_group.bits}",
+        MARKDOWN.sentence(fields_statement),
+        "",
+    )
 
 
 def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
@@ -170,8 +173,8 @@ def fields_and_groups(device: Device, layout: Layout) -> Iterator[Field | FieldG
 
 def group_place(device: Device, layout: Layout, field_group: FieldGroup) -> str:
     """Return the bytes of the longest frame that contain a group of fields, for the first answers to open questions."""
-    fields_of_group = (field for field in layout.fields if field.group == field_group.name)
-    low = _first_bit(fields_of_group, _first_answers(device))
+    fields_of_group = [field for field in layout.fields if field.group == field_group.name]
+    low = _lowest_bit(fields_of_group, _first_answers(device))
     high = low + field_group.bits - 1
     return frame_bytes(layout, layout.widest, high, low)
 
@@ -186,7 +189,7 @@ def _first_answers(device: Device) -> Mapping[str, int]:
     return next(parameters for _, parameters in answer_combinations(device.alternatives))
 
 
-def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
+def _lowest_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
     """Return the lowest bit of several fields for these values of the parameters."""
     return min(field.low.value(parameters) for field in fields)
 
@@ -204,7 +207,7 @@ def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], Gr
     deciding_alternatives = [alternative for alternative in alternatives if _decides_place_of_any(fields, alternative)]
     shapes = []
     for answers, parameters in answer_combinations(deciding_alternatives):
-        group_low = _first_bit(fields, parameters)
+        group_low = _lowest_bit(fields, parameters)
         group_fields: GroupFields = []
         for field in fields:
             low = field.low.value(parameters) - group_low
@@ -230,7 +233,11 @@ def _decides_place_of_any(fields: Iterable[Field], alternative: Alternative) -> 
     """Return whether the answers to an open question determine the place or width of any of these fields."""
     # All answers set the same parameters.
     parameters = alternative.answers[0].sets.keys()
-    return any(not parameters.isdisjoint((*field.low.parameters, *field.width.parameters)) for field in fields)
+    for field in fields:
+        parameters_of_place = (*field.low.parameters, *field.width.parameters)
+        if not parameters.isdisjoint(parameters_of_place):
+            return True
+    return False
 
 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
@@ -358,85 +365,3 @@ def _depends_on_order_code(field: Field, set_by_answers: Container[str]) -> bool
     """Return whether the position or width of a field depends on any parameter that answers do not set."""
     parameters_of_place = (*field.low.parameters, *field.width.parameters)
     return any(name not in set_by_answers for name in parameters_of_place)
-
-
-# -- picture contents
-
-
-def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
-    """Return the rows of bytes to draw for each shape of a layout, and for all answers that change the picture.
-
-    A frame that consists of bytes has no caption if there is only one picture.
-    """
-    stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
-    for answers, parameters in answer_combinations(device.alternatives_of(layout)):
-        for stack in _stacks_of_shapes(layout, distinct_placements(device, layout, interface.name, parameters)):
-            captioned_stack = replace(stack, caption=_caption_with_answers(answers, stack.caption))
-            stacks_by_rows.setdefault(stack.rows, captioned_stack)
-    stacks = list(stacks_by_rows.values())
-    if layout.in_bytes and len(stacks) == 1:
-        return [replace(stacks[0], caption="")]
-    return stacks
-
-
-def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
-    """Yield the rows of bytes to draw for each shape, or only for the longest shape of a frame that consists of bytes.
-
-    In such a frame, the boxes of fields include their padding, so shapes hardly differ.
-    """
-    if layout.in_bytes:
-        # The shapes are sorted by length, so the longest is last.
-        yield byte_stack("", shapes[-1].placed_layout)
-        return
-    for shape in shapes:
-        yield bit_stack(f"{_codes_caption(shape)}: {shape.placed_layout.bits} bits", shape.placed_layout)
-
-
-def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
-    """Return each shape of a layout for one order code, with a caption that names the answers and the length.
-
-    If there is only one shape, its caption is empty.
-    """
-    shapes: dict[_Shape, tuple[str, PlacedLayout]] = {}
-    for answers, parameters in answer_combinations(device.alternatives_of(layout)):
-        for placement in distinct_placements(device, layout, interface.name, parameters):
-            caption = _caption_with_answers(answers, f"{placement.placed_layout.bits} bits")
-            shapes.setdefault(_shape_of(placement.placed_layout), (caption, placement.placed_layout))
-    if len(shapes) > 1:
-        return list(shapes.values())
-    return [("", placed_layout) for _, placed_layout in shapes.values()]
-
-
-def _caption_with_answers(answers: Sequence[Answer], caption: str) -> str:
-    """Return the names of the answers and the caption, separated by commas. Either can be empty."""
-    return ", ".join(filter(None, (*(answer.name for answer in answers), caption)))
-
-
-def _codes_caption(placement: Placement) -> str:
-    """Return the first two order codes and the number of the others: ``X-12, X-13 and 4 more``."""
-    first_codes, further_codes = placement.codes[:2], placement.codes[2:]
-    number_of_further_codes = f" and {len(further_codes)} more" if further_codes else ""
-    return f"{', '.join(first_codes)}{number_of_further_codes}"
-
-
-def group_stacks(device: Device, field_group: FieldGroup) -> list[Stack]:
-    """Return the rows of bytes to draw for a group of fields, for all answers that move its fields."""
-    shapes = group_shapes(device, field_group.name)
-    return [group_stack(_caption_with_answers(answers, ""), fields, field_group.bits) for answers, fields in shapes]
-
-
-def has_picture(register: Register) -> bool:
-    """Return whether a register needs a picture: it has several fields, or one that does not fill it."""
-    fields = register.layout.fields
-    return len(fields) > 1 or fields[0].width != Expression(8 * register.length)
-
-
-def register_stacks(device: Device, register: Register) -> list[Stack]:
-    """Return the rows of bytes to draw for each shape of a register. A single shape has no caption."""
-    low_byte_first = register.byte_order == "low_byte_first"
-    shapes = distinct_placements(device, register.layout, register.interface)
-    stacks = []
-    for shape in shapes:
-        caption = _codes_caption(shape) if len(shapes) > 1 else ""
-        stacks.append(register_stack(caption, shape.placed_layout, register.address, low_byte_first))
-    return stacks

@@ -36,7 +36,7 @@ GroupFacts = Sequence[tuple[CodesWithSameSettings, Mapping[str, Row]]]
 GroupSettings = Sequence[tuple[CodesWithSameSettings, SettingsSheet]]
 
 
-def kinds_with_masters(device: Device) -> list[str]:
+def interfaces_with_masters(device: Device) -> list[str]:
     """Return the names of the interfaces over which order codes of the family have settings for masters."""
     return [interface.name for interface in device.interfaces if _has_records(device, interface)]
 
@@ -61,16 +61,17 @@ def file_name(device: Device, interface_name: str) -> str:
 
 def page_links(device: Device) -> list[str]:
     """Return a link to the page of each interface that has settings for masters."""
-    kinds = kinds_with_masters(device)
-    return [markdown_link(device.interface(kind).title, file_name(device, kind)) for kind in kinds]
+    links = []
+    for interface_name in interfaces_with_masters(device):
+        title = device.interface(interface_name).title
+        links.append(markdown_link(title, file_name(device, interface_name)))
+    return links
 
 
 def page_values(device: Device, interface_name: str, masters: Sequence[Master]) -> MastersPage:
     """Return the values of the page with the settings of all masters for an interface that has such settings."""
-    interface_sheets = sheets_of(device, masters)
-    group_sheets = first_or_raise(
-        (group for group in interface_sheets if group.interface.name == interface_name), f"sheets of {interface_name}"
-    )
+    sheets_of_interface = (sheets for sheets in sheets_of(device, masters) if sheets.interface.name == interface_name)
+    group_sheets = first_or_raise(sheets_of_interface, f"sheets of {interface_name}")
     sheets: list[SettingsSheet] = []
     for _, master_sheets in group_sheets.sheets:
         sheets += master_sheets
@@ -96,21 +97,26 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
     master_sections = []
     unsupporting_masters = []
     for master, sheets in group_sheets.sheets:
+        # ``takes`` are the names of the interfaces that a master supports.
         if interface.name in master.takes:
-            master_sections.append(_master_section(master, list(zip(groups, sheets, strict=True))))
+            groups_and_sheets = list(zip(groups, sheets, strict=True))
+            master_sections.append(_master_section(master, groups_and_sheets))
         else:
             unsupporting_masters.append(escape(master.title))
+    master_links = [
+        markdown_link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections
+    ]
+    # Each note once, in the order of the groups.
+    notes = dict.fromkeys(escape(note) for group in groups for note in group.record.notes)
     return {
         "title": interface.title,
         "anchor": interface.name,
         "facts": [*order_code_rows, *((escape(name), value) for name, value in common_rows)],
         "tables": tables,
         "cable_errata": _links_to_errata(device, groups[0].record.cables.errata),
-        "notes": list(dict.fromkeys(escape(note) for group in groups for note in group.record.notes)),
+        "notes": list(notes),
         "masters": master_sections,
-        "links": [
-            markdown_link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections
-        ],
+        "links": master_links,
         "unsupporting_masters": unsupporting_masters,
     }
 
@@ -188,29 +194,35 @@ def _codes_label(groups: Sequence[CodesWithSameSettings]) -> str:
     The answers are omitted if the groups have the same order codes for every combination of answers.
     """
     device = groups[0].device
+    # Answers as pairs of a question and its answer.
     codes_by_answers: dict[tuple[tuple[str, str], ...], list[str]] = {}
     for group in groups:
-        codes_by_answers.setdefault(tuple(group.record.answers.items()), []).extend(group.codes)
-    record_answers = groups[0].record.answers
-    alternatives = [alternative for alternative in device.alternatives if alternative.name in record_answers]
+        answers = tuple(group.record.answers.items())
+        codes_by_answers.setdefault(answers, []).extend(group.codes)
+    answered_questions = groups[0].record.answers.keys()
+    alternatives = [alternative for alternative in device.alternatives if alternative.name in answered_questions]
     number_of_combinations = prod(len(alternative.answers) for alternative in alternatives)
-    different_codes = {frozenset(codes) for codes in codes_by_answers.values()}
     has_all_combinations = len(codes_by_answers) == number_of_combinations
+    different_codes = {frozenset(codes) for codes in codes_by_answers.values()}
     if has_all_combinations and len(different_codes) == 1:
-        return order_codes(device, next(iter(codes_by_answers.values())))
+        common_codes = next(iter(codes_by_answers.values()))
+        return order_codes(device, common_codes)
     labels = []
     for answers, codes in codes_by_answers.items():
-        with_answers = [f"with {code_span(f'{question_name}={answer}')}" for question_name, answer in answers]
-        labels.append(" ".join([order_codes(device, codes), *with_answers]))
+        label = order_codes(device, codes)
+        for question, answer in answers:
+            label += f" with {code_span(f'{question}={answer}')}"
+        labels.append(label)
     return join_filled(labels)
 
 
 def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
     """Return the section about one master: its settings, notes, unsupported order codes, and the documents it cites."""
+    # The reasons why the master does not support the order codes of a group are the refusals of its sheet.
     supported_sheets = [(group, sheet) for group, sheet in sheets if not sheet.refusals]
     refusal_lines = list(_refusal_lines(sheets))
     notes = [*_setting_notes(supported_sheets), *_further_notes(supported_sheets)]
-    # A document is listed if its key is in the texts.
+    # A document is listed if its key, such as "M1", is in the texts.
     texts_with_sources = "\n".join([*refusal_lines, *notes])
     documents = [document for document in master.documents if re.search(rf"\b{document.key}\b", texts_with_sources)]
     return {
@@ -232,18 +244,22 @@ def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
     """Yield the notes on settings, with their conditions. Notes that apply only to some order codes name these."""
     groups_by_note: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in group_sheets:
-        notes = filter(None, (_setting_note(setting, sheet) for setting in sheet.settings))
+        notes = [_setting_note(setting, sheet) for setting in sheet.settings]
+        # Equal notes of several settings count once.
         for note in dict.fromkeys(notes):
-            groups_by_note.setdefault(note, []).append(group)
+            if note:
+                groups_by_note.setdefault(note, []).append(group)
     return _with_order_codes(groups_by_note, len(group_sheets))
 
 
 def _setting_note(setting: Setting, sheet: SettingsSheet) -> str:
     """Return the note on a setting with its conditions and its source, or "" if it has neither note nor conditions."""
-    note = escape(" ".join(filter(None, [setting.note, *condition_texts(setting, sheet)])))
+    note = escape(join_filled([setting.note, *condition_texts(setting, sheet)], " "))
+    if not note:
+        return ""
     source = f" \\[{escape(cited(setting.source))}\\]"
     # If the last condition has the same source, it is cited only once.
-    return f"{escape(setting.name)}: {note.removesuffix(source)}{source}" if note else ""
+    return f"{escape(setting.name)}: {note.removesuffix(source)}{source}"
 
 
 def _with_order_codes(groups_by_note: Mapping[str, Sequence[CodesWithSameSettings]], group_count: int) -> Iterator[str]:
@@ -271,8 +287,9 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
     """
     groups_by_note: dict[str, list[CodesWithSameSettings]] = {}
     for group, sheet in group_sheets:
-        gaps = (refusal_text(gap) for gap in sheet.gaps)
-        for note in (*gaps, *(condition_text(rule) for rule in sheet.shared_writing), *sheet.notes):
+        gap_notes = map(refusal_text, sheet.gaps)
+        condition_notes = map(condition_text, sheet.shared_writing)
+        for note in (*gap_notes, *condition_notes, *sheet.notes):
             groups_by_note.setdefault(escape(note), []).append(group)
     return _with_order_codes(groups_by_note, len(group_sheets))
 

@@ -5,8 +5,7 @@ In the texts of the family, the width for the order code replaces ranges such as
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from functools import cached_property
 from typing import Annotated
 
@@ -33,67 +32,18 @@ from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
 from ...say.evidence import describe_grade
-from ...say.layout import describe_size
+from ...say.layout import describe_measurement, describe_position_range, describe_size, own_ranges
 from ...say.markdown import MARKDOWN, citation, code_span, escape, markdown_link
 from ...say.names_and_places import field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import count_with_unit, with_unit
-from ...say.register import describe_measurement, describe_position_range, own_ranges
 from ...say.text import Statement, as_sentence, statement
 from ..registry import names_of_codes
-from . import bytes_to_send, fact_tables, order_code_tables, wide_pictures, wiring_tables
+from . import bytes_to_send, fact_tables, order_code_tables, verdict_table, wide_pictures, wiring_tables
 from .inline_errata import ErrataLinks
 from .interface_page import InterfaceValues, Section, Sections, interface_values, page_sections
 from .page_pictures import Pictures, pictures_of_family, pictures_of_order_codes
-from .verdict_table import verdict_table
 from .wiring_tables import no_leds, no_supply
-
-
-def range_of_widths(family_device: Device, parameter: Parameter) -> str:
-    """Return the range that a parameter in bits has over the order codes of a family: ``17 to 39``.
-
-    The range is empty if all order codes have the same value, or if the unit of the parameter is not bits.
-    """
-    if parameter.unit != "bits":
-        return ""
-    variants = [variant for variant in family_device.variants if parameter.name in variant.parameters]
-    widths = {variant.parameters[parameter.name] for variant in variants}
-    return f"{min(widths)} to {max(widths)}" if len(widths) > 1 else ""
-
-
-def meaning_without_range(family_device: Device, parameter: Parameter) -> str:
-    """Return the meaning of a parameter without its range over the family, for a row that begins with its value."""
-    family_range = range_of_widths(family_device, parameter)
-    return parameter.meaning.replace(f", {family_range} bits", "") if family_range else parameter.meaning
-
-
-def with_widths_of_order_code(family_device: Device, device: Device, variant: Variant) -> Device:
-    """Return the device with notes on frames that have the widths for an order code in place of ranges."""
-    parameters = [parameter for parameter in family_device.parameters if parameter.name in variant.parameters]
-    ranges = [range_of_widths(family_device, parameter) for parameter in parameters]
-    widths: dict[str, str] = {}
-    for parameter, family_range in zip(parameters, ranges, strict=True):
-        # A text does not distinguish two parameters with the same range.
-        is_unique = ranges.count(family_range) == 1
-        if family_range and is_unique:
-            widths[family_range] = str(variant.parameters[parameter.name])
-    interfaces = [_interface_with_widths(interface, widths) for interface in device.interfaces]
-    return replace(device, interfaces=tuple(interfaces))
-
-
-def _interface_with_widths(interface: Interface, widths: Mapping[str, str]) -> Interface:
-    """Return the interface with each range in the notes on its frames replaced by a width. ``widths`` are by range."""
-    layouts = [_layout_with_widths(layout, widths) for layout in interface.layouts]
-    return replace(interface, layouts=tuple(layouts))
-
-
-def _layout_with_widths(layout: Layout, widths: Mapping[str, str]) -> Layout:
-    """Return the layout with each range in its note replaced by a width. ``widths`` are by range."""
-    note = layout.note
-    # The text around a range is part of the pattern, so that it does not match within a longer number.
-    for family_range, width in widths.items():
-        note = note.replace(f" {family_range} bits", f" {width} bits").replace(f", {family_range},", f", {width},")
-    return replace(layout, note=note)
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +124,7 @@ class CodeGroup:
     @cached_property
     def device(self) -> Device:
         with_numbers = with_quantities(self.narrowed_family, self.variants[0])
-        return with_widths_of_order_code(self.family, with_numbers, self.variants[0])
+        return order_code_tables.with_widths_of_order_code(self.family, with_numbers, self.variants[0])
 
     @property
     def codes(self) -> list[str]:
@@ -187,7 +137,7 @@ class CodeGroup:
     @cached_property
     def frame(self) -> Layout | None:
         """Frame that is shown at the top of the page, or None if no frame contains the position."""
-        return order_code_tables.position_frame(self.family, self.interface)
+        return verdict_table.position_frame(self.family, self.interface)
 
     @cached_property
     def pictures(self) -> Pictures:
@@ -210,11 +160,12 @@ class OrderCodes:
             quantities = tuple(sorted(variant.parameters.items()))
             limits = _clock_limits_of(self.device.interface(variant.interface), variant.code)
             variants_by_facts.setdefault((variant.interface, quantities, limits), []).append(variant)
-        groups = variants_by_facts.values()
-        page_names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
+        variants_of_groups = variants_by_facts.values()
+        first_codes = [variants[0].code for variants in variants_of_groups]
+        page_names = names_of_codes(first_codes, RESERVED_NAMES)
         return tuple(
-            CodeGroup(self.device, tuple(variants), page_name)
-            for variants, page_name in zip(groups, page_names, strict=True)
+            CodeGroup(family=self.device, variants=tuple(variants), name=page_name)
+            for variants, page_name in zip(variants_of_groups, page_names, strict=True)
         )
 
     @cached_property
@@ -245,10 +196,9 @@ class OrderCodes:
         """Return the link to the page of each order code, from pages that reach it through ``folder``."""
         links: dict[str, str] = {}
         for group in self.groups:
-            links |= {
-                order_code: markdown_link(code_span(order_code), f"{folder}{group.name}.md")
-                for order_code in group.codes
-            }
+            page_path = f"{folder}{group.name}.md"
+            for order_code in group.codes:
+                links[order_code] = markdown_link(code_span(order_code), page_path)
         return links
 
 
@@ -265,24 +215,33 @@ def _position_text(device: Device, interface: Interface) -> str:
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is None:
         return ""
-    ranges = [_range_in_frame(name, frame_range) for name, frame_range in own_ranges(device, interface.name)]
-    return ", ".join([MARKDOWN.phrase(describe_measurement(position_measurement)), *ranges])
+    unit_and_range = MARKDOWN.phrase(describe_measurement(position_measurement))
+    ranges_in_frames = [_range_in_frame(name, frame_range) for name, frame_range in own_ranges(device, interface.name)]
+    return ", ".join([unit_and_range, *ranges_in_frames])
 
 
 def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
     """Return a frame with the range of its position: ``in `reply`: 65,536 counts in total``."""
-    frame_name = f"in {code_span(name)}:" if frame_range.wraps else code_span(name)
-    return f"{frame_name} {MARKDOWN.phrase(describe_position_range(frame_range))}"
+    range_text = MARKDOWN.phrase(describe_position_range(frame_range))
+    return f"in {code_span(name)}: {range_text}" if frame_range.wraps else f"{code_span(name)} {range_text}"
 
 
 def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
     """Return the values of a page. ``pictures`` are the family's pictures, some of which the page may replace."""
-    device, interface, errata_links = code_group.device, code_group.interface, ErrataLinks(code_group.device)
+    family, device, interface, frame = code_group.family, code_group.device, code_group.interface, code_group.frame
+    errata_links = ErrataLinks(device)
     interface_sections = page_sections(device)
-    variant, frame = code_group.variants[0], code_group.frame
+    all_pictures = {**pictures, **code_group.pictures}
+    number_of_frames = count_with_unit(len(interface.layouts), "frame")
     return {
         **interface_sections,
-        **interface_values(code_group.family, device, code_group.variants, has_masters, code_group.pictures),
+        **interface_values(
+            family,
+            device,
+            variants=code_group.variants,
+            has_masters=has_masters,
+            pictures=code_group.pictures,
+        ),
         "errata_at": errata_links,
         "codes": code_group.codes,
         # The notes on SSI and RS-485 begin with the line, but the notes on BiSS with limits that users must observe.
@@ -292,21 +251,21 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         "made_up": tuple(not_on_label(device)),
         "wiring": wiring_tables.wiring_table(device, code_group.codes),
         "supply": wiring_tables.supply_lines(device, code_group.variants),
-        "speed": wiring_tables.speed_section(code_group.family, device, interface, frame),
-        "frame": _frame_section(code_group, frame, {**pictures, **code_group.pictures}) if frame is not None else None,
+        "speed": wiring_tables.speed_section(family, device, interface, frame),
+        "frame": _frame_section(code_group, frame, all_pictures) if frame is not None else None,
         "sending": bytes_to_send.sending_section(
-            code_group.family, device, interface, variant, errata_links.links_about_bytes
+            family, device, interface, code_group.variants[0], errata_at=errata_links.links_about_bytes
         ),
         "led_rows": list(fact_tables.led_rows(device)),
-        "no_leds": no_leds(code_group.family, device, interface),
-        "no_supply": no_supply(code_group.family, interface),
+        "no_leds": no_leds(family, device, interface),
+        "no_supply": no_supply(family, interface),
         "interfaces": [_with_short_rows(device, section) for section in interface_sections["interfaces"]],
         "registers": [_register_section(device, section) for section in interface_sections["registers"]],
         "register_rows": list(fact_tables.register_rows(device)),
         "procedures": [_procedure_section(device, section) for section in interface_sections["procedures"]],
         "procedures_summary": f"{count_with_unit(len(device.procedures), 'procedure')}, step by step",
         "setting_lines": list(fact_tables.setting_lines(device, interface)),
-        "frames_summary": count_with_unit(len(interface.layouts), "frame") + (" with CRC" if device.crcs else ""),
+        "frames_summary": f"{number_of_frames} with CRC" if device.crcs else number_of_frames,
         "registers_summary": _registers_summary(device),
         "time_rows": list(fact_tables.time_rows(interface.timings + device.timings)),
         "by_hand": manual_procedures(device),
@@ -349,24 +308,26 @@ def lead_sentences(note: str) -> str:
 
 def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
     """Return the section about the frame with the position: its pictures, facts and verdicts."""
+    family, device = code_group.family, code_group.device
     # All order codes of a group set the same quantities, so the first represents all.
     variant = code_group.variants[0]
-    crc = code_group.family.crc_of(layout.place(variant.parameters))
-    choices = [alternative.name for alternative in code_group.device.alternatives]
+    crc = family.crc_of(layout.place(variant.parameters))
+    open_question_names = [alternative.name for alternative in device.alternatives]
     # The layout of the page is a copy with different notes. Verdicts are known only for the family's layout.
-    layouts_of_family = code_group.family.interface(code_group.interface.name).layouts
+    layouts_of_family = family.interface(code_group.interface.name).layouts
     family_layout = member_named(layouts_of_family, layout.name, "layout")
-    verdict_head, verdict_rows = verdict_table(code_group.family, code_group.device, family_layout, variant)
+    verdict_head, verdict_rows = verdict_table.verdict_table(family, device, family_layout, variant)
+    size = statement(*describe_size(layout, device.alternatives))
     return {
         "title": title_of(layout),
         "name": layout.name,
-        "size": MARKDOWN.phrase(statement(*describe_size(layout, code_group.device.alternatives))),
+        "size": MARKDOWN.phrase(size),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         # Width of the widest screen that shows the narrow picture.
-        "narrower": wide_pictures.SCREEN - 1,
-        "questions": list(order_code_tables.open_questions(code_group.device, layout)),
-        "facts": list(order_code_tables.frame_facts(code_group.family, layout, variant, choices)),
+        "narrower": wide_pictures.NARROWEST_SCREEN - 1,
+        "questions": list(verdict_table.open_questions(device, layout)),
+        "facts": list(verdict_table.frame_facts(family, layout, variant, question_names=open_question_names)),
         "verdict_head": verdict_head,
         "verdict_rows": verdict_rows,
         "crc_path": [f"crcs.{crc.name}"] if crc is not None else [],
@@ -394,9 +355,10 @@ def _registers_summary(device: Device) -> str:
     """Return the number of registers and their lowest and highest address, or "" if there are no registers."""
     if not device.registers:
         return ""
-    lowest = min(register.address for register in device.registers)
-    highest = max(register.last_address for register in device.registers)
-    return f"{count_with_unit(len(device.registers), 'register')} from {hexadecimal(lowest)} to {hexadecimal(highest)}"
+    number_of_registers = count_with_unit(len(device.registers), "register")
+    lowest_address = min(register.address for register in device.registers)
+    highest_address = max(register.last_address for register in device.registers)
+    return f"{number_of_registers} from {hexadecimal(lowest_address)} to {hexadecimal(highest_address)}"
 
 
 def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
@@ -406,19 +368,26 @@ def _quantity_rows(code_group: CodeGroup) -> Iterator[Row]:
     questions set, are omitted.
     """
     run_time_parameters = run_time_names(code_group.family)
-    for parameter in parameters_of(code_group.family, code_group.interface.name):
-        if not parameter.alternative and code_group.variants[0].parameters[parameter.name] != 0:
-            yield _quantity_row(code_group, parameter, is_set_by_registers=parameter.name in run_time_parameters)
-
-
-def _quantity_row(code_group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
-    """Return a row of value, meaning for a quantity that the order code or a register sets."""
     # All order codes of a group set the same quantities, so the first represents all.
-    quantity = parameter_value(parameter, code_group.variants[0].parameters[parameter.name])
-    meaning = escape(as_sentence(meaning_without_range(code_group.family, parameter)))
-    origin = _origin_of_quantity(code_group.family, parameter, is_set_by_registers)
+    values = code_group.variants[0].parameters
+    for parameter in parameters_of(code_group.family, code_group.interface.name):
+        is_set_by_answer = bool(parameter.alternative)
+        if not is_set_by_answer and values[parameter.name] != 0:
+            yield _quantity_row(
+                code_group.family,
+                parameter,
+                value=values[parameter.name],
+                is_set_by_registers=parameter.name in run_time_parameters,
+            )
+
+
+def _quantity_row(family_device: Device, parameter: Parameter, *, value: int, is_set_by_registers: bool) -> Row:
+    """Return a row of value, meaning for a quantity that the order code or a register sets."""
+    quantity = with_unit(parameter_value(parameter, value), escape(parameter.unit))
+    meaning = escape(as_sentence(order_code_tables.meaning_without_range(family_device, parameter)))
+    origin = _origin_of_quantity(family_device, parameter, is_set_by_registers)
     name_and_source = f"<small>{code_span(parameter.name)}</small> <small>{citation(parameter.source)}</small>"
-    return with_unit(quantity, escape(parameter.unit)), f"{meaning}{origin} {name_and_source}"
+    return quantity, f"{meaning}{origin} {name_and_source}"
 
 
 def _origin_of_quantity(family_device: Device, parameter: Parameter, is_set_by_registers: bool) -> str:
@@ -426,5 +395,7 @@ def _origin_of_quantity(family_device: Device, parameter: Parameter, is_set_by_r
     if parameter.read_from:
         has_default = family_device.register(parameter.register).default is not None
         value_kind = "Factory default" if has_default else "Value of the order code"
-        return f" {value_kind}, held in {escape(field_at(family_device, parameter.read_from))}."
+        # The field of a register from which programs read the quantity.
+        register_field = field_at(family_device, parameter.read_from)
+        return f" {value_kind}, held in {escape(register_field)}."
     return " Factory default, set by registers." if is_set_by_registers else ""

@@ -1,40 +1,31 @@
-"""Tables about order codes: their parts and quantities, patterns for many codes, and facts about the position frame."""
+"""Tables about order codes: their parts and quantities, patterns for many codes, and widths in place of ranges."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import count
 from typing import Any
 
 from ...model import (
     Alternative,
     Answer,
-    Crc,
     Device,
     Interface,
     Layout,
     Measurement,
     OrderCode,
     Parameter,
-    PlacedField,
-    PlacedLayout,
     Variant,
-    member_named,
 )
 from ...order_codes.labels import fill_pattern
-from ...order_codes.parameters import parameters_of, run_time_names, with_answers
-from ...plan.values import ActiveFlag, TwosComplement, meaning_of
-from ...plan.verdicts import verdict_rules_in_family
-from ...say.layout import crc_inverted, crc_reflected
+from ...order_codes.parameters import parameters_of, run_time_names
+from ...say.layout import describe_measurement, describe_position_range, own_ranges
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
-from ...say.plain_text import count_with_unit, group_digits
-from ...say.register import covered_by_parity_bit, describe_measurement, describe_position_range, own_ranges
-from ...say.report import deciding_value
 from .page_links import style_in_folder
-from .verdict_table import changed_verdicts_of, place_of_field, verdict_line
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -43,24 +34,25 @@ def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
     If a part accepts values that are not listed, its last row says so.
     """
     parameters = {parameter.name: parameter for parameter in device.parameters}
-    for part in device.order_code.parts:
-        name_cell, meaning_cell = code_span(part.name), escape(part.meaning)
-        for value in part.values:
-            assignments = [_assignment_text(parameters[name], number) for name, number in value.sets.items()]
-            meaning_parts = [escape(value.meaning), ", ".join(assignments), _combinable_parts(value.only_with)]
-            value_meaning_cell = join_filled(meaning_parts)
+    for code_part in device.order_code.parts:
+        name_cell, meaning_cell = code_span(code_part.name), escape(code_part.meaning)
+        for part_value in code_part.values:
+            # The parameters that this value of the part sets.
+            assignments = [_assignment_text(parameters[name], number) for name, number in part_value.sets.items()]
+            condition = _combinable_parts(part_value.only_with)
             yield (
                 name_cell,
                 meaning_cell,
-                code_span(value.text),
-                value_meaning_cell,
-                citation(value.source or part.source),
+                code_span(part_value.text),
+                join_filled([escape(part_value.meaning), ", ".join(assignments), condition]),
+                citation(part_value.source or code_part.source),
             )
             # Only the first row of a part names it.
             name_cell, meaning_cell = "", ""
-        for open_value in open_values(part):
-            other_values_cell = join_filled([MARKDOWN.sentence(open_value), _combinable_parts(part.open_only_with)])
-            yield "", "", "", other_values_cell, citation(part.source)
+        for open_value in open_values(code_part):
+            condition = _combinable_parts(code_part.open_only_with)
+            other_values_cell = join_filled([MARKDOWN.sentence(open_value), condition])
+            yield "", "", "", other_values_cell, citation(code_part.source)
 
 
 def _assignment_text(parameter: Parameter, number: int) -> str:
@@ -71,15 +63,14 @@ def _assignment_text(parameter: Parameter, number: int) -> str:
 def spelling_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of pattern, its use, texts that differ from the order code, source for other spellings on labels."""
     for spelling in device.order_code.also_written:
+        # The text of a part on such a label, with the text of this part in the order code.
         differing_values = [value for value in spelling.values if value.text != value.value]
-        texts_of_values = "; ".join(
-            f"{code_span(value.text)} is {code_span(value.value)}" for value in differing_values
-        )
+        texts_of_values = [f"{code_span(value.text)} is {code_span(value.value)}" for value in differing_values]
         ignored_ending = f"{code_span(spelling.then)} may follow and has no meaning here" if spelling.then else ""
         yield (
             code_span(spelling.pattern),
             escape(spelling.where),
-            join_filled([texts_of_values, ignored_ending]),
+            join_filled(["; ".join(texts_of_values), ignored_ending]),
             citation(spelling.source),
         )
 
@@ -91,7 +82,8 @@ def _combinable_parts(texts_by_part: Mapping[str, Sequence[str]]) -> str:
     """
     conditions = []
     for part_name, texts in texts_by_part.items():
-        conditions.append(f"only with {code_span(part_name)} {', '.join(map(code_span, texts))}")
+        allowed_texts = ", ".join(map(code_span, texts))
+        conditions.append(f"only with {code_span(part_name)} {allowed_texts}")
     return "; ".join(conditions)
 
 
@@ -173,7 +165,8 @@ def _alternative_section(device: Device, alternative: Alternative) -> dict[str, 
     """
     frame_links = []
     for _, layout in device.layouts():
-        if alternative in (*device.alternatives_of(layout), *device.verdict_alternatives(layout)):
+        deciding_alternatives = (*device.alternatives_of(layout), *device.verdict_alternatives(layout))
+        if alternative in deciding_alternatives:
             frame_links.append(markdown_link(code_span(layout.name), f"#layout-{layout.name}"))
     return {
         "alternative": alternative,
@@ -191,7 +184,8 @@ def _answer_row(device: Device, alternative: Alternative, answer: Answer) -> tup
     for name, value in answer.sets.items():
         # A device reduced to one interface does not have the parameters of other interfaces.
         if name in parameters:
-            assignments.append(f"{_assignment_text(parameters[name], value)} ({escape(parameters[name].meaning)})")
+            parameter = parameters[name]
+            assignments.append(f"{_assignment_text(parameter, value)} ({escape(parameter.meaning)})")
     source = answer.source or alternative.source
     return code_span(answer.name), escape(answer.meaning), join_filled(assignments), citation(source)
 
@@ -309,137 +303,49 @@ def _split_by_part(combinations: Sequence[PartTexts], index: int) -> list[list[P
     return list(groups.values())
 
 
-_SUPERSCRIPT_DIGITS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-_EXPONENT_IN_TEXT = re.compile(r"\^([0-9]*)")
+def range_of_widths(family_device: Device, parameter: Parameter) -> str:
+    """Return the range that a parameter in bits has over the order codes of a family: ``17 to 39``.
 
-
-def position_frame(family_device: Device, interface: Interface) -> Layout | None:
-    """Return the frame that contains the most parts of the position, or None if no frame contains any.
-
-    Of several such frames, it is the one with the most flags, then the shortest one.
+    The range is empty if all order codes have the same value, or if the unit of the parameter is not bits.
     """
-    family_layouts = family_device.interface(interface.name).layouts
-    position_frames = {layout.name for layout in family_layouts if family_device.sends_position(interface.name, layout)}
-    candidates = [layout for layout in interface.layouts if layout.name in position_frames]
-    parts_of_position = family_device.position_names(interface.name)
-
-    def amount_of_information(layout: Layout) -> tuple[int, int, int]:
-        field_names = {field.name for field in layout.fields}
-        number_of_parts = len(parts_of_position & field_names)
-        number_of_flags = sum(isinstance(meaning_of(field), ActiveFlag) for field in layout.fields)
-        return number_of_parts, number_of_flags, -layout.widest
-
-    return max(candidates, key=amount_of_information, default=None)
+    if parameter.unit != "bits":
+        return ""
+    variants = [variant for variant in family_device.variants if parameter.name in variant.parameters]
+    widths = {variant.parameters[parameter.name] for variant in variants}
+    return f"{min(widths)} to {max(widths)}" if len(widths) > 1 else ""
 
 
-def open_questions(device: Device, layout: Layout) -> Iterator[str]:
-    """Yield a sentence, with a link, for each open question whose answer is needed to read a frame."""
-    for alternative in device.alternatives_of(layout):
-        question = markdown_link("open question", f"#alternative-{alternative.name}")
-        answers = " and ".join(code_span(answer.name) for answer in alternative.answers)
-        yield f"This frame depends on an {question} with the answers {answers}."
+def meaning_without_range(family_device: Device, parameter: Parameter) -> str:
+    """Return the meaning of a parameter without its range over the family, for a row that begins with its value."""
+    family_range = range_of_widths(family_device, parameter)
+    return parameter.meaning.replace(f", {family_range} bits", "") if family_range else parameter.meaning
 
 
-def frame_facts(
-    family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
-) -> Iterator[tuple[str, str]]:
-    """Yield the facts about a frame as label and text: CRC or parity bits, flags, ranges of signed fields, verdict.
-
-    ``choices`` are the names of the open questions on the page, which the verdicts link to.
-    """
-    crc = family_device.crc_of(layout.place(variant.parameters))
-    yield "CRC", "none" if crc is None else crc_line(family_device, crc)
-    # The layout of a page is a copy with different notes. The family finds ranges only for its own layout objects.
-    family_layout = member_named(family_device.interface(variant.interface).layouts, layout.name, "layout")
-    placed_layout = family_layout.place(variant.parameters)
-    if crc is None:
-        yield from _parity_facts(placed_layout)
-    yield from _flag_facts(placed_layout)
-    for placed_field in placed_layout.fields:
-        if isinstance(meaning_of(placed_field.field), TwosComplement):
-            yield "Signed", _range_of_signed_number(family_device, placed_field, placed_layout)
-    yield from _verdict_facts(family_device, family_layout, variant, choices, has_crc=crc is not None)
+def with_widths_of_order_code(family_device: Device, device: Device, variant: Variant) -> Device:
+    """Return the device with notes on frames that have the widths for an order code in place of ranges."""
+    parameters = [parameter for parameter in family_device.parameters if parameter.name in variant.parameters]
+    ranges = [range_of_widths(family_device, parameter) for parameter in parameters]
+    widths: dict[str, str] = {}
+    for parameter, family_range in zip(parameters, ranges, strict=True):
+        # A text does not distinguish two parameters with the same range.
+        is_unique = ranges.count(family_range) == 1
+        if family_range and is_unique:
+            widths[family_range] = str(variant.parameters[parameter.name])
+    interfaces = [_interface_with_widths(interface, widths) for interface in device.interfaces]
+    return replace(device, interfaces=tuple(interfaces))
 
 
-def _parity_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
-    """Yield a fact for each parity bit: its place and the fields that it covers."""
-    for placed_field in placed_layout.fields:
-        covered_fields = covered_by_parity_bit(placed_field.field)
-        if covered_fields is not None:
-            place = place_of_field(placed_field, placed_layout)
-            yield "Parity", f"{code_span(placed_field.name)} ({place}). {MARKDOWN.phrase(covered_fields)}"
+def _interface_with_widths(interface: Interface, widths: Mapping[str, str]) -> Interface:
+    """Return the interface with each range in the notes on its frames replaced by a width. ``widths`` are by range."""
+    layouts = [_layout_with_widths(layout, widths) for layout in interface.layouts]
+    return replace(interface, layouts=tuple(layouts))
 
 
-def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
-    """Yield the flags by active level, such as ``("Active at 1", "`error` (bit 3)")``, and the unused bits.
-
-    Unused bits are listed only if they are single bits with a name in the manual, in a frame that does not consist of
-    bytes.
-    """
-    layout = placed_layout.layout
-    flags_by_label: dict[str, list[tuple[str, str]]] = {}
-    for placed_field in placed_layout.fields:
-        flag = (code_span(placed_field.name), place_of_field(placed_field, placed_layout))
-        # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
-        level = deciding_value(placed_field.field)
-        if isinstance(meaning_of(placed_field.field), ActiveFlag):
-            flags_by_label.setdefault(f"Active at {level}", []).append(flag)
-        elif not layout.in_bytes and placed_field.field.printed_name and level in {"0", "1"}:
-            flags_by_label.setdefault("Not used by this encoder", []).append(flag)
-    yield from ((label, ", ".join(_flags_with_places(flags))) for label, flags in flags_by_label.items())
-
-
-def _verdict_facts(
-    family_device: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
-) -> Iterator[tuple[str, str]]:
-    """Yield the verdict on the position, if the frame has one, and each verdict that another answer adds causes to."""
-    verdict_rules = verdict_rules_in_family(family_device, layout)
-    if verdict_rules is None:
-        return
-    yield "Position", verdict_line(verdict_rules, variant, has_crc)
-    alternatives = [question for question in family_device.verdict_alternatives(layout) if question.name in choices]
-    for alternative in alternatives:
-        # The first answer is the default.
-        for answer in alternative.answers[1:]:
-            variant_with_answer = with_answers(family_device, variant, {alternative.name: answer.name})
-            changed_verdicts = changed_verdicts_of(verdict_rules, variant, variant_with_answer)
-            if changed_verdicts:
-                with_answer = markdown_link(f"With {code_span(answer.name)}", f"#alternative-{alternative.name}")
-                yield with_answer, "; ".join(changed_verdicts)
-
-
-def _range_of_signed_number(family_device: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
-    """Return a signed field and its range, such as ``position, in two's complement, -512 to 511``."""
-    lowest, highest = family_device.signed_range(placed_field, placed_layout)
-    return f"{code_span(placed_field.name)}, in two's complement, {group_digits(lowest)} to {group_digits(highest)}"
-
-
-def _flags_with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
-    """Yield flags with their places: ``error (byte 1, bit 0)``, then ``warning (bit 1)`` in the same byte."""
-    previous_byte = ""
-    for flag_name, place in flags:
-        # The byte is empty for a frame of bits, whose places look like ``bit 7``.
-        byte, _, bit = place.rpartition(", ")
-        short_place = bit if byte == previous_byte else place
-        yield f"{flag_name} ({short_place})"
-        previous_byte = byte
-
-
-def crc_line(family_device: Device, crc: Crc) -> str:
-    """Return the parameters of a CRC in one line. The polynomial includes its top bit."""
-    polynomial = _EXPONENT_IN_TEXT.sub(_in_superscript, crc.polynomial)
-    crc_properties = [
-        f"poly `0x{crc.poly_with_top_bit:X}` ({escape(polynomial)})",
-        f"init {crc.init:#x}" if crc.init else "init 0",
-        crc_reflected(family_device, crc),
-        crc_inverted(crc),
-        count_with_unit(crc.width, "bit"),
-        "over everything before it",
-    ]
-    xor_sentence = ". It equals the XOR of these bytes" if crc.is_xor else ""
-    return ", ".join(filter(None, crc_properties)) + xor_sentence
-
-
-def _in_superscript(exponent: re.Match[str]) -> str:
-    """Return an exponent such as ``^6`` in superscript digits."""
-    return exponent[1].translate(_SUPERSCRIPT_DIGITS)
+def _layout_with_widths(layout: Layout, widths: Mapping[str, str]) -> Layout:
+    """Return the layout with each range in its note replaced by a width. ``widths`` are by range."""
+    note = layout.note
+    # The text around a range is part of the pattern, so that it does not match within a longer number.
+    for family_range, width in widths.items():
+        note = note.replace(f" {family_range} bits", f" {width} bits")
+        note = note.replace(f", {family_range},", f", {width},")
+    return replace(layout, note=note)

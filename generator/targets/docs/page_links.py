@@ -120,7 +120,11 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
 
 def links_to_steps(folder: str, names: Iterable[str]) -> list[str]:
     """Return links to the manual procedures with these names. ``folder`` is the path to the folder of the family."""
-    return [markdown_link(escape(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
+    links = []
+    for name in names:
+        label = escape(f"Steps: {heading(name)}")
+        links.append(markdown_link(label, f"{folder}hardware.md#by-hand-{name}"))
+    return links
 
 
 def style_in_folder(device: Device) -> Style:
@@ -130,9 +134,8 @@ def style_in_folder(device: Device) -> Style:
         """Return a link to the item. Only registers are on other pages."""
         for register in device.registers:
             if ref.anchor == f"register-{register.name}":
-                return markdown_link(
-                    code_span(ref.name), f"{page_in_folder(register.interface, 'registers')}#{ref.anchor}"
-                )
+                page = page_in_folder(register.interface, "registers")
+                return markdown_link(code_span(ref.name), f"{page}#{ref.anchor}")
         return reference(ref)
 
     return replace(MARKDOWN, ref=reference_text)

@@ -21,9 +21,9 @@ from ...say.text import count_with_unit, time_text
 from .layout_pictures import create_picture, draw_box, draw_text, number
 from .layout_pictures import text_width as text_width
 
-_HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
+_SIGNAL_HEIGHT, _ROW_HEIGHT, _NAME_WIDTH, _MARGIN = 24.0, 58.0, 70.0, 16.0
 #: Width of a clock pulse in pixels, including its low and its high part.
-_PERIOD = 24.0
+_PULSE_WIDTH = 24.0
 
 
 class Trace(Enum):
@@ -98,11 +98,11 @@ def _ssi_diagram(interface: Ssi) -> TimingDiagram:
     first_bits = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
     clock_line = (
         SignalPart(up, width=40),
-        SignalPart(Trace.CLOCK, width=3 * _PERIOD),
+        SignalPart(Trace.CLOCK, width=3 * _PULSE_WIDTH),
         SignalPart(Trace.GAP, width=40),
-        SignalPart(Trace.CLOCK, width=3 * _PERIOD),
+        SignalPart(Trace.CLOCK, width=3 * _PULSE_WIDTH),
         SignalPart(up, width=150),
-        SignalPart(Trace.CLOCK, width=2 * _PERIOD),
+        SignalPart(Trace.CLOCK, width=2 * _PULSE_WIDTH),
     )
     # Data is sent from the first rising edge of the clock to the last one.
     data_line = (
@@ -134,26 +134,27 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
     replies = ("reply 1", "reply 2")
     if has_requests and interface.reply == "next_word":
         replies = ("reply to the request before", "reply to request 1")
-    select = (
+    select_line = (
         SignalPart(up, width=40),
         SignalPart(down, width=180),
         SignalPart(up, width=40),
         SignalPart(down, width=180),
         SignalPart(up, width=40),
     )
-    clock = (
+    clock_line = (
         SignalPart(down, width=56),
-        SignalPart(Trace.CLOCK, width=6 * _PERIOD),
+        SignalPart(Trace.CLOCK, width=6 * _PULSE_WIDTH),
         SignalPart(down, width=76),
-        SignalPart(Trace.CLOCK, width=6 * _PERIOD),
+        SignalPart(Trace.CLOCK, width=6 * _PULSE_WIDTH),
         SignalPart(down, width=60),
     )
 
-    lines: list[tuple[str, tuple[SignalPart, ...]]] = [("CS", select), ("Clock", clock), ("MISO", _spi_words(*replies))]
+    lines: list[tuple[str, tuple[SignalPart, ...]]] = [("CS", select_line), ("Clock", clock_line)]
     behaviour = "The encoder ignores the words that the master sends."
     if has_requests:
-        lines.insert(2, ("MOSI", _spi_words("request 1", "request 2")))
+        lines.append(("MOSI", _spi_words("request 1", "request 2")))
         behaviour = f"{REPLIES[interface.reply].capitalize()}."
+    lines.append(("MISO", _spi_words(*replies)))
     lengths = word_lengths(interface.lengths)
     return TimingDiagram(
         title="SPI: two words",
@@ -163,22 +164,23 @@ def _spi_diagram(interface: Spi) -> TimingDiagram:
     )
 
 
-def _spi_words(first: str, second: str) -> tuple[SignalPart, ...]:
+def _spi_words(first_label: str, second_label: str) -> tuple[SignalPart, ...]:
     """Return a data line with two words that have these labels."""
     return (
         SignalPart(Trace.DOWN, width=44),
-        SignalPart(Trace.EITHER, width=172, label=first, fill="data"),
+        SignalPart(Trace.EITHER, width=172, label=first_label, fill="data"),
         SignalPart(Trace.DOWN, width=48),
-        SignalPart(Trace.EITHER, width=172, label=second, fill="data"),
+        SignalPart(Trace.EITHER, width=172, label=second_label, fill="data"),
         SignalPart(Trace.DOWN, width=44),
     )
 
 
 def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     """Return the diagram of a BiSS frame: acknowledge, start bit, CDS, fields of the single cycle data, timeout."""
-    names_and_fills = list(
-        _data_boxes(layout_plan_of(device, interface.layouts[0]), device.position_names(interface.name))
-    )
+    # The first layout is the single cycle data.
+    cycle_data = layout_plan_of(device, interface.layouts[0])
+    position_names = device.position_names(interface.name)
+    names_and_fills = list(_data_boxes(cycle_data, position_names))
     data_line = _biss_data_line(names_and_fills)
     # The last two parts of the line, the timeout and the idle level, are together 136 pixels wide.
     timeout_start = sum(part.width for part in data_line) - 136
@@ -216,10 +218,10 @@ def _biss_data_line(names_and_fills: Sequence[tuple[str, str]]) -> tuple[SignalP
 def _biss_clock_line(timeout_start: float) -> tuple[SignalPart, ...]:
     """Return the line MA of a BiSS frame. Its clocks end at the start of the timeout."""
     # The width of a whole number of pulses, after 136 pixels with the first pulses and a gap of at least 40 pixels.
-    clocks_width = (timeout_start - 176) // _PERIOD * _PERIOD
+    clocks_width = (timeout_start - 176) // _PULSE_WIDTH * _PULSE_WIDTH
     return (
         SignalPart(Trace.UP, width=40),
-        SignalPart(Trace.CLOCK, width=4 * _PERIOD),
+        SignalPart(Trace.CLOCK, width=4 * _PULSE_WIDTH),
         SignalPart(Trace.GAP, width=timeout_start - 136 - clocks_width),
         SignalPart(Trace.CLOCK, width=clocks_width),
         SignalPart(Trace.EITHER, width=90, label="not CDM", fill="choice"),
@@ -254,11 +256,14 @@ def _data_boxes(layout_plan: LayoutPlan, position_names: Container[str]) -> Iter
 
 def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     """Return the diagram of a request with its reply. If a procedure repeats requests, two repetitions follow."""
-    request_lengths, reply_lengths = _byte_counts(interface, "master"), _byte_counts(interface, "encoder")
-    at_least = "at least " if len(request_lengths) > 1 else ""
-    request_size = f"{at_least}{count_with_unit(request_lengths[0], 'byte')}"
-    up_to = "up to " if len(reply_lengths) > 1 else ""
-    reply_size = f"{up_to}{count_with_unit(reply_lengths[-1], 'byte')}"
+    request_lengths = _byte_counts(interface, "master")
+    reply_lengths = _byte_counts(interface, "encoder")
+    request_size = count_with_unit(request_lengths[0], "byte")
+    if len(request_lengths) > 1:
+        request_size = f"at least {request_size}"
+    reply_size = count_with_unit(reply_lengths[-1], "byte")
+    if len(reply_lengths) > 1:
+        reply_size = f"up to {reply_size}"
     request_label = f"request, {request_size}"
     master = [
         SignalPart(Trace.UP, width=40),
@@ -274,12 +279,14 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
         repetition_width = 60.0
         first_repetition_end = request_end + 270 + repetition_width
         pause = f"between repeated requests: at least {time_text(pause_us)}"
-        first, second = (
-            SignalPart(Trace.EITHER, width=repetition_width, label=name, fill="choice") for name in ("1st", "2nd")
-        )
         # Both lines end 490 pixels after the request.
-        pause_part = SignalPart(Trace.UP, width=repetition_width)
-        master += [SignalPart(Trace.UP, width=270), first, pause_part, second, SignalPart(Trace.GAP, width=40)]
+        master += [
+            SignalPart(Trace.UP, width=270),
+            SignalPart(Trace.EITHER, width=repetition_width, label="1st", fill="choice"),
+            SignalPart(Trace.UP, width=repetition_width),
+            SignalPart(Trace.EITHER, width=repetition_width, label="2nd", fill="choice"),
+            SignalPart(Trace.GAP, width=40),
+        ]
         encoder.append(SignalPart(Trace.UP, width=240))
         spans = (Span(start=first_repetition_end, end=first_repetition_end + repetition_width, label=pause),)
         description += f" Repeated requests are at least {time_text(pause_us)} apart."
@@ -303,78 +310,89 @@ def _byte_counts(interface: Interface, sender: str) -> list[int]:
 
     If the side sends no frames, the only length is one byte.
     """
-    return sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == sender}) or [1]
+    lengths = {layout.widest // 8 for layout in interface.layouts if layout.sender == sender}
+    return sorted(lengths) or [1]
 
 
 def diagram_picture(diagram: TimingDiagram) -> str:
     """Return the picture of a timing diagram."""
     elements: list[str] = []
-    left = _MARGIN + _NAME
-    right_end = 0.0
-    for row_index, (line_name, parts) in enumerate(diagram.lines):
-        top = _MARGIN + 14 + row_index * _ROW
-        elements.append(draw_text(_MARGIN, top + _HIGH - 7, line_name, size=12, anchor="start", bold=True))
-        elements += _line_elements(parts, left, top)
-        right_end = max(right_end, left + sum(part.width for part in parts))
-    spans_top = _MARGIN + 14 + len(diagram.lines) * _ROW - 18
-    for row_index, span in enumerate(diagram.spans):
-        elements += _span_elements(span, left, spans_top + 10 + row_index * 22, right_end)
-    height = spans_top + 10 + 22 * len(diagram.spans) + 4
-    return create_picture(diagram.title, elements, width=right_end + _MARGIN, height=height, description=diagram.text)
+    lines_left = _MARGIN + _NAME_WIDTH
+    lines_right = 0.0
+    line_top = _MARGIN + 14
+    for line_name, signal_parts in diagram.lines:
+        name_baseline = line_top + _SIGNAL_HEIGHT - 7
+        elements.append(draw_text(line_name, x=_MARGIN, y=name_baseline, size=12, anchor="start", bold=True))
+        elements += _line_elements(signal_parts, left=lines_left, top=line_top)
+        line_width = sum(part.width for part in signal_parts)
+        lines_right = max(lines_right, lines_left + line_width)
+        line_top += _ROW_HEIGHT
+    # The first span is closer to the last signal line than another line would be.
+    span_middle = line_top - 8
+    for span in diagram.spans:
+        elements += _span_elements(span, lines_left=lines_left, lines_right=lines_right, middle=span_middle)
+        span_middle += 22
+    height = span_middle + 4
+    return create_picture(diagram.title, elements, width=lines_right + _MARGIN, height=height, description=diagram.text)
 
 
-def _span_elements(span: Span, left: float, middle: float, right_end: float) -> Iterator[str]:
-    """Yield the bar of a time span and its label, which is in front of the bar if there is no space after it."""
-    start, end = left + span.start, left + span.end
+def _span_elements(span: Span, *, lines_left: float, lines_right: float, middle: float) -> Iterator[str]:
+    """Yield the bar of a time span and its label, which is in front of the bar if there is no space after it.
+
+    ``lines_left`` and ``lines_right`` are the ends of the signal lines, and ``middle`` is the vertical center.
+    """
+    start, end = lines_left + span.start, lines_left + span.end
+    # A line from start to end, with a vertical stroke of 12 pixels at both.
     yield f'<path d="M{number(start)} {number(middle - 6)}v12m0 -6H{number(end)}m0 -6v12" class="line"/>'
-    fits_after = end + 8 + text_width(span.label, 11) <= right_end
-    x, anchor = (end + 8, "start") if fits_after else (start - 8, "end")
-    yield draw_text(x, middle + 4, span.label, size=11, anchor=anchor)
+    label_right = end + 8 + text_width(span.label, 11)
+    if label_right <= lines_right:
+        yield draw_text(span.label, x=end + 8, y=middle + 4, size=11, anchor="start")
+    else:
+        yield draw_text(span.label, x=start - 8, y=middle + 4, size=11, anchor="end")
 
 
-def _line_elements(parts: Sequence[SignalPart], left: float, top: float) -> Iterator[str]:
+def _line_elements(signal_parts: Sequence[SignalPart], *, left: float, top: float) -> Iterator[str]:
     """Yield the boxes and labels of a signal line, then its path, which boxes and gaps interrupt."""
+    # Commands of an SVG path: M moves to a point without drawing, and L, H and V draw lines.
     path: list[str] = []
-    part_start = left
-    for part in parts:
+    part_left = left
+    label_baseline = top + _SIGNAL_HEIGHT - 8
+    for part in signal_parts:
+        part_right = part_left + part.width
+        center = part_left + part.width / 2
         match part.trace:
             case Trace.UP | Trace.DOWN:
-                y = top if part.trace is Trace.UP else top + _HIGH
-                # The path begins with M (move), and each level continues it with L (line).
+                level_y = top if part.trace is Trace.UP else top + _SIGNAL_HEIGHT
                 command = "L" if path else "M"
-                path.append(f"{command}{number(part_start)} {number(y)}H{number(part_start + part.width)}")
+                path.append(f"{command}{number(part_left)} {number(level_y)}H{number(part_right)}")
                 if part.label:
-                    yield draw_text(
-                        part_start + part.width / 2, top + _HIGH - 8, part.label, size=11, anchor="middle", faint=True
-                    )
+                    yield draw_text(part.label, x=center, y=label_baseline, size=11, anchor="middle", faint=True)
             case Trace.CLOCK:
-                path += _pulse_path(part_start, top, part, starts=not path)
+                if not path:
+                    path.append(f"M{number(part_left)} {number(top)}")
+                path += _pulse_path(part.width, left=part_left, top=top)
             case Trace.GAP:
-                yield draw_text(
-                    part_start + part.width / 2, top + _HIGH - 7, "· · ·", size=12, anchor="middle", faint=True
-                )
-                path.append(f"M{number(part_start + part.width)} {number(top)}")
+                yield draw_text("· · ·", x=center, y=label_baseline + 1, size=12, anchor="middle", faint=True)
+                path.append(f"M{number(part_right)} {number(top)}")
             case Trace.EITHER:
-                yield draw_box(part_start, top, box_width=part.width, box_height=_HIGH, fill=part.fill)
-                yield draw_text(part_start + part.width / 2, top + _HIGH - 8, part.label, size=11, anchor="middle")
-                path.append(f"M{number(part_start + part.width)} {number(top)}")
+                yield draw_box(left=part_left, top=top, box_width=part.width, box_height=_SIGNAL_HEIGHT, fill=part.fill)
+                yield draw_text(part.label, x=center, y=label_baseline, size=11, anchor="middle")
+                path.append(f"M{number(part_right)} {number(top)}")
             case _:
                 assert_never(part.trace)
-        part_start += part.width
+        part_left = part_right
     yield f'<path d="{"".join(path)}" class="wave"/>'
 
 
-def _pulse_path(pulses_start: float, top: float, part: SignalPart, *, starts: bool) -> Iterator[str]:
-    """Yield the parts of the path for consecutive pulses, each of which is first low and then high.
-
-    ``starts`` is True if the path of the signal line begins with these pulses.
-    """
-    number_of_pulses = round(part.width / _PERIOD)
-    half_period = part.width / number_of_pulses / 2
-    if starts:
-        yield f"M{number(pulses_start)} {number(top)}"
+def _pulse_path(pulses_width: float, *, left: float, top: float) -> Iterator[str]:
+    """Yield the path commands of consecutive pulses of this total width, each of which is first low and then high."""
+    number_of_pulses = round(pulses_width / _PULSE_WIDTH)
+    half_period = pulses_width / number_of_pulses / 2
+    bottom = top + _SIGNAL_HEIGHT
     for index in range(number_of_pulses):
-        x = pulses_start + 2 * half_period * index
-        low_part = f"L{number(x)} {number(top + _HIGH)}H{number(x + half_period)}"
-        high_part = f"V{number(top)}H{number(x + 2 * half_period)}"
-        yield low_part + high_part
+        falling_edge = left + 2 * half_period * index
+        rising_edge = falling_edge + half_period
+        pulse_end = left + 2 * half_period * (index + 1)
+        low_half = f"L{number(falling_edge)} {number(bottom)}H{number(rising_edge)}"
+        high_half = f"V{number(top)}H{number(pulse_end)}"
+        yield low_half + high_half

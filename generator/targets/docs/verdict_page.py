@@ -93,13 +93,15 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, verdict
     signs = {sign.flag.name: sign for sign in layout.signs}
     deciders = _deciding_fields(layout, verdict_rules)
     for decider in deciders:
-        yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
-    text_for_other_cases = "none of these" if deciders else "no field decides"
-    yield text_for_other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
+        sign = signs.get(decider.field.name)
+        yield _decider_row(device, interface, layout, decider=decider, sign=sign)
+    # Rows of deciding field, value, verdict, source, errata.
+    other_cases = "none of these" if deciders else "no field decides"
+    yield other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
     if verdict_rules.may_be_unknown:
         judging_names = [CodeText(field.name) for field in layout.judging_fields]
-        missing_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
-        yield f"order codes that lack {missing_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
+        lacking_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
+        yield f"order codes that lack {lacking_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,18 +142,30 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
     return [*deciders, *(_Decider(Verdict.USABLE, field) for field in usable_fields)]
 
 
-def _decider_row(device: Device, interface: Interface, layout: Layout, decider: _Decider, sign: Sign | None) -> Row:
+def _decider_row(device: Device, interface: Interface, layout: Layout, *, decider: _Decider, sign: Sign | None) -> Row:
     """Return a row of deciding field, the value with which it decides, verdict, source, errata.
 
     If the field represents the values of several fields, ``sign`` has these values. Otherwise, it is None.
     """
     field = decider.field
     if sign is None:
-        active_value = _active_value(device, field, decider.conditions) + _condition_on_combined_flags(field, layout)
+        value_with_conditions = _active_value(device, field, decider.conditions)
+        deciding_cell = value_with_conditions + _condition_on_combined_flags(field, layout)
     else:
-        active_value = _values_of_sign(layout, sign)
-    errata_links = _errata_links(device, interface, layout, field, sign)
-    return _name_cell(field), active_value, EFFECTS[decider.verdict], _source_cell(device, field), errata_links
+        deciding_cell = _values_of_sign(layout, sign)
+    path_of_frame = f"interfaces.{interface.name}.{layout.name}"
+    return (
+        _name_cell(field),
+        deciding_cell,
+        EFFECTS[decider.verdict],
+        _source_cell(device, field),
+        _errata_links(device, path_of_frame, field, _fields_of_sign(layout, sign)),
+    )
+
+
+def _fields_of_sign(layout: Layout, sign: Sign | None) -> list[Field]:
+    """Return the fields whose values decide the verdict together, or an empty list without a sign."""
+    return [layout.field(name) for name, _ in sign.conditions] if sign is not None else []
 
 
 def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[CodeCondition]) -> str:
@@ -186,7 +200,8 @@ def _answer_text(device: Device, question: Alternative, condition: CodeCondition
 
 def _values_of_sign(layout: Layout, sign: Sign) -> str:
     """Return the field values that decide the verdict together: ``error is 1 and mode is 5h (test)``."""
-    return MARKDOWN.phrase(conditions_text((layout.field(name), value) for name, value in sign.conditions))
+    fields_and_values = [(layout.field(name), value) for name, value in sign.conditions]
+    return MARKDOWN.phrase(conditions_text(fields_and_values))
 
 
 def _condition_on_combined_flags(field: Field, layout: Layout) -> str:
@@ -199,7 +214,8 @@ def _condition_on_combined_flags(field: Field, layout: Layout) -> str:
     combined_flags = [CodeText(name) for name in combined_names if name in names_in_layout]
     if not combined_flags:
         return ""
-    return f", with {MARKDOWN.phrase(statement(*list_parts(combined_flags)))} inactive"
+    listed_flags = MARKDOWN.phrase(statement(*list_parts(combined_flags)))
+    return f", with {listed_flags} inactive"
 
 
 def _frame_rows(device: Device, reporting_by_frame: Mapping[str, ReportsAndVerdict]) -> Iterator[Row]:
@@ -215,22 +231,23 @@ def _frame_rows(device: Device, reporting_by_frame: Mapping[str, ReportsAndVerdi
             report_names = tuple(cause.report.name for cause in causes)
             layouts_by_reports.setdefault((interface.title, report_names), []).append(layout)
     for (interface_title, report_names), layouts in layouts_by_reports.items():
-        yield interface_title, _layout_links(device, layouts), ", ".join(map(code_span, report_names)) or "nothing"
+        reports_cell = ", ".join(map(code_span, report_names))
+        yield interface_title, _layout_links(device, layouts), reports_cell or "nothing"
 
 
 def _report_rows(device: Device) -> Iterator[Row]:
     """Yield rows of report, meaning, remedy, source for all reports of a family."""
     for report in reports_of(device):
-        alarm = alarm_of(device, report.field)
-        name_cell = join_filled([code_span(report.name), escape(own_names(report.field))])
-        steps = links_to_steps(f"{device.name}/", manual_steps(report.field, alarm))
-        remedy_and_steps = join_filled([escape(remedy_text(report.field, alarm)), *steps])
-        remedy = (
-            remedy_and_steps
-            or _clearing_procedures(device, alarm)
-            or f"The {word_for_document(device)} gives no remedy"
-        )
-        yield name_cell, escape(meaning(report.field, alarm)), remedy, citation(alarm_source(report.field, alarm))
+        field = report.field
+        alarm = alarm_of(device, field)
+        name_cell = join_filled([code_span(report.name), escape(own_names(field))])
+        step_links = links_to_steps(f"{device.name}/", manual_steps(field, alarm))
+        remedy = join_filled([escape(remedy_text(field, alarm)), *step_links])
+        if not remedy:
+            remedy = _clearing_procedures(device, alarm)
+        if not remedy:
+            remedy = f"The {word_for_document(device)} gives no remedy"
+        yield name_cell, escape(meaning(field, alarm)), remedy, citation(alarm_source(field, alarm))
 
 
 def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
@@ -258,17 +275,14 @@ def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
     return ", ".join(link_to_layout(device, layout, code_span(layout.name)) for layout in layouts)
 
 
-def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
+def _errata_links(device: Device, path_of_frame: str, field: Field, fields_of_sign: Sequence[Field]) -> str:
     """Return links to the errata about a deciding field and, for a flag, about its group of fields.
 
-    If a sign is given, its fields decide together, and the errata are about them.
+    If several fields decide together, they are ``fields_of_sign``, and the errata are about all of them.
+    ``path_of_frame`` is the path of the frame in the spec.
     """
-    path_of_frame = f"interfaces.{interface.name}.{layout.name}"
     spec_paths = {f"{path_of_frame}.{field.name}"}
-    deciding_fields = [field]
-    if sign is not None:
-        deciding_fields = [layout.field(name) for name, _ in sign.conditions]
-    for deciding_field in deciding_fields:
+    for deciding_field in fields_of_sign or [field]:
         name, group = deciding_field.name, deciding_field.group
         spec_paths |= {f"{path_of_frame}.{name}", f"field_groups.{group}.{name}"}
         if group and isinstance(meaning_of(deciding_field), ActiveFlag):

@@ -1,15 +1,31 @@
-"""Verdicts on the page of an order code: a table of the deciding bits, and a line with the conditions."""
+"""Facts about the position frame on the page of an order code: its verdicts with conditions, its CRC and its flags."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 
-from ...model import Device, Field, Layout, PlacedField, PlacedLayout, Variant, Verdict
-from ...plan.values import ActiveFlag, meaning_of
+from ...model import (
+    Alternative,
+    Crc,
+    Device,
+    Field,
+    Interface,
+    Layout,
+    PlacedField,
+    PlacedLayout,
+    Variant,
+    Verdict,
+    member_named,
+)
+from ...order_codes.parameters import with_answers
+from ...plan.values import ActiveFlag, TwosComplement, meaning_of
 from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, verdict_rules_in_family
-from ...say.layout import is_reserved
+from ...say.layout import crc_inverted, crc_reflected, is_reserved
 from ...say.markdown import MARKDOWN, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import bits, frame_bytes, heading
+from ...say.plain_text import count_with_unit, group_digits
+from ...say.register import covered_by_parity_bit
 from ...say.report import alarm_of, conditions_text, deciding_value, manual_steps, remedy_text
 from ...say.text import VERDICT_CLAUSES, as_sentence, statement
 
@@ -37,14 +53,17 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
     if verdict_rules is not None:
         verdict_rules = verdict_rules.for_parameters(variant.parameters)
         causes_by_verdict = applicable_causes(verdict_rules, variant)
-    placed = layout.place(variant.parameters)
-    rows = list(_cause_rows(device, placed, causes_by_verdict))
-    rows += _rows_of_other_flags(device, placed, causes_by_verdict, verdict_rules)
+    placed_layout = layout.place(variant.parameters)
+    rows = list(_cause_rows(device, placed_layout, causes_by_verdict))
+    # A frame without a position has no verdict on which its flags could have an effect.
+    effect_of_other_flags = "unchanged" if verdict_rules is not None else ""
+    rows += _rows_of_other_flags(device, placed_layout, causes_by_verdict, effect_of_other_flags)
     if verdict_rules is not None and causes_by_verdict:
-        with_crc = "" if placed.crc_field is None else ", and the CRC is correct"
+        with_crc = "" if placed_layout.crc_field is None else ", and the CRC is correct"
         rows.append(("", f"none of these{with_crc}", "", EFFECTS[verdict_rules.otherwise], ""))
     columns_with_content = _indices_with_content(rows)
-    return _cells_at(_COLUMN_HEADINGS, columns_with_content), [_cells_at(row, columns_with_content) for row in rows]
+    head = _cells_at(_COLUMN_HEADINGS, columns_with_content)
+    return head, [_cells_at(row, columns_with_content) for row in rows]
 
 
 def _cells_at(row: Row, indexes: Iterable[int]) -> Row:
@@ -63,7 +82,7 @@ def _cause_rows(
             else:
                 field = cause.by.field
                 active_level = deciding_value(field) + _while_inactive(cause)
-                yield _build_row(device, placed_layout, field, active_level, EFFECTS[verdict])
+                yield _build_row(device, placed_layout, field, level=active_level, effect=EFFECTS[verdict])
 
 
 def _indices_with_content(rows: Iterable[Row]) -> list[int]:
@@ -78,23 +97,20 @@ def _rows_of_other_flags(
     device: Device,
     placed_layout: PlacedLayout,
     causes_by_verdict: dict[Verdict, list[VerdictCause]],
-    verdict_rules: VerdictRules | None,
+    effect: str,
 ) -> Iterator[Row]:
-    """Yield a row for each flag that does not affect the verdict for this order code.
-
-    Its effect is ``unchanged``, or empty for a frame without a position, which has no verdict.
-    """
+    """Yield a row with this effect for each flag that does not affect the verdict for this order code."""
     names_of_causes: set[str] = set()
     for causes in causes_by_verdict.values():
         names_of_causes.update(cause.by.field.name for cause in causes)
-    effect = "unchanged" if verdict_rules is not None else ""
     for placed_field in placed_layout.fields:
         field = placed_field.field
-        if isinstance(meaning_of(field), ActiveFlag) and field.name not in names_of_causes:
-            yield _build_row(device, placed_layout, field, deciding_value(field), effect)
+        is_flag = isinstance(meaning_of(field), ActiveFlag)
+        if is_flag and field.name not in names_of_causes:
+            yield _build_row(device, placed_layout, field, level=deciding_value(field), effect=effect)
 
 
-def _build_row(device: Device, placed_layout: PlacedLayout, field: Field, level: str, effect: str) -> Row:
+def _build_row(device: Device, placed_layout: PlacedLayout, field: Field, *, level: str, effect: str) -> Row:
     """Return a row of place, name, active level, effect on the position, remedy for a field."""
     return (
         place_of_field(placed_layout.field(field.name), placed_layout),
@@ -130,10 +146,17 @@ def _names_of_field(field: Field) -> str:
 
 def _row_of_match(placed_layout: PlacedLayout, match: MatchingValues, effect: str) -> Row:
     """Return the row for field values that decide together: places, values, no level, verdict, no remedy."""
-    placed_fields = [placed_layout.field(part.field.name) for part, _ in match.conditions]
-    places = ", ".join(place_of_field(placed_field, placed_layout) for placed_field in placed_fields)
-    phrase = MARKDOWN.phrase(conditions_text((part.field, value) for part, value in match.conditions))
-    return places, phrase, "", effect, ""
+    places = []
+    for field_plan, _ in match.conditions:
+        placed_field = placed_layout.field(field_plan.field.name)
+        places.append(place_of_field(placed_field, placed_layout))
+    return ", ".join(places), _conditions_phrase(match), "", effect, ""
+
+
+def _conditions_phrase(match: MatchingValues) -> str:
+    """Return the field values that decide together: ``error is 1 and mode is 5h (test)``."""
+    fields_and_values = [(field_plan.field, value) for field_plan, value in match.conditions]
+    return MARKDOWN.phrase(conditions_text(fields_and_values))
 
 
 def place_of_field(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
@@ -153,9 +176,9 @@ def _while_inactive(cause: VerdictCause) -> str:
 
 def _while_flags_are_inactive(cause: VerdictCause) -> str:
     """Return the flags that must be inactive for a cause to count: ``while `error` and `fault` are inactive``."""
-    flags = " and ".join(code_span(part.field.name) for part in cause.unless)
+    flag_names = " and ".join(code_span(field_plan.field.name) for field_plan in cause.unless)
     verb = "is" if len(cause.unless) == 1 else "are"
-    return f"while {flags} {verb} inactive"
+    return f"while {flag_names} {verb} inactive"
 
 
 def applicable_causes(verdict_rules: VerdictRules, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
@@ -214,12 +237,13 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.by, MatchingValues):
-            # deciding_value() returns the level at which the flag is active, such as "1".
-            names_by_level.setdefault(deciding_value(cause.by.field), []).append(_cause_text(cause))
+            # The level at which the flag is active, such as "1".
+            level = deciding_value(cause.by.field)
+            names_by_level.setdefault(level, []).append(_cause_text(cause))
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, MatchingValues):
-            yield MARKDOWN.phrase(conditions_text((part.field, value) for part, value in cause.by.conditions))
+            yield _conditions_phrase(cause.by)
 
 
 def _cause_text(cause: VerdictCause) -> str:
@@ -228,3 +252,147 @@ def _cause_text(cause: VerdictCause) -> str:
     if not cause.unless:
         return flag_name
     return f"{flag_name} ({_while_flags_are_inactive(cause)})"
+
+
+_SUPERSCRIPT_DIGITS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+_EXPONENT_IN_TEXT = re.compile(r"\^([0-9]*)")
+
+
+def position_frame(family_device: Device, interface: Interface) -> Layout | None:
+    """Return the frame that contains the most parts of the position, or None if no frame contains any.
+
+    Of several such frames, it is the one with the most flags, then the shortest one.
+    """
+    position_frames: set[str] = set()
+    # Only for the layouts of the family is it known whether they contain the position.
+    for family_layout in family_device.interface(interface.name).layouts:
+        if family_device.sends_position(interface.name, family_layout):
+            position_frames.add(family_layout.name)
+    candidates = [layout for layout in interface.layouts if layout.name in position_frames]
+    parts_of_position = family_device.position_names(interface.name)
+
+    def amount_of_information(layout: Layout) -> tuple[int, int, int]:
+        field_names = {field.name for field in layout.fields}
+        number_of_parts = len(parts_of_position & field_names)
+        number_of_flags = sum(isinstance(meaning_of(field), ActiveFlag) for field in layout.fields)
+        return number_of_parts, number_of_flags, -layout.widest
+
+    return max(candidates, key=amount_of_information, default=None)
+
+
+def open_questions(device: Device, layout: Layout) -> Iterator[str]:
+    """Yield a sentence, with a link, for each open question whose answer is needed to read a frame."""
+    for alternative in device.alternatives_of(layout):
+        question = markdown_link("open question", f"#alternative-{alternative.name}")
+        answers = " and ".join(code_span(answer.name) for answer in alternative.answers)
+        yield f"This frame depends on an {question} with the answers {answers}."
+
+
+def frame_facts(
+    family_device: Device, layout: Layout, variant: Variant, *, question_names: Sequence[str] = ()
+) -> Iterator[tuple[str, str]]:
+    """Yield the facts about a frame as label and text: CRC or parity bits, flags, ranges of signed fields, verdict.
+
+    ``question_names`` are the names of the open questions on the page, which the verdicts link to.
+    """
+    crc = family_device.crc_of(layout.place(variant.parameters))
+    yield "CRC", "none" if crc is None else crc_line(family_device, crc)
+    # The layout of a page is a copy with different notes. The family finds ranges only for its own layout objects.
+    family_layout = member_named(family_device.interface(variant.interface).layouts, layout.name, "layout")
+    placed_layout = family_layout.place(variant.parameters)
+    if crc is None:
+        yield from _parity_facts(placed_layout)
+    yield from _flag_facts(placed_layout)
+    for placed_field in placed_layout.fields:
+        if isinstance(meaning_of(placed_field.field), TwosComplement):
+            yield "Signed", _range_of_signed_number(family_device, placed_field, placed_layout)
+    verdict_rules = verdict_rules_in_family(family_device, family_layout)
+    if verdict_rules is not None:
+        yield "Position", verdict_line(verdict_rules, variant, has_crc=crc is not None)
+        verdict_questions = family_device.verdict_alternatives(family_layout)
+        questions_on_page = [question for question in verdict_questions if question.name in question_names]
+        yield from _verdict_changes(family_device, verdict_rules, variant, questions_on_page)
+
+
+def _parity_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
+    """Yield a fact for each parity bit: its place and the fields that it covers."""
+    for placed_field in placed_layout.fields:
+        covered_fields = covered_by_parity_bit(placed_field.field)
+        if covered_fields is not None:
+            name, place = code_span(placed_field.name), place_of_field(placed_field, placed_layout)
+            yield "Parity", f"{name} ({place}). {MARKDOWN.phrase(covered_fields)}"
+
+
+def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
+    """Yield the flags by active level, such as ``("Active at 1", "`error` (bit 3)")``, and the unused bits.
+
+    Unused bits are listed only if they are single bits with a name in the manual, in a frame that does not consist of
+    bytes.
+    """
+    layout = placed_layout.layout
+    flags_by_label: dict[str, list[tuple[str, str]]] = {}
+    for placed_field in placed_layout.fields:
+        field = placed_field.field
+        name_and_place = (code_span(field.name), place_of_field(placed_field, placed_layout))
+        # The active level of a flag, or what differs from the manual: ``0`` or ``1`` for a single unused bit.
+        level = deciding_value(field)
+        is_unused_bit = bool(field.printed_name) and level in {"0", "1"}
+        if isinstance(meaning_of(field), ActiveFlag):
+            flags_by_label.setdefault(f"Active at {level}", []).append(name_and_place)
+        elif is_unused_bit and not layout.in_bytes:
+            flags_by_label.setdefault("Not used by this encoder", []).append(name_and_place)
+    for label, names_and_places in flags_by_label.items():
+        yield label, ", ".join(_flags_with_places(names_and_places))
+
+
+def _verdict_changes(
+    family_device: Device, verdict_rules: VerdictRules, variant: Variant, questions: Iterable[Alternative]
+) -> Iterator[tuple[str, str]]:
+    """Yield each answer to an open question that adds causes to verdicts, with these verdicts and causes."""
+    for question in questions:
+        # The first answer is the default.
+        for answer in question.answers[1:]:
+            variant_with_answer = with_answers(family_device, variant, {question.name: answer.name})
+            changed_verdicts = changed_verdicts_of(verdict_rules, variant, variant_with_answer)
+            if changed_verdicts:
+                answer_link = markdown_link(f"With {code_span(answer.name)}", f"#alternative-{question.name}")
+                yield answer_link, "; ".join(changed_verdicts)
+
+
+def _range_of_signed_number(family_device: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
+    """Return a signed field and its range, such as ``position, in two's complement, -512 to 511``."""
+    lowest, highest = family_device.signed_range(placed_field, placed_layout)
+    return f"{code_span(placed_field.name)}, in two's complement, {group_digits(lowest)} to {group_digits(highest)}"
+
+
+def _flags_with_places(names_and_places: Sequence[tuple[str, str]]) -> Iterator[str]:
+    """Yield flags with their places: ``error (byte 1, bit 0)``, then ``warning (bit 1)`` in the same byte."""
+    previous_byte = ""
+    for flag_name, place in names_and_places:
+        # The byte is empty for a frame of bits, whose places look like ``bit 7``.
+        byte, _, bit = place.rpartition(", ")
+        short_place = bit if byte == previous_byte else place
+        yield f"{flag_name} ({short_place})"
+        previous_byte = byte
+
+
+def crc_line(family_device: Device, crc: Crc) -> str:
+    """Return the parameters of a CRC in one line. The polynomial includes its top bit."""
+    polynomial = _EXPONENT_IN_TEXT.sub(_in_superscript, crc.polynomial)
+    crc_properties = [
+        f"poly `0x{crc.poly_with_top_bit:X}` ({escape(polynomial)})",
+        f"init {crc.init:#x}" if crc.init else "init 0",
+        crc_reflected(family_device, crc),
+        crc_inverted(crc),
+        count_with_unit(crc.width, "bit"),
+        "over everything before it",
+    ]
+    xor_sentence = ". It equals the XOR of these bytes" if crc.is_xor else ""
+    return ", ".join(filter(None, crc_properties)) + xor_sentence
+
+
+def _in_superscript(exponent: re.Match[str]) -> str:
+    """Return an exponent such as ``^6`` in superscript digits."""
+    return exponent[1].translate(_SUPERSCRIPT_DIGITS)

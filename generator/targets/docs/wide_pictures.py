@@ -22,8 +22,8 @@ from .layout_pictures import (
 )
 
 #: Width of the picture, and of the narrowest screen that shows it instead of the picture with a row for each byte.
-WIDE, SCREEN = 720.0, 700
-_MARGIN, _RULER, _BOX, _LINE, _SIZE = 8.0, 24.0, 44.0, 18.0, 11
+PICTURE_WIDTH, NARROWEST_SCREEN = 720.0, 700
+_MARGIN, _RULER_HEIGHT, _BOX_HEIGHT, _LINE_HEIGHT, _TEXT_SIZE = 8.0, 24.0, 44.0, 18.0, 11
 #: Average width of a letter as a fraction of the font size.
 _LETTER_WIDTH = 0.54
 
@@ -46,7 +46,7 @@ class _Cell:
         The box stays empty if a word is wider than the box, or if the name needs more than two lines.
         """
         # The text keeps a distance of 2 pixels from each side.
-        letters_per_line = int((self.right - self.left - 4) / (_SIZE * _LETTER_WIDTH))
+        letters_per_line = int((self.right - self.left - 4) / (_TEXT_SIZE * _LETTER_WIDTH))
         longest_word = max(len(word) for word in (*self.name.split(" "), self.place))
         if longest_word > letters_per_line:
             return []
@@ -69,30 +69,31 @@ def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
         stack = byte_stack(caption, placed_layout) if in_bytes else bit_stack(caption, placed_layout)
         stacks.append(stack)
         if caption:
-            body.append(draw_text(_MARGIN, top + 13, caption, size=_SIZE, anchor="start", bold=True))
-            top += _LINE
+            body.append(draw_text(caption, x=_MARGIN, y=top + 13, size=_TEXT_SIZE, anchor="start", bold=True))
+            top += _LINE_HEIGHT
         elements, top = _frame_elements(placed_layout, stack, top)
         body += elements
-    return create_picture(title, body, width=WIDE, height=top, description=text_alternative(stacks))
+    return create_picture(title, body, width=PICTURE_WIDTH, height=top, description=text_alternative(stacks))
 
 
 def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], float]:
     """Return the elements of one frame that starts at ``top``, and the top of the next frame."""
-    box_top = top + _RULER
+    box_top = top + _RULER_HEIGHT
     if placed_layout.layout.in_bytes:
         cells = list(_byte_cells(stack))
-        marks = list(_byte_marks(stack))
+        ruler_marks = list(_byte_marks(stack))
     else:
         cells = list(_bit_cells(placed_layout))
-        marks = list(_bit_marks(placed_layout))
-    elements = [
-        draw_text(x, top + 12, mark_text, size=_SIZE, anchor=anchor, faint=True) for x, mark_text, anchor in marks
-    ]
+        ruler_marks = list(_bit_marks(placed_layout))
+    elements: list[str] = []
+    for x, mark_text, anchor in ruler_marks:
+        elements.append(draw_text(mark_text, x=x, y=top + 12, size=_TEXT_SIZE, anchor=anchor, faint=True))
     for cell in cells:
         elements += _cell_elements(cell, box_top)
     if not placed_layout.layout.in_bytes:
-        elements.append(f'<path d="{_ruler_ticks(placed_layout.bits, box_top)}" class="line"/>')
-    bottom = box_top + _BOX
+        ticks_path = _ruler_ticks(placed_layout.bits, box_top)
+        elements.append(f'<path d="{ticks_path}" class="line"/>')
+    bottom = box_top + _BOX_HEIGHT
     for line_bottom, element in _names_below(cells, bottom + 4):
         elements.append(element)
         bottom = max(bottom, line_bottom)
@@ -101,13 +102,15 @@ def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tu
 
 def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
     """Yield the box of a cell and the lines inside it. If the cell has a place, the last line shows it."""
-    yield draw_box(cell.left, top, box_width=cell.right - cell.left, box_height=_BOX, fill=cell.fill)
+    yield draw_box(left=cell.left, top=top, box_width=cell.right - cell.left, box_height=_BOX_HEIGHT, fill=cell.fill)
+    center = (cell.left + cell.right) / 2
+    last_index = len(cell.lines) - 1
     # The lines are 14 pixels apart and centered in the box.
-    first_baseline = top + _BOX / 2 + 4.5 - 7 * (len(cell.lines) - 1)
+    baseline = top + _BOX_HEIGHT / 2 + 4.5 - 7 * last_index
     for index, box_text in enumerate(cell.lines):
-        is_place = bool(cell.place) and index == len(cell.lines) - 1
-        baseline = first_baseline + 14 * index
-        yield draw_text((cell.left + cell.right) / 2, baseline, box_text, size=_SIZE, anchor="middle", faint=is_place)
+        is_place = bool(cell.place) and index == last_index
+        yield draw_text(box_text, x=center, y=baseline, size=_TEXT_SIZE, anchor="middle", faint=is_place)
+        baseline += 14
 
 
 def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
@@ -149,12 +152,12 @@ def _byte_cells(stack: Stack) -> Iterator[_Cell]:
 
 def _bit_width(bits: int) -> float:
     """Return the width of one bit, in pixels, for a frame of this many bits."""
-    return (WIDE - 2 * _MARGIN) / bits
+    return (PICTURE_WIDTH - 2 * _MARGIN) / bits
 
 
 def _byte_width(stack: Stack) -> float:
     """Return the width of one byte, in pixels."""
-    return (WIDE - 2 * _MARGIN) / len(stack.rows)
+    return (PICTURE_WIDTH - 2 * _MARGIN) / len(stack.rows)
 
 
 def _bit_marks(placed_layout: PlacedLayout) -> Iterator[tuple[float, str, str]]:
@@ -196,12 +199,12 @@ def _names_below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, st
     for cell in cells:
         if not cell.lines:
             # The color box with its gap takes 16 pixels, and 16 more follow the text.
-            width_with_box = 16 + text_width(cell.about, _SIZE) + 16
-            is_line_full = left + width_with_box > WIDE - _MARGIN
+            width_with_box = 16 + text_width(cell.about, _TEXT_SIZE) + 16
+            is_line_full = left + width_with_box > PICTURE_WIDTH - _MARGIN
             if is_line_full and left > _MARGIN:
                 left = _MARGIN
-                top += _LINE
-            bottom = top + _LINE
-            yield bottom, draw_box(left, top + 4, box_width=10, box_height=10, fill=cell.fill)
-            yield bottom, draw_text(left + 16, top + 13, cell.about, size=_SIZE, anchor="start")
+                top += _LINE_HEIGHT
+            bottom = top + _LINE_HEIGHT
+            yield bottom, draw_box(left=left, top=top + 4, box_width=10, box_height=10, fill=cell.fill)
+            yield bottom, draw_text(cell.about, x=left + 16, y=top + 13, size=_TEXT_SIZE, anchor="start")
             left += width_with_box

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from ...masters.frame_parts import cable_table
+from ...masters.frame_parts import CableTable, cable_table
 from ...model import (
     Biss,
     Clock,
@@ -59,7 +59,8 @@ def wiring_table(device: Device, order_codes: Sequence[str]) -> Wiring:
     signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
     about_columns = []
     for head, column in zip(heads, columns, strict=True):
-        about_columns.append(f"{head}: {', or '.join(map(_anchored_title, column))}")
+        titles = ", or ".join(map(_anchored_title, column))
+        about_columns.append(f"{head}: {titles}")
     return Wiring(
         head=(*heads, "Signal"),
         rows=tuple(_build_row(columns, signal, order_codes) for signal in signals),
@@ -197,9 +198,11 @@ def _short_names(titles: Sequence[str]) -> list[str]:
 def _contact_list(contacts: Sequence[str]) -> str:
     """Return contacts as a list, or as a range if they are three or more consecutive numbers: ``3 to 6``."""
     numbers = [int(contact) for contact in contacts if contact.isdecimal()]
-    are_several_numbers = len(numbers) == len(contacts) > 2
-    if are_several_numbers and numbers == list(range(numbers[0], numbers[-1] + 1)):
-        return f"{numbers[0]} to {numbers[-1]}"
+    has_only_numbers = len(numbers) == len(contacts)
+    if has_only_numbers and len(numbers) > 2:
+        first, last = numbers[0], numbers[-1]
+        if numbers == list(range(first, last + 1)):
+            return f"{first} to {last}"
     return ", ".join(contacts)
 
 
@@ -220,7 +223,11 @@ def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
             codes_by_supply.setdefault(_supply_text(variant_supply), []).append(variant.code)
     if len(codes_by_supply) == 1:
         return list(codes_by_supply)
-    return [f"{supply} with {', '.join(map(code_span, codes))}" for supply, codes in codes_by_supply.items()]
+    lines = []
+    for supply, codes in codes_by_supply.items():
+        listed_codes = ", ".join(map(code_span, codes))
+        lines.append(f"{supply} with {listed_codes}")
+    return lines
 
 
 def _supply_text(supply: Supply) -> str:
@@ -235,15 +242,22 @@ def unstated_facts(family_device: Device, interface: Interface, subjects: Mappin
     line says that the manual does not state it. Otherwise, it links to the texts that may.
     """
     sentences = []
-    unmentioned = [label for label, subject in subjects.items() if not mentions(family_device, interface, subject)]
-    if unmentioned:
-        sentences.append(f"The {word_for_document(family_device)} does not state the {' or the '.join(unmentioned)}.")
-    mentioned = [label for label in subjects if label not in unmentioned]
-    if mentioned:
-        places = [markdown_link("times", "#timings")]
+    unmentioned_labels = []
+    mentioned_labels = []
+    for label, subject in subjects.items():
+        if mentions(family_device, interface, subject):
+            mentioned_labels.append(label)
+        else:
+            unmentioned_labels.append(label)
+    if unmentioned_labels:
+        unmentioned_facts = " or the ".join(unmentioned_labels)
+        sentences.append(f"The {word_for_document(family_device)} does not state the {unmentioned_facts}.")
+    if mentioned_labels:
+        mentioned_facts = " and the ".join(mentioned_labels)
+        section_links = [markdown_link("times", "#timings")]
         if family_device.characteristics:
-            places.append(markdown_link("characteristics", "hardware.md#characteristics"))
-        sentences.append(f"For the {' and the '.join(mentioned)}, see {' and '.join(places)}.")
+            section_links.append(markdown_link("characteristics", "hardware.md#characteristics"))
+        sentences.append(f"For the {mentioned_facts}, see {' and '.join(section_links)}.")
     if sentences:
         yield " ".join(sentences)
 
@@ -305,30 +319,38 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     # The order codes of a page share their clock.
     clock = interface.clocks[0]
     facts = [f"Clock: {clock_words(clock)} ({citation(clock.source)})."]
-    lengths = _frame_lengths(device, layout) if layout is not None else []
+    frame_lengths = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
-    clocked_lengths = [bits + start_bits for bits in lengths]
-    if lengths:
+    clocked_lengths = [bits + start_bits for bits in frame_lengths]
+    if frame_lengths:
         example_hz = _example_clock(clock)
+        lengths_text = _joined_by_or(map(str, frame_lengths))
         durations = _duration_range(clocked_lengths, example_hz)
         with_start_bits = ", including the start bit and the CDS bit" if start_bits else ""
-        facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
+        facts.append(f"{lengths_text} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
     facts += _pause_sentences(family_device, interface)
     cable_clocks = cable_table(device, interface)
-    cable_rows: list[Row] = []
-    lowest_hz = clock.min_hz or 0
-    for cable in cable_clocks.rows:
-        if clock.fastest_hz is not None and cable.hz >= lowest_hz:
-            clock_hz = min(cable.hz, clock.fastest_hz)
-            cable_rows.append((f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)))
+    cable_rows = list(_cable_rows(clock, cable_clocks, clocked_lengths))
     if cable_rows:
         clock_limit = _limit_of_used_clocks(clock)
         facts.append(f"The clock for each cable length is from {escape(cable_clocks.origin)}{clock_limit}.")
+    # The manual gives lengths and clocks that a cable must stay below.
     if any(cable.is_below for cable in cable_clocks.rows):
         head = ("Cable below", "Clock below", "Frame above")
     else:
         head = ("Cable up to", "Clock up to", "Frame")
     return SpeedSection(title="Clock and cable", facts=tuple(facts), head=head, rows=tuple(cable_rows))
+
+
+def _cable_rows(clock: Clock, cable_clocks: CableTable, clocked_lengths: Sequence[int]) -> Iterator[Row]:
+    """Yield rows of cable length, clock, frame duration. ``clocked_lengths`` are the lengths of a frame in clocks."""
+    if clock.fastest_hz is None:
+        return
+    lowest_hz = clock.min_hz or 0
+    for cable in cable_clocks.rows:
+        if cable.hz >= lowest_hz:
+            clock_hz = min(cable.hz, clock.fastest_hz)
+            yield f"{cable.metres} m", hertz(clock_hz), _duration_range(clocked_lengths, clock_hz)
 
 
 def _example_clock(clock: Clock) -> int:
@@ -369,23 +391,28 @@ def _baud_section(family_device: Device, device: Device, interface: Rs485) -> Sp
     start_bit = 1
     parity_bits = 0 if port.parity == "none" else 1
     bits_per_byte = start_bit + port.data_bits + parity_bits + port.stop_bits
-    reply_sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
+    reply_sizes = {layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"}
     durations = []
-    for size in (1, *reply_sizes):
-        durations.append(f"{count_with_unit(size, 'byte')} {_duration_text(size * bits_per_byte, port.baud)}")
+    for number_of_bytes in (1, *sorted(reply_sizes)):
+        duration = _duration_text(number_of_bytes * bits_per_byte, port.baud)
+        durations.append(f"{count_with_unit(number_of_bytes, 'byte')} {duration}")
     # The first setting of a serial interface is its baud rate.
-    baud_rate = MARKDOWN.phrase(next(iter(describe_settings(device, interface))))
+    baud_rate = next(iter(describe_settings(device, interface)))
+    further_subjects = {"reply time": Topic.REPLY_TIME, "cable length": Topic.CABLE}
     facts = (
-        f"{baud_rate} ({citation(port.source)}).",
+        f"{MARKDOWN.phrase(baud_rate)} ({citation(port.source)}).",
         f"Duration ({bits_per_byte} bits per byte): {', '.join(durations)}.",
-        *unstated_facts(family_device, interface, {"reply time": Topic.REPLY_TIME, "cable length": Topic.CABLE}),
+        *unstated_facts(family_device, interface, further_subjects),
     )
     return SpeedSection("Baud rate and times", facts)
 
 
 def _frame_lengths(device: Device, layout: Layout) -> list[int]:
     """Return the possible lengths of a frame in bits, which answers to open questions can change."""
-    return sorted({layout.sent_bits.value(sets) for _, sets in answer_combinations(device.alternatives_of(layout))})
+    lengths: set[int] = set()
+    for _, parameters in answer_combinations(device.alternatives_of(layout)):
+        lengths.add(layout.sent_bits.value(parameters))
+    return sorted(lengths)
 
 
 def _joined_by_or(alternatives: Iterable[str]) -> str:

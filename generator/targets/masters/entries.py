@@ -13,7 +13,7 @@ from ...masters.writing import ObjectWrite, write_order
 from ...model.lookup import first_or_raise
 from ...model.record import dataclass
 
-Raw = Mapping[str, Any]
+YamlMapping = Mapping[str, Any]
 Value = int | bool | str
 
 
@@ -120,25 +120,26 @@ class Content:
         return self.channels[0].entries if self.channels else ()
 
 
-def content_of_file(sheet: SettingsSheet, rule: Raw, device: str) -> Content:
+def content_of_file(sheet: SettingsSheet, rule: YamlMapping, device: str) -> Content:
     """Return the content of a file for a device of a master, whose description of the file is ``rule``.
 
     For each setting that the file leaves out, and for each value that the format cannot express, the content has a
     sentence with the reason.
     """
-    format_ = FILE_FORMATS[rule["format"]]
+    file_format = FILE_FORMATS[rule["format"]]
     file_values: list[FileValue] = []
     omissions: list[str] = []
     for setting, writes_before, writes_after in _settings_in_write_order(sheet):
-        reason = _reason_to_leave_out(setting, sheet, format_)
-        if reason:
-            omissions.append(f"{setting.name}: {reason}.")
+        reason_to_leave_out = _reason_to_leave_out(setting, sheet, file_format)
+        if reason_to_leave_out:
+            omissions.append(f"{setting.name}: {reason_to_leave_out}.")
             continue
         to_write: tuple[Setting | ObjectWrite, ...] = (*writes_before, setting, *writes_after)
         for setting_or_write in to_write:
-            reason = _reason_not_expressible(setting_or_write, rule, format_, device)
-            if reason:
-                omissions.append(f"{_setting_name(setting_or_write)} = {setting_or_write.text}: {reason}.")
+            reason_not_expressible = _reason_not_expressible(setting_or_write, rule, file_format, device)
+            if reason_not_expressible:
+                name = _setting_name(setting_or_write)
+                omissions.append(f"{name} = {setting_or_write.text}: {reason_not_expressible}.")
             else:
                 file_values += _file_values(setting_or_write, rule, device)
     return Content(
@@ -171,7 +172,7 @@ def _settings_in_write_order(sheet: SettingsSheet) -> Iterator[tuple[Setting, li
         yield setting, writes_before, writes_after
 
 
-def _reason_to_leave_out(setting: Setting, sheet: SettingsSheet, format_: FileFormat) -> str:
+def _reason_to_leave_out(setting: Setting, sheet: SettingsSheet, file_format: FileFormat) -> str:
     """Return the reason that files leave out a setting, or an empty string if they contain it.
 
     Files leave out a setting without a value or with only a bound that it must be below, and a factory default that
@@ -181,8 +182,10 @@ def _reason_to_leave_out(setting: Setting, sheet: SettingsSheet, format_: FileFo
         return setting.text
     if setting.bound == "below":
         return f"it must be below {setting.text}, and you choose the value"
-    is_optional = format_.needs != "name"  # a tool with names of its own needs all of them
-    if is_optional and setting.is_default and any(writing_rule.needs for writing_rule in sheet.writing_of(setting)):
+    # A tool with names of its own needs all of them.
+    is_optional = file_format.needs != "name"
+    needs_other_values = any(condition.needs for condition in sheet.writing_of(setting))
+    if is_optional and setting.is_default and needs_other_values:
         return f"{setting.text} is the factory default. Write it only if the setting was changed"
     return ""
 
@@ -193,19 +196,22 @@ def _setting_name(setting_or_write: Setting | ObjectWrite) -> str:
 
 
 def _reason_not_expressible(
-    setting_or_write: Setting | ObjectWrite, rule: Raw, format_: FileFormat, device: str
+    setting_or_write: Setting | ObjectWrite, rule: YamlMapping, file_format: FileFormat, device: str
 ) -> str:
     """Return the reason that a format cannot express a value for some location on a device, or an empty string."""
-    key = _key_in_file(setting_or_write, rule)
+    value = _setting_value(setting_or_write)
     for place in setting_or_write.places:
         if place.device == device:
-            reason = _reason_not_expressible_at(place, _setting_value(setting_or_write), key, format_)
+            if file_format.needs == "name":
+                reason = "" if _key_in_file(setting_or_write, rule) else "the file has no name for it"
+            else:
+                reason = _reason_not_expressible_at(place, value, file_format)
             if reason:
                 return reason
     return ""
 
 
-def _file_values(setting_or_write: Setting | ObjectWrite, rule: Raw, device: str) -> list[FileValue]:
+def _file_values(setting_or_write: Setting | ObjectWrite, rule: YamlMapping, device: str) -> list[FileValue]:
     """Return a value of a file for each location that a setting has on a device."""
     marks = _setting_marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
     file_values = []
@@ -223,7 +229,7 @@ def _file_values(setting_or_write: Setting | ObjectWrite, rule: Raw, device: str
     return file_values
 
 
-def _value_word(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
+def _value_word(setting_or_write: Setting | ObjectWrite, rule: YamlMapping) -> str:
     """Return a value in the notation of the file: the word for it in the master's description, or a number or text."""
     value = _setting_value(setting_or_write)
     words_by_value = rule.get("words", {}).get(_setting_name(setting_or_write), {})
@@ -239,7 +245,7 @@ def _setting_marks(setting: Setting) -> list[str]:
     return marks
 
 
-def _key_in_file(setting_or_write: Setting | ObjectWrite, rule: Raw) -> str:
+def _key_in_file(setting_or_write: Setting | ObjectWrite, rule: YamlMapping) -> str:
     """Return the name of a setting in the file, or an empty string if the master's description gives none."""
     key: str = rule.get("names", {}).get(_setting_name(setting_or_write), "")
     return key
@@ -251,22 +257,24 @@ def _setting_value(setting_or_write: Setting | ObjectWrite) -> Value:
     return setting_or_write.value
 
 
-def _reason_not_expressible_at(place: SettingPlace, value: Value, key: str, format_: FileFormat) -> str:
+def _reason_not_expressible_at(place: SettingPlace, value: Value, file_format: FileFormat) -> str:
     """Return the reason that a format cannot express a value for this location, or an empty string if it can.
 
-    ``key`` is the name of the setting in the file, which is all that a format with names needs.
+    The format needs a kind of location: an object with an index, a symbol, or bits of a register.
     """
-    if format_.needs == "name":
-        return "" if key else "the file has no name for it"
-    has_bits = place.high_bit is not None and bool(place.register or place.address is not None)
-    is_whole = place.kind in ("boolean", "unsigned", "signed") and place.bits is not None
-    available = {"object": place.index is not None and is_whole, "symbol": bool(place.symbol), "bits": has_bits}
-    if not available[format_.needs]:
-        return f"not given: {PLACE_KINDS[format_.needs]}"
+    has_register = bool(place.register) or place.address is not None
+    is_integer = place.kind in ("boolean", "unsigned", "signed") and place.bits is not None
+    has_kind_of_location = {
+        "object": place.index is not None and is_integer,
+        "symbol": bool(place.symbol),
+        "bits": place.high_bit is not None and has_register,
+    }
+    if not has_kind_of_location[file_format.needs]:
+        return f"not given: {PLACE_KINDS[file_format.needs]}"
     if not isinstance(value, int) and place.kind not in ("text", "float"):
         return "no document gives its number"
-    if isinstance(value, int) and format_.highest is not None and value > format_.highest:
-        return f"the reader of this file takes at most {format_.highest}"
+    if isinstance(value, int) and file_format.highest is not None and value > file_format.highest:
+        return f"the reader of this file takes at most {file_format.highest}"
     return ""
 
 
@@ -279,9 +287,11 @@ def _channels_of_device(sheet: SettingsSheet, device: str, file_values: Sequence
         return ()
     devices = (master_device for master_device in sheet.master.devices if master_device.name == device)
     first_name, *further_names = first_or_raise(devices, f"device '{device}' of the master").channels
-    if not any(file_value.place.channel for file_value in file_values):
-        return (Channel("" if further_names else first_name, tuple(file_values)),)
-    # The first channel also contains the shared values.
+    are_all_shared = not any(file_value.place.channel for file_value in file_values)
+    if are_all_shared:
+        name_of_single_channel = "" if further_names else first_name
+        return (Channel(name_of_single_channel, tuple(file_values)),)
+    # The first channel also contains the shared values, whose channel has no name.
     channels = [Channel(first_name, _values_of_channels(file_values, (first_name, "")))]
     channels += [Channel(name, _values_of_channels(file_values, (name,))) for name in further_names]
     return tuple(channels)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import Annotated, TypedDict
+from typing import Annotated, NamedTuple, TypedDict
 
 from ...language.master_items import FILE_FORMATS
 from ...language.problems import join_words
@@ -18,6 +18,7 @@ from ...masters.record import EncoderFacts
 from ...masters.sheet import Master, SettingsSheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
+from ...model.record import dataclass
 from ...render import Templates, our_templates
 from ...say.evidence import grade_below_manual, titled_in_lists
 from ...say.markdown import escape as escape_markdown
@@ -25,7 +26,7 @@ from ...say.plain_text import text_on_one_line, wrap_text
 from ...say.text import PLAIN_STYLE
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
-from .entries import Channel, Content, Raw, content_of_file
+from .entries import Channel, Content, YamlMapping, content_of_file
 
 _TEXT_WIDTH = 120
 _ONE_FILE_EACH = "each"
@@ -53,7 +54,8 @@ def file_text(
     device: Device,
     order_codes: Sequence[str],
     sheet: SettingsSheet,
-    rule: Raw,
+    *,
+    rule: YamlMapping,
     master_device: str,
     library: Library | None = None,
     is_short: bool = False,
@@ -74,35 +76,31 @@ def file_text(
     if file_content is None:
         file_content = content_of_file(sheet, rule, master_device)
     written_keys = {file_value.key for file_value in file_content.entries}
-    head = list(_paragraphs_on_content(file_content, is_short))
+    head: list[str] = []
     if not is_short:
-        head = [*_first_paragraphs(device, order_codes, sheet, rule, master_device), *head]
+        format_title = FILE_FORMATS[rule["format"]].title
+        head.append(f"{master_device} with {', '.join(order_codes)}. For {format_title}.")
+        head += _paragraphs_on_origin(device, [sheet], rule, master_device)
+    head += _paragraphs_on_content(file_content, is_short)
     values: MasterFile = {
         "head": head,
         "content": file_content,
         "channels": file_content.channels[:1] if is_short else file_content.channels,
+        # "24-X" becomes "_24_X".
         "name": re.sub(r"\W|^(?=\d)", "_", order_codes[0], flags=re.ASCII),
         "device": master_device,
         "also": {key: value for key, value in rule.get("also", {}).items() if key not in written_keys},
         "line": rule.get("line", ""),
     }
-    return TEMPLATES.render(f"{rule['format']}.jinja", values, library.own_templates if library is not None else None)
-
-
-def _first_paragraphs(
-    device: Device, order_codes: Sequence[str], sheet: SettingsSheet, rule: Raw, master_device: str
-) -> Iterator[str]:
-    """Yield the purpose of the file, and the origin of its values."""
-    format_ = FILE_FORMATS[rule["format"]]
-    yield f"{master_device} with {', '.join(order_codes)}. For {format_.title}."
-    yield from _paragraphs_on_origin(device, [sheet], rule, master_device)
+    own_templates = library.own_templates if library is not None else None
+    return TEMPLATES.render(f"{rule['format']}.jinja", values, own_templates)
 
 
 def _paragraphs_on_origin(
-    device: Device, sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
+    device: Device, sheets: Sequence[SettingsSheet], rule: YamlMapping, master_device: str
 ) -> Iterator[str]:
     """Yield the paragraphs on the evidence for a file: the manual, the cited documents of the master, and the tests."""
-    format_, manual = FILE_FORMATS[rule["format"]], device.manual
+    manual = device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
     yield from map(PLAIN_STYLE.sentence, grade_below_manual(device))
     cited_keys: set[str] = set()
@@ -113,10 +111,9 @@ def _paragraphs_on_origin(
     documents = [document for document in sheets[0].master.documents if document.key in cited_keys]
     cited_documents = "; ".join(f"{document.key}: {document.title}" for document in documents)
     yield f"From the documents of the master: {cited_documents}."
-    reader = "Not yet read by its tool."
-    if format_.reader:
-        reader = f"Read by {format_.reader}, see docs/master/master-files.md."
-    yield f"Not yet tested on hardware. {reader} Form of the file: {cited(rule['source'])}."
+    reader = FILE_FORMATS[rule["format"]].reader
+    reader_sentence = f"Read by {reader}, see docs/master/master-files.md." if reader else "Not yet read by its tool."
+    yield f"Not yet tested on hardware. {reader_sentence} Form of the file: {cited(rule['source'])}."
 
 
 def _places_on_device(sheet: SettingsSheet, master_device: str) -> Iterator[SettingPlace]:
@@ -130,12 +127,12 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
 
     Unless ``is_short`` is True, the conditions on writing follow.
     """
-    derived = _names_with_mark(file_content, "derived")
-    if derived:
-        yield f"Derived, not stated in a document: {join_words(derived)}."
-    starts = _names_with_mark(file_content, "start with")
-    if starts:
-        initial_values = join_words(starts)
+    derived_names = _names_with_mark(file_content, "derived")
+    if derived_names:
+        yield f"Derived, not stated in a document: {join_words(derived_names)}."
+    initial_names = _names_with_mark(file_content, "start with")
+    if initial_names:
+        initial_values = join_words(initial_names)
         yield f"Only a value to start with, because the highest clock of the encoder is not known: {initial_values}."
     for sentence in file_content.left_out:
         yield f"Not in this file: {sentence}"
@@ -145,15 +142,15 @@ def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[st
 
 def _names_with_mark(file_content: Content, mark: str) -> list[str]:
     """Return the names of the values that have a mark, such as ``derived``, each once."""
-    return list(dict.fromkeys(file_value.name for file_value in file_content.entries if mark in file_value.mark))
+    names = [file_value.name for file_value in file_content.entries if mark in file_value.mark]
+    return list(dict.fromkeys(names))
 
 
 def comment(paragraphs: Sequence[str], prefix: str) -> str:
     """Return paragraphs as a comment whose lines begin with ``prefix``, which is ``<!--`` in XML."""
     if prefix == "<!--":
-        lines = [
-            wrap_text(comment_text(paragraph), _TEXT_WIDTH, prefix="       ", first="     ") for paragraph in paragraphs
-        ]
+        safe_paragraphs = map(comment_text, paragraphs)
+        lines = [wrap_text(paragraph, _TEXT_WIDTH, prefix="       ", first="     ") for paragraph in safe_paragraphs]
         return "\n".join(["<!--", *lines, "-->"])
     if prefix == "//":
         # A backslash at the end of a line would continue it.
@@ -199,27 +196,34 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
 def _files_of_family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of each file of a family, and a function that returns its text."""
-    is_one_file_each = options.get(_ORDER_CODES_OPTION.name, _ORDER_CODES_OPTION.default) == _ONE_FILE_EACH
-    files_of_device = _file_of_each_order_code if is_one_file_each else _bulk_file
+    files_option = options.get(_ORDER_CODES_OPTION.name, _ORDER_CODES_OPTION.default)
     masters = shipped_masters()
     interface_sheets = sheets_of(device, masters)
     for index, master in enumerate(masters):
         # The sheets of a group of order codes are in the order of the masters.
         usable_sheets = list(_usable_sheets(interface_sheets, index))
         for rule in master.files:
+            # Each device once, in the order of the sheets.
             master_devices: dict[str, None] = {}
-            for sheet, _, _ in usable_sheets:
-                master_devices |= dict.fromkeys(sheet.devices_with(rule))
+            for sheet_of_codes in usable_sheets:
+                master_devices |= dict.fromkeys(sheet_of_codes.sheet.devices_with(rule))
             for master_device in master_devices:
-                start = _start_of_path(master, rule, master_device)
-                sheets = []
-                for sheet, record, order_codes in usable_sheets:
-                    if master_device not in sheet.unusable_devices:
-                        sheets.append((sheet, record, order_codes))
-                yield from files_of_device(start, device, sheets, rule, master_device, library)
+                file_of_codes = _FileOfCodes(
+                    path_start=_start_of_path(master, rule, master_device),
+                    device=device,
+                    sheets=[codes for codes in usable_sheets if master_device not in codes.sheet.unusable_devices],
+                    rule=rule,
+                    master_device=master_device,
+                    library=library,
+                )
+                if files_option == _ONE_FILE_EACH:
+                    yield from _file_of_each_order_code(file_of_codes)
+                else:
+                    suffix = FILE_FORMATS[rule["format"]].suffix
+                    yield f"{file_of_codes.path_start}{device.name}{suffix}", partial(_bulk_text, file_of_codes)
 
 
-def _start_of_path(master: Master, rule: Raw, master_device: str) -> str:
+def _start_of_path(master: Master, rule: YamlMapping, master_device: str) -> str:
     """Return the folder and the beginning of the names of files, such as ``masters/acme/c_struct/m100-``.
 
     If the master has only one device, the names have no such beginning, and the result is only the folder.
@@ -231,8 +235,8 @@ def _start_of_path(master: Master, rule: Raw, master_device: str) -> str:
     return f"{folder}{device_name}-"
 
 
-def _usable_sheets(interface_sheets: Sequence[GroupSheets], master_index: int) -> Iterator[SheetOfCodes]:
-    """Yield the settings of a master, each with the record and the order codes that share them.
+def _usable_sheets(interface_sheets: Sequence[GroupSheets], master_index: int) -> Iterator[_SheetOfCodes]:
+    """Yield the settings of a master, each with the facts and the order codes that share them.
 
     Order codes that the master cannot read are left out. ``master_index`` is the index of the master in the list of
     all masters.
@@ -241,12 +245,15 @@ def _usable_sheets(interface_sheets: Sequence[GroupSheets], master_index: int) -
         _, sheets = group_sheets.sheets[master_index]
         for sheet, group in zip(sheets, group_sheets.groups, strict=True):
             if not sheet.refusals:
-                yield sheet, group.record, group.codes
+                yield _SheetOfCodes(sheet=sheet, record=group.record, order_codes=group.codes)
 
 
 def _format_page(library: Library, files: Iterable[str]) -> str:
     """Return the README, which lists the formats of masters. Formats without a path in ``files`` are left out."""
-    folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
+    folders: set[str] = set()
+    for path in files:
+        folder, _, _ = path.rpartition("/")
+        folders.add(folder.removeprefix("masters/"))
     rows: list[dict[str, str]] = []
     for master in shipped_masters():
         rows += [_index_row(master, rule["format"]) for rule in master.files]
@@ -259,36 +266,72 @@ def _format_page(library: Library, files: Iterable[str]) -> str:
 
 def _index_row(master: Master, format_name: str) -> dict[str, str]:
     """Return the row of the README for a format of a master, with its folder and the program that reads it."""
-    format_ = FILE_FORMATS[format_name]
+    file_format = FILE_FORMATS[format_name]
     return {
         "master": master.title,
         "format": format_name,
         "folder": f"{master.name}/{format_name}",
-        "title": format_.title,
-        "reader": format_.reader,
+        "title": file_format.title,
+        "reader": file_format.reader,
     }
 
 
-#: The settings of order codes, with the record and the codes that share them.
-SheetOfCodes = tuple[SettingsSheet, EncoderFacts, Sequence[str]]
+class _SheetOfCodes(NamedTuple):
+    """Settings of order codes for a master, with the facts that these order codes share."""
+
+    sheet: SettingsSheet
+    record: EncoderFacts
+    order_codes: Sequence[str]
 
 
-def _file_of_each_order_code(
-    start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
-) -> Iterator[tuple[str, Callable[[], str]]]:
+@dataclass(frozen=True, slots=True)
+class _FileOfCodes:
+    """File of a master for a family, or the files for its order codes. Their paths begin with ``path_start``.
+
+    ``rule`` is the entry of ``files`` in the description of the master, and ``master_device`` the device of the master.
+    """
+
+    path_start: str
+    device: Device
+    sheets: Sequence[_SheetOfCodes]
+    rule: YamlMapping
+    master_device: str
+    library: Library
+
+    def text(
+        self,
+        order_codes: Sequence[str],
+        sheet: SettingsSheet,
+        is_short: bool = False,
+        file_content: Content | None = None,
+    ) -> str:
+        """Return the text for order codes that have these settings. If ``is_short``, it lacks what all codes share."""
+        return file_text(
+            self.device,
+            order_codes,
+            sheet,
+            rule=self.rule,
+            master_device=self.master_device,
+            library=self.library,
+            is_short=is_short,
+            file_content=file_content,
+        )
+
+
+def _file_of_each_order_code(files: _FileOfCodes) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of a file for each order code, and a function that returns its text.
 
-    Each path is ``start``, the order code, and the answers to questions that the manual leaves open.
+    Each path has the order code, and the answers to questions that the manual leaves open.
     """
-    suffix = FILE_FORMATS[rule["format"]].suffix
+    suffix = FILE_FORMATS[files.rule["format"]].suffix
     labels: list[str] = []
     text_functions: list[Callable[[], str]] = []
-    for sheet, record, order_codes in sheets:
-        for order_code in order_codes:
-            labels.append(_code_and_answers(order_code, record))
-            text_functions.append(partial(file_text, device, [order_code], sheet, rule, master_device, library))
+    for sheet_of_codes in files.sheets:
+        for order_code in sheet_of_codes.order_codes:
+            labels.append(_code_and_answers(order_code, sheet_of_codes.record))
+            text_functions.append(partial(files.text, [order_code], sheet_of_codes.sheet))
     for name, text_function in zip(names_of_codes(labels), text_functions, strict=True):
-        yield f"{start}{name}{suffix}", text_function
+        yield f"{files.path_start}{name}{suffix}", text_function
 
 
 def _code_and_answers(code: str, record: EncoderFacts) -> str:
@@ -296,67 +339,80 @@ def _code_and_answers(code: str, record: EncoderFacts) -> str:
     return "-".join((code, *record.answers.values()))
 
 
-def _bulk_file(
-    start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
-) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path of the one file for all order codes, and a function that returns its text."""
-    path = f"{start}{device.name}{FILE_FORMATS[rule['format']].suffix}"
-    yield path, partial(_bulk_text, device, sheets, rule, master_device, library)
-
-
-def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library) -> str:
+def _bulk_text(bulk_file: _FileOfCodes) -> str:
     """Return the text of a bulk file. Order codes with the same content and the same answers share a block."""
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
     sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], SettingsSheet] = {}
-    for sheet, record, codes in sheets:
-        content_and_answers = (content_of_file(sheet, rule, master_device), tuple(record.answers.items()))
-        codes_by_content.setdefault(content_and_answers, []).extend(codes)
-        sheet_by_content.setdefault(content_and_answers, sheet)
+    for sheet_of_codes in bulk_file.sheets:
+        file_content = content_of_file(sheet_of_codes.sheet, bulk_file.rule, bulk_file.master_device)
+        content_and_answers = (file_content, tuple(sheet_of_codes.record.answers.items()))
+        codes_by_content.setdefault(content_and_answers, []).extend(sheet_of_codes.order_codes)
+        sheet_by_content.setdefault(content_and_answers, sheet_of_codes.sheet)
     blocks = []
-    for (file_content, answers), codes in codes_by_content.items():
-        choices = " and ".join(f"{name}={answer}" for name, answer in answers)
-        title = f"{', '.join(codes)} with {choices}" if choices else ", ".join(codes)
+    for (file_content, answers), order_codes in codes_by_content.items():
+        title = ", ".join(order_codes)
+        if answers:
+            chosen_answers = " and ".join(f"{question}={answer}" for question, answer in answers)
+            title += f" with {chosen_answers}"
         sheet = sheet_by_content[file_content, answers]
-        block = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
-        blocks.append((title, block))
-    return _joined_blocks(device, blocks, list(sheet_by_content.values()), rule, master_device)
+        block_text = bulk_file.text(order_codes, sheet, is_short=True, file_content=file_content)
+        blocks.append(_Block(title, block_text))
+    head = _bulk_head(bulk_file, list(sheet_by_content.values()))
+    return _joined_blocks(blocks, head, FILE_FORMATS[bulk_file.rule["format"]].comment)
 
 
-def _joined_blocks(
-    device: Device, blocks: Sequence[tuple[str, str]], sheets: Sequence[SettingsSheet], rule: Raw, master_device: str
-) -> str:
-    """Return a bulk file with these blocks as comments, or in XML as children of one element.
+def _bulk_head(bulk_file: _FileOfCodes, sheets: Sequence[SettingsSheet]) -> list[str]:
+    """Return the paragraphs at the top of a bulk file: its purpose, its origin, and the conditions of writing.
 
-    A block is a title and the text of a file. ``sheets`` are the settings in the file, from which the documents and
-    conditions in the comment at the top are taken.
+    ``sheets`` are the settings in the file.
     """
-    format_ = FILE_FORMATS[rule["format"]]
-    head = [
-        f"{master_device} with the order codes of {device.title}. For {format_.title}.",
-        *_paragraphs_on_origin(device, sheets, rule, master_device),
-    ]
+    device, rule, master_device = bulk_file.device, bulk_file.rule, bulk_file.master_device
+    format_title = FILE_FORMATS[rule["format"]].title
+    # Each condition once, in the order of the sheets.
     conditions: dict[str, None] = {}
     for sheet in sheets:
         conditions |= dict.fromkeys(map(condition_text, sheet.writing))
-    head += conditions
-    head.append(
-        "Each block is for the first channel. A file that codewheel prints for one order code has all channels."
-    )
-    if format_.comment == "<!--":
-        head.append("Copy the element below your order code into a file of its own.")
-        elements = "".join(f"\n{comment([title], '<!--')}\n{_without_declaration(text)}" for title, text in blocks)
-        return f'<?xml version="1.0" encoding="UTF-8"?>\n{comment(head, "<!--")}\n<files>{elements}</files>\n'
-    head.append(f"Copy the lines below your order code and remove the first {format_.comment} of each line.")
-    lines = [comment(head, format_.comment)]
-    for title, text in blocks:
-        lines += ["", comment([f"=== {title}"], format_.comment)]
-        lines += [f"{format_.comment} {line}".rstrip() for line in text.splitlines()]
+    return [
+        f"{master_device} with the order codes of {device.title}. For {format_title}.",
+        *_paragraphs_on_origin(device, sheets, rule, master_device),
+        *conditions,
+        "Each block is for the first channel. A file that codewheel prints for one order code has all channels.",
+    ]
+
+
+class _Block(NamedTuple):
+    """Part of a bulk file for order codes with the same content."""
+
+    title: str
+    text: str
+
+
+def _joined_blocks(blocks: Sequence[_Block], head: Sequence[str], comment_prefix: str) -> str:
+    """Return a bulk file with these blocks as comments, or in XML as children of one element.
+
+    ``head`` are the paragraphs of the comment at its top. The lines of comments begin with ``comment_prefix``.
+    """
+    if comment_prefix == "<!--":
+        xml_head = comment([*head, "Copy the element below your order code into a file of its own."], "<!--")
+        elements = []
+        for block in blocks:
+            title_comment = comment([block.title], "<!--")
+            elements.append(f"\n{title_comment}\n{_without_declaration(block.text)}")
+        return f'<?xml version="1.0" encoding="UTF-8"?>\n{xml_head}\n<files>{"".join(elements)}</files>\n'
+    advice = f"Copy the lines below your order code and remove the first {comment_prefix} of each line."
+    lines = [comment([*head, advice], comment_prefix)]
+    for block in blocks:
+        lines += ["", comment([f"=== {block.title}"], comment_prefix)]
+        lines += [f"{comment_prefix} {line}".rstrip() for line in block.text.splitlines()]
     return "\n".join(lines) + "\n"
 
 
 def _without_declaration(text: str) -> str:
-    """Return the text of an XML file without its declaration."""
-    return text.partition("?>\n")[2] if text.startswith("<?xml") else text
+    """Return the text of an XML file without its declaration, ``<?xml … ?>``."""
+    if not text.startswith("<?xml"):
+        return text
+    _, _, text_after_declaration = text.partition("?>\n")
+    return text_after_declaration
 
 
 TEMPLATES = Templates(
