@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
@@ -103,6 +103,7 @@ def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> It
 
     New names are not listed. For other files and private modules, nothing is listed.
     """
+    parse: Callable[[str], dict[tuple[str, str], str]]
     if path.endswith(".h"):
         parse, prefix = _c_names, ""
     elif path.endswith(".py") and not _is_private_module(path):

@@ -48,7 +48,7 @@ def check_shared_facts(documents: Sequence[Document], report: ProblemReport) -> 
         _compare_documents(specs_of_manufacturer, report)
 
 
-#: A number in the title or address of a document, but not in a name such as SMA21.
+#: A number in the title or address of a document, but not in a name such as ABC21.
 _NUMBER_IN_REFERENCE = re.compile(r"(?<![A-Za-z0-9])\d+")
 
 

@@ -24,7 +24,7 @@ from codewheel.targets.biss.files import generate as biss_files
 from codewheel.targets.c.files import generate as c_files
 from codewheel.targets.docs.files import generate as pages
 from codewheel.targets.python.files import generate as python_files
-from codewheel_runtime.facts import _applies_to_code
+from codewheel_runtime.facts.interfaces import _applies_to_code
 
 ROOT = Path(__file__).parents[2]
 MADE_UP = ROOT / "tests" / "check" / "ok_model"
