@@ -27,6 +27,7 @@ from ..say import report
 from ..say.plain_text import count_with_unit
 from ..say.report import register_length
 from . import codec
+from .bits import with_bits
 
 
 def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.DecodedFrame:
@@ -154,8 +155,7 @@ def _with_field_changed(placed_layout: PlacedLayout, field_name: str, field_valu
     is_too_wide = field_value & ~placed_field.mask != 0
     if is_too_wide:
         raise codec.EncodeError(f"{field_value} does not fit '{field_name}'")
-    other_bits = old_content & ~(placed_field.mask << placed_field.low)
-    return other_bits | (field_value << placed_field.low)
+    return with_bits(old_content, placed_field, field_value)
 
 
 def _content_for_argument(device: Device, register: Register, placed_layout: PlacedLayout, argument: int) -> int:

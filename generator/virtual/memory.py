@@ -303,6 +303,7 @@ class Memory:
             return
         self._ready_at = now + (register.wait_at_least_ms or 0) / 1000
         words_of_name = command_names[0].split("_")
+        last_word = words_of_name[-1]
         if "restore" in words_of_name:
             self._restore_defaults()
         if "activate" in words_of_name:
@@ -312,9 +313,9 @@ class Memory:
         if "reset" in words_of_name:
             self.restart()
         if "simulate" in words_of_name:
-            self._encoder.flags.add(words_of_name[-1])
+            self._encoder.flags.add(last_word)
         if "clear" in words_of_name:
-            self._encoder.flags.discard(words_of_name[-1])
+            self._encoder.flags.discard(last_word)
         self._set_polled_fields(register, number)
 
     def _restore_defaults(self) -> None:

@@ -48,26 +48,26 @@ def check_value_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
             groups_with_position.update(field.use for field in frame.fields)
     for field_list in field_lists(spec):
         if field_list.owner_kind is FieldOwner.GROUP:
-            is_with_position = field_list.name in groups_with_position
+            frame_has_position = field_list.name in groups_with_position
         else:
-            is_with_position = field_list.owner.path in paths_with_position
+            frame_has_position = field_list.owner.path in paths_with_position
         for field in field_list.fields:
-            _check_verdicts_of_values(field_list, field, is_with_position, report)
+            _check_verdicts_of_values(field_list, field, frame_has_position, report)
 
 
 def _check_verdicts_of_values(
-    field_list: FieldList, field: WrittenField, is_with_position: bool, report: DocumentReport
+    field_list: FieldList, field: WrittenField, frame_has_position: bool, report: DocumentReport
 ) -> None:
     """Report each named value of a field that has a verdict on the position but cannot, or is an error without one.
 
-    ``is_with_position`` is True if the frame of the field contains the position.
+    ``frame_has_position`` is True if the frame of the field contains the position.
     """
     for name, value in field.values.items():
         if value.makes_position:
-            obstacle = _obstacle_to_verdict(field_list, field, is_with_position)
+            obstacle = _obstacle_to_verdict(field_list, field, frame_has_position)
             if obstacle:
                 report.add("value-verdict", value.place_of("makes_position"), obstacle, at_key=True)
-        elif is_with_position and names_error(name, value.printed_name):
+        elif frame_has_position and names_error(name, value.printed_name):
             message = (
                 f"{quoted(name)} is in a frame that contains the position; set 'makes_position' to the"
                 " verdict on the position while the field has this value:"
@@ -76,13 +76,13 @@ def _check_verdicts_of_values(
             report.add("makes-position-missing", value.path, message)
 
 
-def _obstacle_to_verdict(field_list: FieldList, field: WrittenField, is_with_position: bool) -> str:
+def _obstacle_to_verdict(field_list: FieldList, field: WrittenField, frame_has_position: bool) -> str:
     """Return the reason that no value of a field can have a verdict, and the fix. Empty if the values can have one.
 
-    ``is_with_position`` is True if the frame of the field contains the position.
+    ``frame_has_position`` is True if the frame of the field contains the position.
     """
     name = quoted(field.name)
-    if not is_with_position:
+    if not frame_has_position:
         return f"{_reason_without_verdict(field_list)}; remove 'makes_position'"
     if field.name in field_list.selectors:
         return f"{name} identifies the frame, so it cannot decide the verdict on the position; use another field"

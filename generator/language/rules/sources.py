@@ -298,7 +298,9 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     can_cite_two_implementations = is_corroborated and len(implementations) > 1
     if not documents_read and not can_cite_two_implementations:
         return  # Reported as missing.
-    needed_sources = [f"a source in {join_words(documents_read, 'or')}"] if documents_read else []
+    needed_sources: list[str] = []
+    if documents_read:
+        needed_sources.append(f"a source in {join_words(documents_read, 'or')}")
     if can_cite_two_implementations:
         needed_sources.append(f"two sources among {join_words(implementations)}")
     checked_data = {**spec.data, "errata": [], "examples": []}
@@ -312,10 +314,12 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
         cites_manufacturer = not cited_keys.isdisjoint(documents_read)
         cites_two_implementations = is_corroborated and len(cited_keys.intersection(implementations)) > 1
         if not cites_manufacturer and not cites_two_implementations:
-            problem = f"the grade {quoted(grade)} needs {', or '.join(needed_sources)} for each fact"
+            needed_text = ", or ".join(needed_sources)
             places_without_key = [place for key, place in keys_and_places if not key]
             first_place = places_without_key[0] if places_without_key else ""
-            report.add("evidence-grade", path, problem + _suggest_source(first_place, spec.documents))
+            suggestion = _suggest_source(first_place, spec.documents)
+            message = f"the grade {quoted(grade)} needs {needed_text} for each fact{suggestion}"
+            report.add("evidence-grade", path, message)
 
 
 def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
@@ -441,7 +445,6 @@ def _source_of_part(located_part: LocatedPart[object]) -> str:
 def check_open_quotation(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that double quotation marks come in pairs in ``printed``, the manual's text that an erratum corrects."""
     for erratum in spec.errata:
-        has_open_quotation = erratum.printed.count('"') % 2 == 1
-        if has_open_quotation:
+        if erratum.printed.count('"') % 2 == 1:
             message = "a quotation mark is not closed; text between two quotation marks is a verbatim quotation"
             report.add("open-quotation", erratum.place_of("printed"), message)
