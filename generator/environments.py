@@ -150,7 +150,7 @@ def own_loader(own_folder: Path) -> _OwnTemplates:
     return _OwnTemplates(own_folder)
 
 
-def text_of(templates: Settings, template: str, values: Mapping[str, object], own_folder: Path | None) -> str:
+def render_template(templates: Settings, template: str, values: Mapping[str, object], own_folder: Path | None) -> str:
     """Render a template of a target. ``own_folder`` is the folder of the user's templates for it.
 
     Raises:

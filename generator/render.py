@@ -66,9 +66,9 @@ class Templates:
         Raises:
             TemplateFault: A user's template has an error.
         """
-        from .environments import text_of
+        from .environments import render_template
 
-        return text_of(self, template, values, own_folder)
+        return render_template(self, template, values, own_folder)
 
 
 def tests_for(*classes: object) -> dict[str, type]:

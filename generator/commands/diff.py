@@ -291,7 +291,10 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
 
     is_old = old_side is None
     families, report, file_names = _read_side(text, cache, old_side)
-    problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
+    problems = []
+    for problem in report.problems:
+        original_name = file_names.get(problem.file, problem.file)
+        problems.append(replace(problem, file=original_name))
     if not problems:
         return _Side(tuple(families), file_names)
     problems_text = count_with_unit(len(problems), "problem")
@@ -346,9 +349,9 @@ def _read_side(
         if old_side is None:
             # With an empty sequence, families keep the content of their files, which the new version is compared with.
             no_shared_families: tuple[Family, ...] = ()
-            families, report = load_families([path], cache, migrate, no_shared_families)
+            families, report = load_families([path], cache, migrate, others=no_shared_families)
         else:
-            families, report = load_families([path], cache, None, old_side.families)
+            families, report = load_families([path], cache, others=old_side.families)
     return families, report, file_names
 
 
@@ -388,19 +391,25 @@ def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Revie
         document = documents.get(change.family, first_document)
         is_in_new_specs = change.family in documents
         path = _place_in_spec(document, change.path) if is_in_new_specs else ()
-        findings.append(_review_finding(change, document, path, side.file_names))
+        finding = _review_finding(change, document, path, original_names=side.file_names)
+        findings.append(finding)
     return findings
 
 
-def _review_finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> ReviewFinding:
-    """Return a change in the form for review tools, at its place in the new spec."""
+def _review_finding(
+    change: Change, document: Document, path: SpecPath, *, original_names: Mapping[str, str]
+) -> ReviewFinding:
+    """Return a change in the form for review tools, at its place in the new spec.
+
+    ``original_names`` has the names of files from a git revision, by the names of the temporary files that were read.
+    """
     from ..changes.report import describe_effect
     from .review_formats import ReviewFinding
 
     line_number, column = document.position(path)
     file = document.file_of(path) or document.file
     return ReviewFinding(
-        file=file_names.get(file, file),
+        file=original_names.get(file, file),
         line=line_number,
         column=column,
         rule=change.rule.name,

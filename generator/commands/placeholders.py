@@ -35,13 +35,12 @@ def _placeholders_of(path: Path) -> Iterator[Placeholder]:
     document = read_document(path, ProblemReport())
     if document is None:
         return
-    positions_and_paths = []
+    placeholders = []
     for path_in_spec in placeholder_paths(document.data):
         line, column = document.position(path_in_spec)
-        positions_and_paths.append((line, column, path_in_spec))
-    for line, column, path_in_spec in sorted(positions_and_paths):
         name = placeholder_name(document.data, path_in_spec)
-        yield Placeholder(file=document.file, line=line, column=column, name=name)
+        placeholders.append(Placeholder(file=document.file, line=line, column=column, name=name))
+    yield from sorted(placeholders, key=lambda placeholder: (placeholder.line, placeholder.column))
 
 
 def placeholders_data(files: Iterable[str]) -> list[dict[str, Any]]:

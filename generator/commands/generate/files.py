@@ -117,21 +117,24 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     """
     from ...targets.biss.dtd import DtdError, read_dtd, validation_errors
 
-    idbiss_names = [name for name in files if Path(name).name.startswith("idbiss")]
-    path_by_name = {name: (output / name).as_posix() for name in idbiss_names}
+    idbiss_texts: dict[str, str] = {}
+    for path, text in files.items():
+        if Path(path).name.startswith("idbiss"):
+            idbiss_texts[(output / path).as_posix()] = text
     dtd_errors: list[str] = []
     try:
         dtd_text = read_dtd(dtd)
-        for name in idbiss_names:
-            dtd_errors += validation_errors(files[name], path_by_name[name], dtd_text, dtd.as_posix())
+        for path, text in idbiss_texts.items():
+            dtd_errors += validation_errors(text, path, dtd_text, dtd_name=dtd.as_posix())
     except DtdError as error:
         raise CommandError(str(error), 2) from None
     for dtd_error in dtd_errors:
         print(dtd_error, file=sys.stderr)
     if dtd_errors:
-        raise CommandError(f"not valid against {dtd}: {count_with_unit(len(dtd_errors), 'error')}", 1)
-    for name in idbiss_names:
-        print(f"valid against {dtd}: {path_by_name[name]}")
+        number_of_errors = count_with_unit(len(dtd_errors), "error")
+        raise CommandError(f"not valid against {dtd}: {number_of_errors}", 1)
+    for path in idbiss_texts:
+        print(f"valid against {dtd}: {path}")
 
 
 def changed_files(
@@ -150,7 +153,8 @@ def changed_files(
         return None
     paths = sorted({*old_files, *new_files})
     changed_paths = tuple(path for path in paths if old_files.get(path) != new_files.get(path))
-    changed_names = name_changes(old_files, new_files, {device.name for device in (*old_devices, *new_devices)})
+    family_names = {device.name for device in (*old_devices, *new_devices)}
+    changed_names = name_changes(old_files, new_files, family_names)
     return FileCounts(changed_paths, len(paths), changed_names)
 
 
@@ -176,12 +180,12 @@ def _have_same_model(device: Device, other_device: Device) -> bool:
     return device is other_device or digest == model_digest_of(other_device)
 
 
-def _rendered_files(devices: Sequence[Device], parts: FamilyParts, filters: FamilyFilters) -> Mapping[str, str]:
+def _rendered_files(devices: Sequence[Device], family_parts: FamilyParts, filters: FamilyFilters) -> Mapping[str, str]:
     """Return the files of all built-in targets, as texts by path, without families that a filter excludes."""
     files: dict[str, str] = {}
-    for name in BUILT_IN:
-        accepted = accepted_devices(name, devices, filters)
-        target = load_target(name)
-        if accepted:
-            files |= parts.files_of(target, Library(accepted), target.defaults)
+    for target_name in BUILT_IN:
+        devices_of_target = accepted_devices(target_name, devices, filters)
+        target = load_target(target_name)
+        if devices_of_target:
+            files |= family_parts.files_of(target, Library(devices_of_target), target.defaults)
     return files
