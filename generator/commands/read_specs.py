@@ -27,7 +27,7 @@ from ..language.files import (
     packaged_families,
 )
 from ..loading.configuration import BUILT_IN, PYPROJECT, Configuration, Faulty
-from ..say.plain_text import count_with_unit, first_of
+from ..say.plain_text import first_of
 from .terminal import CommandError, error_after_printing, refuse_missing
 
 if TYPE_CHECKING:
@@ -387,10 +387,6 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
             add_error(report, settings.file, place, rule="undefined-reference", message=message)
 
 
-#: Highest number of files in the line about the specs that were read. The others are counted.
-_MAX_FILES = 8
-
-
 def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the user's specs for a command that writes or checks something, and check the targets in the settings.
 
@@ -413,41 +409,3 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
     specs = find_specs_to_read(named)
     refuse_unknown_targets(specs.settings)
     return specs
-
-
-def read_line(
-    families: Iterable[str], report: ProblemReport, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
-) -> str:
-    """Return a line that names the specs that were read, so that users notice a forgotten path.
-
-    ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` are the specs that they refer to.
-    """
-    # A file that was skipped in a folder may have been read because the user named it.
-    skipped_files = [file for file in report.passed_over if file not in report.files]
-    skipped_text = f"; skipped: {first_of(skipped_files, _MAX_FILES)}" if skipped_files else ""
-    if packaged:
-        packaged_text = _packaged_text(families, report, packaged, packaged_files)
-        return f"{packaged_text}{skipped_text}"
-    number_of_specs = count_with_unit(len(report.files), "spec")
-    listed_files = first_of(report.files, _MAX_FILES)
-    return f"read {number_of_specs}: {listed_files}{skipped_text}"
-
-
-def _packaged_text(
-    families: Iterable[str], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
-) -> str:
-    """Return a text on the packaged families and the user's specs that were read.
-
-    ``packaged`` are the names of families or manufacturers on the command line. Files outside the folders of
-    ``packaged_files`` are the user's.
-    """
-    # A file is named after its family.
-    packaged_families_found = {path.stem for path in packaged_files}
-    families_read = ", ".join(name for name in families if name in packaged_families_found)
-    beginning = f"read the packaged specs of {', '.join(packaged)}: {families_read}"
-    packaged_folders = {os.path.realpath(path.parent) for path in packaged_files}
-    user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
-    if not user_files:
-        return beginning
-    number_of_files = count_with_unit(len(user_files), "spec")
-    return f"{beginning}, and {number_of_files} of yours: {first_of(user_files, _MAX_FILES)}"

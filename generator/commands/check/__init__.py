@@ -176,8 +176,7 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
     if form in ("github", "sarif"):
         return _review_text(report, form)
     from ...say.plain_text import count_with_unit
-    from ..placeholders import placeholder_lines
-    from ..read_specs import read_line
+    from ..placeholders import placeholder_lines, read_line
 
     lines = [problem.format() for problem in report.shown]
     lines += placeholder_lines(report.files)

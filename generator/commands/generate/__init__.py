@@ -209,8 +209,7 @@ def _line_about_specs(
 
     ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """
-    from ..placeholders import placeholder_line
-    from ..read_specs import read_line
+    from ..placeholders import placeholder_line, read_line
 
     specs_line = read_line([device.name for device in devices], report, packaged, packaged_files)
     todo_line = placeholder_line(report.files)
