@@ -86,7 +86,7 @@ class Guard:
                 # manufacturers that were read do not count.
                 missing_families = set(recorded) - families_read
                 missing_words = set(chain.from_iterable(name.split("/") for name in missing_families))
-                removed_paths = [change.path for change in target_changes if change.what == "removed"]
+                removed_paths = [change.path for change in target_changes if change.state == "removed"]
                 removed_files += [path for path in removed_paths if _has_name(path, missing_words - self._names())]
             else:
                 # An earlier version wrote the folder. Only its decode page contains the names of families.
@@ -100,7 +100,7 @@ class Guard:
 
     def _families_in_the_page(self, changes: Iterable[FileChange]) -> set[str]:
         """Return the names of families in the decode page that would be replaced and that were not read."""
-        written_paths = [change.path for change in changes if change.what == "written"]
+        written_paths = [change.path for change in changes if change.state == "written"]
         family_names: set[str] = set()
         for path in written_paths:
             if path.endswith(f"/{_DECODE_PAGE}"):
@@ -111,7 +111,7 @@ class Guard:
     def _files_without_record(self, changes: Iterable[FileChange]) -> list[str]:
         """Return the files to remove whose names contain no family that was read. An earlier version wrote them."""
         known_names = {device.name for device in self.devices} | _SHARED_NAME_PARTS
-        removed_paths = [change.path for change in changes if change.what == "removed"]
+        removed_paths = [change.path for change in changes if change.state == "removed"]
         return [path for path in removed_paths if not _has_name(path, known_names)]
 
     def _names(self) -> set[str]:

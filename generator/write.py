@@ -44,7 +44,7 @@ class FileChange:
     """Change of one file: ``written``, ``unchanged`` or ``removed``."""
 
     path: str
-    what: str
+    state: str
 
 
 def list_changes(folder: Path, target: str, files: Mapping[str, str]) -> list[FileChange]:
@@ -62,11 +62,11 @@ def list_changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Fi
     file_changes: list[FileChange] = []
     for path, text in files.items():
         is_unchanged = read_file(folder / path) == text.encode()
-        file_changes.append(FileChange(path, what="unchanged" if is_unchanged else "written"))
+        file_changes.append(FileChange(path, state="unchanged" if is_unchanged else "written"))
     for path in _listed_paths(folder, target):
         is_obsolete = path not in files
         if is_obsolete and (folder / path).is_file():
-            file_changes.append(FileChange(path, what="removed"))
+            file_changes.append(FileChange(path, state="removed"))
     return sorted(file_changes, key=lambda change: change.path)
 
 
@@ -214,7 +214,7 @@ def _exchange_folders(
         for target, files in targets.items():
             stage = Stage.create(folder / target)
             stages.append(stage)
-            unchanged_paths = {change.path for change in changes_by_target[target] if change.what == "unchanged"}
+            unchanged_paths = {change.path for change in changes_by_target[target] if change.state == "unchanged"}
             stage.fill(files, families.get(target, ()), unchanged_paths)
         for stage in stages:
             stage.exchange()
@@ -232,7 +232,7 @@ def _exchange_folders(
 
 
 def _has_changes(target_changes: Iterable[FileChange]) -> bool:
-    return any(change.what != "unchanged" for change in target_changes)
+    return any(change.state != "unchanged" for change in target_changes)
 
 
 def _has_new_list(folder: Path, target: str, files: Iterable[str], families: Sequence[str]) -> bool:
@@ -304,7 +304,7 @@ def _refuse_what_is_in_the_way(
     lines: list[str] = []
     are_all_folders = True
     for target, files in targets.items():
-        paths_to_write = {change.path for change in changes_by_target[target] if change.what == "written"}
+        paths_to_write = {change.path for change in changes_by_target[target] if change.state == "written"}
         for path, note in _in_the_way(folder, target, files, paths_to_write):
             is_folder = note == _A_FOLDER
             if is_folder or not force:

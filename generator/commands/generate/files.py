@@ -83,9 +83,9 @@ def _print_changes(file_changes: Sequence[FileChange], arguments: argparse.Names
         CommandError: A file that was only compared differs.
     """
     word_by_change = {"written": "differs", "removed": "left over"} if arguments.check else {}
-    changed_files = [change for change in file_changes if change.what != "unchanged"]
+    changed_files = [change for change in file_changes if change.state != "unchanged"]
     for change in changed_files:
-        word = word_by_change.get(change.what, change.what)
+        word = word_by_change.get(change.state, change.state)
         print(f"{word:<10} {(arguments.output / change.path).as_posix()}")
     if arguments.check and changed_files:
         _print_targets_by_state(file_changes)
@@ -102,7 +102,7 @@ def _print_targets_by_state(file_changes: Iterable[FileChange]) -> None:
         target, slash, _ = change.path.partition("/")
         is_in_target = bool(slash)
         if is_in_target:
-            states_by_target.setdefault(target, set()).add(change.what)
+            states_by_target.setdefault(target, set()).add(change.state)
     current_targets = [target for target, states in states_by_target.items() if states == {"unchanged"}]
     outdated_targets = [target for target in states_by_target if target not in current_targets]
     if current_targets and outdated_targets:
