@@ -383,13 +383,10 @@ def masters_text(masters: Sequence[Master]) -> str:
 
 def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
     """Return the list of masters as plain data."""
-    return {
-        "version": VERSION,
-        "masters": [
-            {"name": master.name, "title": master.title, "takes": list(master.supported_interfaces)}
-            for master in masters
-        ],
-    }
+    rows: list[dict[str, Any]] = []
+    for master in masters:
+        rows.append({"name": master.name, "title": master.title, "takes": list(master.supported_interfaces)})
+    return {"version": VERSION, "masters": rows}
 
 
 def sheet_data(
