@@ -81,13 +81,8 @@ class Guard:
         for target, target_changes in changes.items():
             recorded = families_in(self.folder / target)
             if recorded:
-                # For messages, find the files of missing families, which are recorded as ``manufacturer/family``. The
-                # path of such a file contains one of these two words. Words that are also names of families or
-                # manufacturers that were read do not count.
                 missing_families = set(recorded) - families_read
-                missing_words = set(chain.from_iterable(name.split("/") for name in missing_families))
-                removed_paths = [change.path for change in target_changes if change.state == "removed"]
-                removed_files += [path for path in removed_paths if _has_name(path, missing_words - self._names())]
+                removed_files += self._files_of_missing(missing_families, target_changes)
             else:
                 # An earlier version wrote the folder. Only its decode page contains the names of families.
                 missing_families = self._families_in_the_page(target_changes)
@@ -97,6 +92,15 @@ class Guard:
             raise WriteError(self._message(sorted(unread), sorted([*removed_files, *unknown_files])))
         if unknown_files:
             raise WriteError(self._message_without_record(sorted(unknown_files)))
+
+    def _files_of_missing(self, missing_families: Iterable[str], changes: Iterable[FileChange]) -> list[str]:
+        """Return the files to remove that belong to missing families, which are given as ``manufacturer/family``.
+
+        The path of such a file contains one of these two words. Words that are also names of families or manufacturers
+        that were read do not count.
+        """
+        missing_words = set(chain.from_iterable(name.split("/") for name in missing_families))
+        return [path for path in _removed_paths(changes) if _has_name(path, missing_words - self._names())]
 
     def _families_in_the_page(self, changes: Iterable[FileChange]) -> set[str]:
         """Return the names of families in the decode page that would be replaced and that were not read."""
@@ -111,8 +115,7 @@ class Guard:
     def _files_without_record(self, changes: Iterable[FileChange]) -> list[str]:
         """Return the files to remove whose names contain no family that was read. An earlier version wrote them."""
         known_names = {device.name for device in self.devices} | _SHARED_NAME_PARTS
-        removed_paths = [change.path for change in changes if change.state == "removed"]
-        return [path for path in removed_paths if not _has_name(path, known_names)]
+        return [path for path in _removed_paths(changes) if not _has_name(path, known_names)]
 
     def _names(self) -> set[str]:
         """Return the names of the families read, of their manufacturers, and of their packages."""
@@ -162,6 +165,11 @@ class Guard:
                     problem = f"the spec {file} is in {written_folder}, which generate writes"
                     state = "" if self.is_comparison else "; nothing has changed"
                     raise WriteError(f"{problem}{state}; choose another output folder with -o")
+
+
+def _removed_paths(changes: Iterable[FileChange]) -> list[str]:
+    """Return the paths of the files that the changes remove."""
+    return [change.path for change in changes if change.state == "removed"]
 
 
 def _has_name(path: str, names: Collection[str]) -> bool:

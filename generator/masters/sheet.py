@@ -145,15 +145,17 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Proble
         group_names: set[str] = set()
         for document in read_specs(group, report):
             description = check_document(document, report)
-            if description is not None and "master" not in description:
+            if description is None:  # The report contains its problems.
+                continue
+            if "master" not in description:
                 problem = "this is not a description of a master: the key 'master' is missing"
                 report.add("not-allowed", document, (), problem)
-            elif description is not None:  # None: the report contains its problems.
-                name = description["master"]
-                if name in group_names:
-                    report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
-                group_names.add(name)
-                masters[name] = _master_from_spec(description)
+                continue
+            name = description["master"]
+            if name in group_names:
+                report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
+            group_names.add(name)
+            masters[name] = _master_from_spec(description)
     return tuple(sorted(masters.values(), key=lambda master: master.title.lower())), report
 
 

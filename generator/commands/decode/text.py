@@ -36,6 +36,7 @@ def explain(
     code_match: LabelMatch,
     sender: str,
     decoded: codec.DecodedFrame,
+    *,
     findings: Findings = _NO_FINDINGS,
     diagnosis: Diagnosis | None = None,
     line: FrameLine = NO_LINE,

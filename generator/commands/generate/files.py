@@ -155,7 +155,7 @@ def changed_files(
     changed_paths = tuple(path for path in paths if old_files.get(path) != new_files.get(path))
     family_names = {device.name for device in (*old_devices, *new_devices)}
     changed_names = name_changes(old_files, new_files, family_names)
-    return FileCounts(changed_paths, len(paths), changed_names)
+    return FileCounts(changed=changed_paths, count=len(paths), names=changed_names)
 
 
 def unchanged_families(old_devices: Sequence[Device], new_devices: Sequence[Device]) -> frozenset[str]:
