@@ -214,9 +214,9 @@ def _reject_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
 
     This is possible if all pieces are two digits without a prefix, and all digits are 0 or 1.
     """
-    have_no_prefix = all(len(piece) == 2 for piece in pieces)
+    are_two_characters = all(len(piece) == 2 for piece in pieces)
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
-    if have_no_prefix and are_zeros_and_ones:
+    if are_two_characters and are_zeros_and_ones:
         raise FrameTextError(say_report.bits_or_bytes(quoted(visible(frame_text))))
 
 
