@@ -79,18 +79,21 @@ class Cache:
         key = key_of(kind, content)
         with suppress(OSError, ValueError, RecursionError):
             entry_json = json.dumps({"key": key, "data": data}, separators=(",", ":")).encode()
-            if len(entry_json) <= MAX_ENTRY:
-                self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-                if _is_ours(os.stat(self._folder)):
-                    _write(self._folder, key, hashlib.sha256(entry_json).hexdigest().encode() + entry_json)
-                    self._keep_limits(self._folder, len(entry_json))
+            if len(entry_json) > MAX_ENTRY:
+                return
+            self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if _is_ours(os.stat(self._folder)):
+                hash_of_entry = hashlib.sha256(entry_json).hexdigest().encode()
+                _write(self._folder, key, hash_of_entry + entry_json)
+                self._keep_limits(self._folder, len(entry_json))
 
     def _keep_limits(self, folder: Path, size: int) -> None:
         """Apply the limits after the first entry of this process, and each time it has written 1/16 of a limit."""
         # Number and size of the entries since the last check. The first number is so high that there is a check.
-        count, total = self._written or (MAX_ENTRIES, 0)
-        self._written = (count + 1, total + size)
-        if count >= MAX_ENTRIES // 16 or total + size >= MAX_SIZE // 16:
+        earlier_count, earlier_size = self._written or (MAX_ENTRIES, 0)
+        total_size = earlier_size + size
+        self._written = (earlier_count + 1, total_size)
+        if earlier_count >= MAX_ENTRIES // 16 or total_size >= MAX_SIZE // 16:
             _remove_oldest(folder)
             self._written = (0, 0)
 
@@ -145,8 +148,9 @@ def _tool() -> str:
 def _package_folders() -> Iterator[Path]:
     """Yield the folders of this tool's packages that may be outside the folder of this module."""
     for name in _OWN_PACKAGES:
-        spec = _spec_of(f"{__package__}.{name}")
-        yield from map(Path, (spec.submodule_search_locations or ()) if spec is not None else ())
+        module_spec = _spec_of(f"{__package__}.{name}")
+        if module_spec is not None:
+            yield from map(Path, module_spec.submodule_search_locations or ())
 
 
 def _files(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
@@ -167,12 +171,14 @@ def _versions() -> Iterator[str]:
     One of them has the version in its name, such as ``PyYAML-6.0.2.dist-info``. No package is imported.
     """
     for name in _PACKAGES:
-        spec = _spec_of(name)
-        site_folder = Path(spec.origin).parent.parent if spec is not None and spec.origin else None
+        module_spec = _spec_of(name)
+        origin = module_spec.origin if module_spec is not None else None
+        site_folder = Path(origin).parent.parent if origin else None
         yield f"{name} {site_folder}"
         if site_folder is not None:
-            folder_names = sorted(os.listdir(site_folder))
-            yield from (folder for folder in folder_names if folder.lower().startswith((name, f"py{name}")))
+            for folder_name in sorted(os.listdir(site_folder)):
+                if folder_name.lower().startswith((name, f"py{name}")):
+                    yield folder_name
 
 
 def _spec_of(name: str) -> ModuleSpec | None:
@@ -187,7 +193,10 @@ def _spec_of(name: str) -> ModuleSpec | None:
 
 def _is_ours(status: os.stat_result) -> bool:
     """Return whether no other user can have written a file or folder. On Windows, the user's folder is trusted."""
-    return os.name == "nt" or (status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
+    if os.name == "nt":
+        return True
+    is_writable_by_others = bool(status.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
+    return status.st_uid == os.getuid() and not is_writable_by_others
 
 
 def _read(folder: Path, key: str) -> Any:
@@ -197,17 +206,21 @@ def _read(folder: Path, key: str) -> Any:
     """
     if not _is_ours(os.stat(folder)):
         return None
+    # Follow no link, and do not wait for a writer if the path is a pipe. Not every system has these flags.
     flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-    with open(os.open(folder / key, flags), "rb") as file:
+    handle = os.open(folder / key, flags)
+    with open(handle, "rb") as file:
         status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode) or not _is_ours(status) or status.st_size > MAX_ENTRY + _HASH_DIGITS:
+        is_trusted_file = stat.S_ISREG(status.st_mode) and _is_ours(status)
+        if not is_trusted_file or status.st_size > MAX_ENTRY + _HASH_DIGITS:
             return None
         content = file.read(MAX_ENTRY + _HASH_DIGITS)
-    entry_json = content[_HASH_DIGITS:]
-    if hashlib.sha256(entry_json).hexdigest().encode() != content[:_HASH_DIGITS]:
+    stored_hash, entry_json = content[:_HASH_DIGITS], content[_HASH_DIGITS:]
+    if hashlib.sha256(entry_json).hexdigest().encode() != stored_hash:
         return None
-    stored = json.loads(entry_json)
-    return stored["data"] if isinstance(stored, dict) and stored.get("key") == key and "data" in stored else None
+    entry = json.loads(entry_json)
+    is_requested = isinstance(entry, dict) and entry.get("key") == key
+    return entry.get("data") if is_requested else None
 
 
 def _write(folder: Path, key: str, content: bytes) -> None:

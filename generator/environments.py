@@ -27,6 +27,7 @@ from typing import Protocol
 
 import jinja2
 from jinja2 import (
+    BaseLoader,
     ChoiceLoader,
     Environment,
     FileSystemLoader,
@@ -91,7 +92,7 @@ COMMON_FILTERS: Mapping[str, Callable[..., object]] = {"plain": text_on_one_line
 _SHIPPED_PREFIX = "shipped"
 
 
-class Settings(Hashable, Protocol):
+class TemplateSettings(Hashable, Protocol):
     """Settings of an environment for the templates of a target, see ``codewheel.render.Templates``."""
 
     @property
@@ -150,7 +151,9 @@ def own_loader(own_folder: Path) -> _OwnTemplates:
     return _OwnTemplates(own_folder)
 
 
-def text_of(templates: Settings, template: str, values: Mapping[str, object], own_folder: Path | None) -> str:
+def render_template(
+    templates: TemplateSettings, template: str, values: Mapping[str, object], own_folder: Path | None
+) -> str:
     """Render a template of a target. ``own_folder`` is the folder of the user's templates for it.
 
     Raises:
@@ -167,21 +170,23 @@ def text_of(templates: Settings, template: str, values: Mapping[str, object], ow
         # If no template of the user was read, the error is in our templates.
         if own_folder is None or not own_loader(own_folder).used:
             raise
-        raise TemplateFault(
-            f"{_place(error, own_folder) or (own_folder / template).as_posix()}: {_reason(error)}"
-        ) from None
+        place = _place_of_error(error, own_folder) or (own_folder / template).as_posix()
+        raise TemplateFault(f"{place}: {_reason(error)}") from None
 
 
 @cache
-def environment(templates: Settings, own_folder: Path | None = None) -> Environment:
+def environment(templates: TemplateSettings, own_folder: Path | None = None) -> Environment:
     """Return the environment for rendering templates. The user's templates in ``own_folder`` come first.
 
     With these, ``shipped/NAME`` still finds ours, and no compiled templates are stored.
     """
-    shipped = FileSystemLoader(templates.folder, encoding="utf-8-sig")
-    by_name = PrefixLoader({_SHIPPED_PREFIX: shipped})
+    shipped_loader = FileSystemLoader(templates.folder, encoding="utf-8-sig")
+    loader: BaseLoader = shipped_loader
+    if own_folder is not None:
+        loader_with_prefix = PrefixLoader({_SHIPPED_PREFIX: shipped_loader})
+        loader = ChoiceLoader([own_loader(own_folder), loader_with_prefix, shipped_loader])
     new_environment = Environment(
-        loader=shipped if own_folder is None else ChoiceLoader([own_loader(own_folder), by_name, shipped]),
+        loader=loader,
         bytecode_cache=CompiledTemplates() if own_folder is None else None,
         undefined=StrictUndefined,
         autoescape=templates.autoescape,
@@ -190,29 +195,34 @@ def environment(templates: Settings, own_folder: Path | None = None) -> Environm
         keep_trailing_newline=True,
     )
     new_environment.filters |= {**COMMON_FILTERS, **templates.filters}
-    tests: dict[str, Callable[..., bool]] = {
-        name: partial(_is_instance, kind) for name, kind in templates.tests.items()
-    }
+    tests: dict[str, Callable[..., bool]] = {}
+    for name, tested_class in templates.tests.items():
+        tests[name] = partial(_is_instance_of, tested_class)
     new_environment.tests.update(tests)
     new_environment.globals |= templates.functions
     return new_environment
 
 
-def _is_instance(kind: type, value: object) -> bool:
+def _is_instance_of(tested_class: type, value: object) -> bool:
     """Return whether a value is an instance of a class, as a test in a template."""
-    return isinstance(value, kind)
+    return isinstance(value, tested_class)
 
 
-def _place(error: Exception, own_folder: Path) -> str:
+def _place_of_error(error: Exception, own_folder: Path) -> str:
     """Return file and line of an error, such as ``mine/device.h.jinja:12``, or "" if it is not in a template.
 
     This is the innermost line in a template of the user or, if there is none, in one of ours.
     """
     if isinstance(error, TemplateSyntaxError):
         return f"{error.filename or error.name}:{error.lineno}"
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(TEMPLATE_SUFFIX)]
-    theirs = [frame for frame in frames if Path(frame.filename).is_relative_to(own_folder)]
-    return next((f"{Path(frame.filename).as_posix()}:{frame.lineno}" for frame in reversed(theirs or frames)), "")
+    stack = traceback.extract_tb(error.__traceback__)
+    frames_in_templates = [frame for frame in stack if frame.filename.endswith(TEMPLATE_SUFFIX)]
+    frames_of_user = [frame for frame in frames_in_templates if Path(frame.filename).is_relative_to(own_folder)]
+    frames = frames_of_user or frames_in_templates
+    if not frames:
+        return ""
+    innermost_frame = frames[-1]
+    return f"{Path(innermost_frame.filename).as_posix()}:{innermost_frame.lineno}"
 
 
 def _reason(error: Exception) -> str:
@@ -220,7 +230,8 @@ def _reason(error: Exception) -> str:
     if isinstance(error, TemplateNotFound):
         return f"there is no template '{text_on_one_line(error.name)}'"
     if isinstance(error, UnicodeEncodeError):
-        return f"the text contains U+{ord(error.object[error.start]):04X}, which is not a character"
-    module = type(error).__module__
-    kind = "" if module.startswith("jinja2") else f"{type(error).__name__}: "
-    return f"{kind}{text_on_one_line(error)}"
+        invalid_code = ord(error.object[error.start])
+        return f"the text contains U+{invalid_code:04X}, which is not a character"
+    is_error_of_jinja = type(error).__module__.startswith("jinja2")
+    message = text_on_one_line(error)
+    return message if is_error_of_jinja else f"{type(error).__name__}: {message}"

@@ -76,4 +76,5 @@ class FamilyParts:
         """
         if id(device) not in self._digests:
             self._digests[id(device)] = (device, digest_of(device))
-        return self._digests[id(device)][1]
+        _, digest = self._digests[id(device)]
+        return digest

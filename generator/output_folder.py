@@ -38,7 +38,8 @@ class WriteError(Exception):
 def list_text(paths: Iterable[str], families: Sequence[str]) -> str:
     """Return the text of the list with these paths, which are relative to the target's folder."""
     families_line = f"{_FAMILIES_LINE}{' '.join(families)}\n" if families else ""
-    return LIST_HEAD + families_line + "".join(f"{path}\n" for path in sorted(paths))
+    path_lines = [f"{path}\n" for path in sorted(paths)]
+    return LIST_HEAD + families_line + "".join(path_lines)
 
 
 def is_safe(path: str) -> bool:
@@ -99,8 +100,10 @@ if sys.platform == "win32":
 
     def _open(folder: Path) -> int:
         """Open a file in the user's temporary folder that represents ``folder``, since Windows cannot lock folders."""
-        name = hashlib.sha256(os.path.normcase(os.path.realpath(folder)).encode()).hexdigest()[:16]
-        return os.open(os.path.join(tempfile.gettempdir(), f"codewheel-{name}.lock"), os.O_RDWR | os.O_CREAT)
+        real_path = os.path.normcase(os.path.realpath(folder))
+        name = hashlib.sha256(real_path.encode()).hexdigest()[:16]
+        lock_path = os.path.join(tempfile.gettempdir(), f"codewheel-{name}.lock")
+        return os.open(lock_path, os.O_RDWR | os.O_CREAT)
 
     def _take(handle: int, folder: Path) -> bool:
         """Lock the first byte of the open file. Return False if another process holds the lock."""
@@ -193,7 +196,8 @@ class Stage:
     def create(cls, target_folder: Path) -> Stage:
         """Create an empty stage for the folder of a target."""
         prefix = f"{PREFIX}{target_folder.name}-"
-        return cls(Path(tempfile.mkdtemp(prefix=prefix, dir=target_folder.parent)), target_folder)
+        stage_folder = tempfile.mkdtemp(prefix=prefix, dir=target_folder.parent)
+        return cls(Path(stage_folder), target_folder)
 
     @property
     def new(self) -> Path:
@@ -211,18 +215,20 @@ class Stage:
         """
         (self.folder / _STAGE_MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
         self._make(Path())
-        names_inside = {name.partition("/")[2]: name for name in files}
+        # The paths in the target's folder, such as "include/x.h" for "c/include/x.h".
+        output_path_by_path = {output_path.partition("/")[2]: output_path for output_path in files}
         # The list is written first. Without it, a later run would treat the files of a killed run as the user's.
-        (self.new / LIST).write_text(list_text(names_inside, families), encoding="utf-8", newline="\n")
-        for parent in {os.path.dirname(path) for path in names_inside}:
+        (self.new / LIST).write_text(list_text(output_path_by_path, families), encoding="utf-8", newline="\n")
+        for parent in {os.path.dirname(path) for path in output_path_by_path}:
             self._make(Path(parent))
+        # Texts, because joining ``Path`` objects is slow.
         new_prefix, old_prefix = os.path.join(self.new, ""), os.path.join(self.target_folder, "")
-        for path, name in names_inside.items():
-            if name in unchanged:
+        for path, output_path in output_path_by_path.items():
+            if output_path in unchanged:
                 _link_or_copy(old_prefix + path, new_prefix + path)
             else:
                 with open(new_prefix + path, "x", encoding="utf-8", newline="\n") as file:
-                    file.write(files[name])
+                    file.write(files[output_path])
         self._carry_over({*listed_in(self.target_folder), LIST})
         # Read-only folders were writable until now. The innermost ones come first.
         for new_folder, mode in reversed(self._modes.items()):
@@ -271,7 +277,8 @@ class Stage:
         for root, folders, names in os.walk(self.target_folder, onerror=_raise):
             relative_folder = Path(root).relative_to(self.target_folder)
             prefix = "" if relative_folder == Path() else f"{relative_folder.as_posix()}/"
-            for name in (*names, *(name for name in folders if os.path.islink(os.path.join(root, name)))):
+            links_to_folders = [name for name in folders if os.path.islink(os.path.join(root, name))]
+            for name in (*names, *links_to_folders):
                 path = prefix + name
                 if path not in ours and not os.path.lexists(self.new / path):
                     self._make(relative_folder)
@@ -358,7 +365,10 @@ def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
         return
     ours = {*listed_in(saved_folder), *listed_in(target_folder), LIST}
     for path in _files_in(saved_folder):
-        if path not in ours and _is_later(saved_file := saved_folder / path, target_file := target_folder / path):
+        if path in ours:
+            continue
+        saved_file, target_file = saved_folder / path, target_folder / path
+        if _is_later(saved_file, target_file):
             target_file.parent.mkdir(parents=True, exist_ok=True)
             os.replace(saved_file, target_file)
 
@@ -375,10 +385,11 @@ def _is_later(saved_file: Path, target_file: Path) -> bool:
     """Return whether a file is missing in the target's folder, or older there."""
     if not os.path.lexists(target_file):
         return True
-    new, old = os.lstat(saved_file), os.lstat(target_file)
+    saved, current = os.lstat(saved_file), os.lstat(target_file)
+    are_files = stat.S_ISREG(saved.st_mode) and stat.S_ISREG(current.st_mode)
     # Hard links to the same file have the same inode number, so neither is later.
-    are_files = stat.S_ISREG(new.st_mode) and stat.S_ISREG(old.st_mode)
-    return are_files and new.st_ino != old.st_ino and new.st_mtime_ns > old.st_mtime_ns
+    are_same_file = saved.st_ino == current.st_ino
+    return are_files and not are_same_file and saved.st_mtime_ns > current.st_mtime_ns
 
 
 def _raise(error: OSError) -> None:

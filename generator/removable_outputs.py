@@ -11,6 +11,7 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -80,36 +81,41 @@ class Guard:
         for target, target_changes in changes.items():
             recorded = families_in(self.folder / target)
             if recorded:
-                # For messages, find the files of missing families, which are recorded as ``manufacturer/family``. The
-                # path of such a file contains one of these two words. Words that are also names of families or
-                # manufacturers that were read do not count.
-                missing = set(recorded) - families_read
-                missing_words = {word for name in missing for word in name.split("/")} - self._names()
-                removed_paths = [change.path for change in target_changes if change.what == "removed"]
-                removed_files += [path for path in removed_paths if _has_name(path, missing_words)]
+                missing_families = set(recorded) - families_read
+                removed_files += self._files_of_missing(missing_families, target_changes)
             else:
                 # An earlier version wrote the folder. Only its decode page contains the names of families.
-                missing = self._families_in_the_page(target_changes)
+                missing_families = self._families_in_the_page(target_changes)
                 unknown_files += self._files_without_record(target_changes)
-            unread |= missing
+            unread |= missing_families
         if unread:
             raise WriteError(self._message(sorted(unread), sorted([*removed_files, *unknown_files])))
         if unknown_files:
             raise WriteError(self._message_without_record(sorted(unknown_files)))
 
+    def _files_of_missing(self, missing_families: Iterable[str], changes: Iterable[FileChange]) -> list[str]:
+        """Return the files to remove that belong to missing families, which are given as ``manufacturer/family``.
+
+        The path of such a file contains one of these two words. Words that are also names of families or manufacturers
+        that were read do not count.
+        """
+        missing_words = set(chain.from_iterable(name.split("/") for name in missing_families))
+        return [path for path in _removed_paths(changes) if _has_name(path, missing_words - self._names())]
+
     def _families_in_the_page(self, changes: Iterable[FileChange]) -> set[str]:
         """Return the names of families in the decode page that would be replaced and that were not read."""
-        pages = [
-            change.path for change in changes if change.what == "written" and change.path.endswith(f"/{_DECODE_PAGE}")
-        ]
-        families = {name for page in pages for name in _IN_THE_PAGE.findall(_read_text(self.folder / page))}
-        return families - self._names()
+        written_paths = [change.path for change in changes if change.state == "written"]
+        family_names: set[str] = set()
+        for path in written_paths:
+            if path.endswith(f"/{_DECODE_PAGE}"):
+                old_page = _read_text(self.folder / path)
+                family_names.update(_IN_THE_PAGE.findall(old_page))
+        return family_names - self._names()
 
     def _files_without_record(self, changes: Iterable[FileChange]) -> list[str]:
         """Return the files to remove whose names contain no family that was read. An earlier version wrote them."""
-        family_names = {device.name for device in self.devices} | _SHARED_NAME_PARTS
-        removed = [change.path for change in changes if change.what == "removed"]
-        return [path for path in removed if not _has_name(path, family_names)]
+        known_names = {device.name for device in self.devices} | _SHARED_NAME_PARTS
+        return [path for path in _removed_paths(changes) if not _has_name(path, known_names)]
 
     def _names(self) -> set[str]:
         """Return the names of the families read, of their manufacturers, and of their packages."""
@@ -136,11 +142,14 @@ class Guard:
         )
 
     def _state(self) -> str:
+        """Return the sentence that nothing has changed, unless the run only compares files."""
         return "" if self.is_comparison else " Nothing has changed."
 
     def _examples(self, files: Sequence[str]) -> str:
+        """Return the number of files with the first of them: ``7 files: out/c/a.h, out/c/b.h and 5 more``."""
         paths = [(self.folder / path).as_posix() for path in files]
-        return f"{count_with_unit(len(files), 'file')}: {first_of(paths, _MOST_SHOWN)}"
+        number_of_files = count_with_unit(len(files), "file")
+        return f"{number_of_files}: {first_of(paths, _MOST_SHOWN)}"
 
     def _refuse_specs_inside(self, targets: Iterable[str]) -> None:
         """Refuse to write a folder that contains a spec, because no later run would search it for specs.
@@ -152,15 +161,22 @@ class Guard:
             target_folder = os.path.join(os.path.realpath(self.folder / target), "")
             for file in self.files:
                 if os.path.realpath(file).startswith(target_folder):
-                    problem = f"the spec {file} is in {(self.folder / target).as_posix()}, which generate writes"
+                    written_folder = (self.folder / target).as_posix()
+                    problem = f"the spec {file} is in {written_folder}, which generate writes"
                     state = "" if self.is_comparison else "; nothing has changed"
                     raise WriteError(f"{problem}{state}; choose another output folder with -o")
+
+
+def _removed_paths(changes: Iterable[FileChange]) -> list[str]:
+    """Return the paths of the files that the changes remove."""
+    return [change.path for change in changes if change.state == "removed"]
 
 
 def _has_name(path: str, names: Collection[str]) -> bool:
     """Return whether a word in a path is one of the names, or one with a suffix: ``demo_biss`` for ``demo``."""
     beginnings = tuple(f"{name}_" for name in names)
-    return any(f"{word}_".startswith(beginnings) for word in _WORD_IN_PATH.findall(path.lower()))
+    words = _WORD_IN_PATH.findall(path.lower())
+    return any(f"{word}_".startswith(beginnings) for word in words)
 
 
 def _read_text(path: Path) -> str:

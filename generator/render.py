@@ -66,15 +66,20 @@ class Templates:
         Raises:
             TemplateFault: A user's template has an error.
         """
-        from .environments import text_of
+        from .environments import render_template
 
-        return text_of(self, template, values, own_folder)
+        return render_template(self, template, values, own_folder)
 
 
 def tests_for(*classes: object) -> dict[str, type]:
     """Return a test for each of these classes and members of unions, such as ``zeros_above`` for ``ZerosAbove``."""
-    leaf_classes = [leaf_class for union in classes for leaf_class in get_args(union) or (union,)]
-    return {_WORD_BOUNDARY.sub("_", leaf_class.__name__).lower(): leaf_class for leaf_class in leaf_classes}
+    class_by_test: dict[str, type] = {}
+    for class_or_union in classes:
+        for tested_class in get_args(class_or_union) or (class_or_union,):
+            # "ZerosAbove" becomes "Zeros_Above".
+            words = _WORD_BOUNDARY.sub("_", tested_class.__name__)
+            class_by_test[words.lower()] = tested_class
+    return class_by_test
 
 
 def unused_templates(
@@ -102,13 +107,20 @@ def unused_templates(
         example = f"; the path of a template in it looks like {min(shipped_paths)}" if shipped_paths else ""
         yield f"the folder {own_folder.as_posix()} has no templates{example}"
     for path in visible_paths:
-        folder = path.parts[0]
+        target = path.parts[0]
         name = path.as_posix()
-        if name in shipped_paths or (folder not in rendered and folder in other_targets):
+        is_of_other_target = target not in rendered and target in other_targets
+        if name in shipped_paths or is_of_other_target:
             continue
-        if folder not in rendered or Path(*path.parts[1:]).as_posix() not in own_loader(own_folder / folder).used:
-            similar_paths = [shipped for shipped in shipped_paths if shipped.endswith(f"/{path.name}")]
-            # If exactly one shipped template has this name, it is suggested, and otherwise the most similar path.
-            has_one_suggestion = len(similar_paths) == 1
-            hint = f"; did you mean '{similar_paths[0]}'?" if has_one_suggestion else suggest_word(name, shipped_paths)
-            yield f"no output uses {(own_folder / path).as_posix()}{hint}"
+        # Its path in the folder of the target, by which another template includes it.
+        path_in_target = Path(*path.parts[1:]).as_posix()
+        is_included = target in rendered and path_in_target in own_loader(own_folder / target).used
+        if is_included:
+            continue
+        similar_paths = [shipped for shipped in shipped_paths if shipped.endswith(f"/{path.name}")]
+        # If exactly one shipped template has this name, it is suggested, and otherwise the most similar path.
+        if len(similar_paths) == 1:
+            hint = f"; did you mean '{similar_paths[0]}'?"
+        else:
+            hint = suggest_word(name, shipped_paths)
+        yield f"no output uses {(own_folder / path).as_posix()}{hint}"

@@ -44,7 +44,7 @@ class FileChange:
     """Change of one file: ``written``, ``unchanged`` or ``removed``."""
 
     path: str
-    what: str
+    state: str
 
 
 def list_changes(folder: Path, target: str, files: Mapping[str, str]) -> list[FileChange]:
@@ -62,9 +62,11 @@ def list_changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Fi
     file_changes: list[FileChange] = []
     for path, text in files.items():
         is_unchanged = read_file(folder / path) == text.encode()
-        file_changes.append(FileChange(path, "unchanged" if is_unchanged else "written"))
-    obsolete_paths = (path for path in _listed_paths(folder, target) if path not in files)
-    file_changes += [FileChange(path, "removed") for path in obsolete_paths if (folder / path).is_file()]
+        file_changes.append(FileChange(path, state="unchanged" if is_unchanged else "written"))
+    for path in _listed_paths(folder, target):
+        is_obsolete = path not in files
+        if is_obsolete and (folder / path).is_file():
+            file_changes.append(FileChange(path, state="removed"))
     return sorted(file_changes, key=lambda change: change.path)
 
 
@@ -101,8 +103,10 @@ def _files_to_write(
 ) -> Iterator[tuple[str, bytes]]:
     """Yield the path and the content of each list and file."""
     for target, files in sorted(targets.items()):
-        paths_inside = [path.partition("/")[2] for path in files]
-        yield f"{target}/{LIST}", list_text(paths_inside, families.get(target, ())).encode()
+        # The paths in the target's folder, such as "include/x.h" for "c/include/x.h".
+        paths_in_target = [path.partition("/")[2] for path in files]
+        text_of_list = list_text(paths_in_target, families.get(target, ()))
+        yield f"{target}/{LIST}", text_of_list.encode()
         for path in sorted(files):
             yield path, files[path].encode()
 
@@ -152,7 +156,7 @@ def write(
     try:
         with locked(folder, waiting):
             try:
-                return _written(folder, targets, force, gate, guard, families)
+                return _write_locked(folder, targets, force=force, gate=gate, guard=guard, families=families)
             finally:
                 if is_new:
                     with suppress(OSError):  # a folder that is not empty stays
@@ -165,9 +169,10 @@ def write(
         raise WriteError(f"{problem}; nothing has changed") from None
 
 
-def _written(
+def _write_locked(
     folder: Path,
     targets: Mapping[str, Mapping[str, str]],
+    *,
     force: bool,
     gate: Callable[[], None],
     guard: Callable[[Mapping[str, Sequence[FileChange]]], None],
@@ -182,11 +187,12 @@ def _written(
     guard(changes_by_target)
     if any(map(_has_changes, changes_by_target.values())):
         gate()
-    targets_to_write = dict(targets)
+    targets_to_write: dict[str, Mapping[str, str]] = {}
     for target, files in targets.items():
-        if not _needs_writing(folder, target, files, changes_by_target[target], families.get(target, ())):
-            del targets_to_write[target]
-    _refuse_what_is_in_the_way(folder, targets_to_write, changes_by_target, force)
+        has_new_list = _has_new_list(folder, target, files, families.get(target, ()))
+        if has_new_list or _has_changes(changes_by_target[target]):
+            targets_to_write[target] = files
+    _refuse_what_is_in_the_way(folder, targets_to_write, changes_by_target, force=force)
     _exchange_folders(folder, targets_to_write, changes_by_target, families)
     return list(chain.from_iterable(changes_by_target.values()))
 
@@ -208,7 +214,7 @@ def _exchange_folders(
         for target, files in targets.items():
             stage = Stage.create(folder / target)
             stages.append(stage)
-            unchanged_paths = {change.path for change in changes_by_target[target] if change.what == "unchanged"}
+            unchanged_paths = {change.path for change in changes_by_target[target] if change.state == "unchanged"}
             stage.fill(files, families.get(target, ()), unchanged_paths)
         for stage in stages:
             stage.exchange()
@@ -226,17 +232,15 @@ def _exchange_folders(
 
 
 def _has_changes(target_changes: Iterable[FileChange]) -> bool:
-    return any(change.what != "unchanged" for change in target_changes)
+    return any(change.state != "unchanged" for change in target_changes)
 
 
-def _needs_writing(
-    folder: Path, target: str, files: Mapping[str, str], target_changes: Iterable[FileChange], families: Sequence[str]
-) -> bool:
-    """Return whether files, their list, or the families in this list differ from the folder.
+def _has_new_list(folder: Path, target: str, files: Iterable[str], families: Sequence[str]) -> bool:
+    """Return whether the list in a target's folder has other files, or other families, than a run writes.
 
     Without ``families``, the families in the list do not matter.
     """
-    if _has_changes(target_changes) or _listed_paths(folder, target) != sorted(files):
+    if _listed_paths(folder, target) != sorted(files):
         return True
     return bool(families) and families_in(folder / target) != list(families)
 
@@ -246,12 +250,13 @@ def _path_in_output(error: OSError, stages: Iterable[Stage], folder: Path) -> st
 
     A path in a stage becomes the path that the file would have had in the target's folder.
     """
-    path = str(error.filename or folder)
+    path = Path(str(error.filename or folder))
     for stage in stages:
         for stage_folder in (stage.new, stage.folder):
-            if Path(path).is_relative_to(stage_folder):
-                return (stage.target_folder / Path(path).relative_to(stage_folder)).as_posix()
-    return path
+            if path.is_relative_to(stage_folder):
+                path_in_target = path.relative_to(stage_folder)
+                return (stage.target_folder / path_in_target).as_posix()
+    return str(error.filename or folder)
 
 
 def _state_of_output(unrestored_targets: Sequence[str]) -> str:
@@ -292,22 +297,27 @@ def _refuse_what_is_in_the_way(
     folder: Path,
     targets: Mapping[str, Mapping[str, str]],
     changes_by_target: Mapping[str, list[FileChange]],
+    *,
     force: bool,
 ) -> None:
     """Refuse to overwrite anything that is not in our lists. ``force`` permits this for files, but not for folders."""
-    blocked: list[str] = []
+    lines: list[str] = []
+    are_all_folders = True
     for target, files in targets.items():
-        differing = {change.path for change in changes_by_target[target] if change.what == "written"}
-        for path, why in _in_the_way(folder, target, files, differing):
-            if not force or why == _A_FOLDER:
-                blocked.append(f"\n  {(folder / path).as_posix()}{why}")
-    if blocked:
-        all_folders = all(line.endswith(_A_FOLDER) for line in blocked)
-        remedy = "move it away" if all_folders else "move it away, or overwrite files with --force"
-        raise WriteError(f"in the way and not written by codewheel; nothing has changed; {remedy}:{''.join(blocked)}")
+        paths_to_write = {change.path for change in changes_by_target[target] if change.state == "written"}
+        for path, note in _in_the_way(folder, target, files, paths_to_write):
+            is_folder = note == _A_FOLDER
+            if is_folder or not force:
+                lines.append(f"\n  {(folder / path).as_posix()}{note}")
+                are_all_folders = are_all_folders and is_folder
+    if lines:
+        remedy = "move it away" if are_all_folders else "move it away, or overwrite files with --force"
+        raise WriteError(f"in the way and not written by codewheel; nothing has changed; {remedy}:{''.join(lines)}")
 
 
-def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: set[str]) -> Iterator[tuple[str, str]]:
+def _in_the_way(
+    folder: Path, target: str, files: Mapping[str, str], paths_to_write: set[str]
+) -> Iterator[tuple[str, str]]:
     """Yield the path of each file or folder in the way that codewheel did not write, with a note for the message.
 
     The note is ``, in place of a folder``, ``, a folder in place of a file``, or empty for a file in place of a file.
@@ -316,7 +326,7 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
         folder: The output folder.
         target: Name of the target.
         files: Contents of all files of the target, by path.
-        differing: Paths of the files that would be written.
+        paths_to_write: Paths of the files that would be written.
     """
     # Codewheel wrote these files in an earlier run. One of them may be where a folder is needed now.
     listed_paths = set(_listed_paths(folder, target))
@@ -325,7 +335,7 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
     for path in sorted(needed_folders - listed_paths):
         if _kind_of(folder / path) in ("file", "link"):
             yield path, ", in place of a folder"
-    for path in sorted(differing):
+    for path in sorted(paths_to_write):
         kind_of_path = _kind_of(folder / path)
         if kind_of_path == "folder":
             yield path, _A_FOLDER
@@ -336,8 +346,10 @@ def _in_the_way(folder: Path, target: str, files: Mapping[str, str], differing: 
     kind_of_list = _kind_of(folder / list_path)
     if kind_of_list == "folder":
         yield list_path, _A_FOLDER
-    elif kind_of_list and not (read_file(folder / list_path) or b"").startswith(LIST_SIGN):
-        yield list_path, ""
+    elif kind_of_list:
+        list_content = read_file(folder / list_path) or b""
+        if not list_content.startswith(LIST_SIGN):
+            yield list_path, ""
 
 
 def _folders_of(paths: Iterable[str]) -> set[str]:

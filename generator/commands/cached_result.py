@@ -62,7 +62,7 @@ def cached_result(cache: Cache, command: str, paths: Sequence[Path], options: Se
         options: All options on which the result depends.
     """
     inputs = _hash_of_inputs(paths, options) if cache else ""
-    return CachedResult(cache, command, paths, options, inputs)
+    return CachedResult(cache=cache, command=command, paths=paths, options=options, inputs=inputs)
 
 
 def specs_read(families: Sequence[str], report: ProblemReport) -> SpecsRead:

@@ -40,24 +40,26 @@ def run(arguments: argparse.Namespace) -> int:
     from ..readings.cloze import as_lines, open_gaps, read_sheet, sheet
     from .facts import family_named
     from .read_specs import specs_to_judge
-    from .terminal import print_problems
+    from .terminal import error_after_printing
 
-    loaded_family = family_named(arguments.family, specs_to_judge(arguments.specs, "cloze FAMILY").paths)
+    paths = specs_to_judge(arguments.specs, "cloze FAMILY").paths
+    loaded_family = family_named(arguments.family, paths)
+    # ``plain`` is the family without its overlays, if it has any.
     family = loaded_family.plain or loaded_family
     report = ProblemReport()
     filled_sheet = read_sheet(family, report)
     if report:
-        raise print_problems(report)
+        raise error_after_printing(report)
     old_entries = filled_sheet.data["texts"] if filled_sheet is not None else {}
     sheet_data = sheet(family.document, old_entries)
     spec_path = Path(family.document.file)
-    path = word_sheet_path(spec_path)
+    sheet_path = word_sheet_path(spec_path)
     lines = [*as_lines(sheet_data, spec_path.name), ""]  # The empty line ends the last line with a newline.
     try:
-        path.write_text("\n".join(lines), encoding="utf-8")
+        sheet_path.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:
-        raise CommandError(f"cannot write {path}: {error.strerror or error}", 1) from None
-    gaps_text = count_with_unit(open_gaps(sheet_data), "gap")
-    texts_text = count_with_unit(len(sheet_data["texts"]), "text")
-    print(f"written    {path.as_posix()}: {gaps_text} to fill, in {texts_text}")
+        raise CommandError(f"cannot write {sheet_path}: {error.strerror or error}", 1) from None
+    number_of_gaps = count_with_unit(open_gaps(sheet_data), "gap")
+    number_of_texts = count_with_unit(len(sheet_data["texts"]), "text")
+    print(f"written    {sheet_path.as_posix()}: {number_of_gaps} to fill, in {number_of_texts}")
     return 0

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import re
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..changes.rules import IMPACTS, Impact
 from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option, cache_for
@@ -37,7 +36,6 @@ EXAMPLES = (
 _MAX_PROBLEMS = 3
 #: Levels of GitHub by impact. All others are notices.
 _GITHUB_LEVEL_BY_IMPACT = {Impact.BREAKING: "error", Impact.BEHAVIOUR: "warning"}
-_PATH_STEPS = re.compile(r"[^.\[\]]+")
 
 
 def add_arguments(parser: Parser) -> None:
@@ -291,7 +289,10 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
 
     is_old = old_side is None
     families, report, file_names = _read_side(text, cache, old_side)
-    problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
+    problems = []
+    for problem in report.problems:
+        original_name = file_names.get(problem.file, problem.file)
+        problems.append(replace(problem, file=original_name))
     if not problems:
         return _Side(tuple(families), file_names)
     problems_text = count_with_unit(len(problems), "problem")
@@ -346,9 +347,9 @@ def _read_side(
         if old_side is None:
             # With an empty sequence, families keep the content of their files, which the new version is compared with.
             no_shared_families: tuple[Family, ...] = ()
-            families, report = load_families([path], cache, migrate, no_shared_families)
+            families, report = load_families([path], cache, migrate, others=no_shared_families)
         else:
-            families, report = load_families([path], cache, None, old_side.families)
+            families, report = load_families([path], cache, others=old_side.families)
     return families, report, file_names
 
 
@@ -379,6 +380,8 @@ def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Revie
 
     A change in a family that is not in the new specs is reported at the beginning of the first spec.
     """
+    from .review_formats import place_in_spec
+
     documents = {family.device.name: family.document for family in side.families}
     if not documents:
         return []
@@ -387,62 +390,29 @@ def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Revie
     for change in changes:
         document = documents.get(change.family, first_document)
         is_in_new_specs = change.family in documents
-        path = _place_in_spec(document, change.path) if is_in_new_specs else ()
-        findings.append(_review_finding(change, document, path, side.file_names))
+        path = place_in_spec(document, change.path) if is_in_new_specs else ()
+        finding = _review_finding(change, document, path, original_names=side.file_names)
+        findings.append(finding)
     return findings
 
 
-def _review_finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> ReviewFinding:
-    """Return a change in the form for review tools, at its place in the new spec."""
+def _review_finding(
+    change: Change, document: Document, path: SpecPath, *, original_names: Mapping[str, str]
+) -> ReviewFinding:
+    """Return a change in the form for review tools, at its place in the new spec.
+
+    ``original_names`` has the names of files from a git revision, by the names of the temporary files that were read.
+    """
     from ..changes.report import describe_effect
     from .review_formats import ReviewFinding
 
     line_number, column = document.position(path)
     file = document.file_of(path) or document.file
     return ReviewFinding(
-        file=file_names.get(file, file),
+        file=original_names.get(file, file),
         line=line_number,
         column=column,
         rule=change.rule.name,
         message=f"{change.text} ({change.impact.word}: {describe_effect(change)})",
         level=_GITHUB_LEVEL_BY_IMPACT.get(change.impact, "notice"),
     )
-
-
-def _place_in_spec(document: Document, text: str) -> SpecPath:
-    """Return the place of a path of keys and names, such as ``registers.mode.fields``, as far as it exists in a spec.
-
-    In the result, indices replace the names of list items: ``("registers", 3, "fields")``.
-    """
-    from ..language.schema_check import value_at
-
-    path: SpecPath = ()
-    for step in _PATH_STEPS.findall(text):
-        paths_to_step = list(_paths_to_step(step, value_at(document.data, path)))
-        if not paths_to_step:
-            break
-        # The first path is the shortest.
-        path = (*path, *paths_to_step[0])
-    return path
-
-
-def _paths_to_step(step: str, node: Any) -> Iterator[SpecPath]:
-    """Yield the paths from ``node`` to a key or name in it: directly, or one level deeper if it is a map.
-
-    Paths of changes leave out some keys, so ``position`` in ``{"fields": [{"name": "position"}]}`` is at
-    ``("fields", 0)``.
-    """
-    yield from _children_named(step, node)
-    if isinstance(node, dict):
-        for key, inner_node in node.items():
-            yield from ((key, *path) for path in _children_named(step, inner_node))
-
-
-def _children_named(step: str, node: Any) -> Iterator[SpecPath]:
-    """Yield the path ``(index,)`` to each item of a list with this name, or ``(key,)`` for a map with this key."""
-    from ..language.document import label_of
-
-    if isinstance(node, list):
-        yield from ((index,) for index, child in enumerate(node) if label_of(child) == step)
-    elif isinstance(node, dict) and step in node:
-        yield (step,)

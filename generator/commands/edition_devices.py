@@ -13,16 +13,17 @@ from ..model import Device
 from ..order_codes.editions import edition_by_label
 from ..order_codes.labels import LabelMatch, UnknownOrderCode, find_code
 from ..reference.findings import edition_by_registers, without_tests
-from .terminal import CommandError, print_problems
+from .terminal import CommandError, error_after_printing
 
 #: Words that ask to infer the edition instead of naming it.
 BY_LABEL, BY_REGISTERS = "label", "registers"
 
 
 def in_requested_edition(
-    specs: Sequence[Path],
     device: Device,
     code_match: LabelMatch | None,
+    *,
+    specs: Sequence[Path],
     wanted_edition: str,
     text: str,
     register_bytes: Mapping[int, int],
@@ -32,9 +33,9 @@ def in_requested_edition(
     Register bytes from which the edition was inferred are left out.
 
     Args:
-        specs: The specs to read.
         device: The family as its spec describes it.
         code_match: The order code on the label, or None if the family was named.
+        specs: The specs to read.
         wanted_edition: A revision, a date, ``label`` or ``registers``.
         text: The name or order code that the user gave.
         register_bytes: Register bytes by address.
@@ -94,7 +95,7 @@ def _load_in_edition(specs: Sequence[Path], device: Device, revision: str) -> De
     report = ProblemReport()
     edition_family = in_edition(families_by_name[device.name], revision, report)
     if report or edition_family is None:
-        raise print_problems(report)
+        raise error_after_printing(report)
     return edition_family.device
 
 
@@ -112,11 +113,8 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
         name, equals, revision_or_date = wanted_edition.partition("=")
         if not equals or name not in families_by_name:
             first_name = next(iter(families_by_name), "FAMILY")
-            example = f"{first_name}=1.0"
-            known_names = ", ".join(families_by_name)
-            raise CommandError(
-                f"'{wanted_edition}' is not a family and an edition; write it like {example} ({known_names})", 2
-            )
+            remedy = f"write it like {first_name}=1.0 ({', '.join(families_by_name)})"
+            raise CommandError(f"'{wanted_edition}' is not a family and an edition; {remedy}", 2)
         family = families_by_name[name]
         try:
             revision = revision_for(family.device, revision_or_date)

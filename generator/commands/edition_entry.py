@@ -123,7 +123,8 @@ def _lines_of_entry(new_family: Family, edition_changes: Iterable[Mapping[str, A
     if not has_editions:
         yield "editions:"
     # YAML writes a single text such as '1.0' with a mark for the end of the document, but not a list with this text.
-    yield f"  - revision: {_as_yaml_line([revision]).removeprefix('[').removesuffix(']')}"
+    revision_in_list = _as_yaml_line([revision])
+    yield f"  - revision: {revision_in_list.removeprefix('[').removesuffix(']')}"
     yield "    before:"
     for edition_change in edition_changes:
         yield f"      - {_as_yaml_line(edition_change)}"
@@ -138,7 +139,8 @@ def _edition_changes(
     the order code are among them, the changes that follow from them come last.
     """
     old_data, new_data = old_family.document.data, new_family.document.data
-    reason = f"Edition {old_family.device.manual.revision} has it, edition {new_family.device.manual.revision} does not"
+    old_revision, new_revision = old_family.device.manual.revision, new_family.device.manual.revision
+    reason = f"Edition {old_revision} has it, edition {new_revision} does not"
     first_option_source = ""
     removed_options: list[tuple[str, Any]] = []
     for place, removed_node in _removed_nodes(old_data, new_data, place=""):
@@ -242,25 +244,26 @@ def _changed_references(old_node: Any, new_node: Any, place: str) -> Iterator[tu
     ``old_node`` and ``new_node`` are the nodes of the specs at ``place``, which is "" for the whole specs.
     """
     if isinstance(old_node, dict) and isinstance(new_node, dict):
-        for key in [key for key in old_node if key in new_node]:
+        common_keys = [key for key in old_node if key in new_node]
+        for key in common_keys:
             child_place = f"{place}.{key}".removeprefix(".")
-            is_section = not place
+            old_child, new_child = old_node[key], new_node[key]
             # Of the sections that editions do not describe, only the examples name order codes.
-            may_have_references = not is_section or key == "examples" or key not in _NOT_IN_EDITIONS
-            if _is_reference(place, key):
-                if old_node[key] != new_node[key]:
-                    yield child_place, old_node[key]
-            elif may_have_references:
-                yield from _changed_references(old_node[key], new_node[key], child_place)
+            is_section_without_references = not place and key in _NOT_IN_EDITIONS - {"examples"}
+            if not _is_reference(place, key):
+                if not is_section_without_references:
+                    yield from _changed_references(old_child, new_child, child_place)
+            elif old_child != new_child:
+                yield child_place, old_child
     elif isinstance(old_node, list) and isinstance(new_node, list):
         old_children = {label_of(child): child for child in old_node}
-        for index, child in enumerate(new_node):
-            label = label_of(child)
-            if label is not None:
-                yield from _changed_references(old_children.get(label), child, f"{place}.{label}")
+        for index, new_child in enumerate(new_node):
+            name = label_of(new_child)
+            if name is not None:
+                yield from _changed_references(old_children.get(name), new_child, f"{place}.{name}")
             elif index < len(old_node):
                 # Items without names are compared by their order.
-                yield from _changed_references(old_node[index], child, f"{place}[{index + 1}]")
+                yield from _changed_references(old_node[index], new_child, f"{place}[{index + 1}]")
 
 
 def _is_reference(place: str, key: str) -> bool:
@@ -283,20 +286,20 @@ def _removed_nodes(old_node: Any, new_node: Any, place: str) -> Iterator[tuple[s
     if isinstance(old_node, dict) and isinstance(new_node, dict):
         _, _, key_of_map = place.rpartition(".")
         has_names_as_keys = key_of_map in _NAMED_MAPS
-        for key, child in old_node.items():
+        for key, old_child in old_node.items():
             child_place = f"{place}.{key}".removeprefix(".")
             if key in new_node and key not in _NOT_IN_EDITIONS:
-                yield from _removed_nodes(child, new_node[key], child_place)
+                yield from _removed_nodes(old_child, new_node[key], child_place)
             elif key not in new_node and has_names_as_keys:
-                yield child_place, child
+                yield child_place, old_child
     elif isinstance(old_node, list) and isinstance(new_node, list):
         new_children = {label_of(child): child for child in new_node}
-        for child in old_node:
-            name = label_of(child)
+        for old_child in old_node:
+            name = label_of(old_child)
             if name in new_children:
-                yield from _removed_nodes(child, new_children[name], f"{place}.{name}")
+                yield from _removed_nodes(old_child, new_children[name], f"{place}.{name}")
             elif name is not None:
-                yield place, child
+                yield place, old_child
 
 
 def _as_yaml_line(node: Any) -> str:

@@ -101,9 +101,9 @@ def _list_rules(examples: dict[str, RuleExample]) -> str:
         name_and_impact = f"{rule.name:<22} {rule.impact.word:<14} "
         indent = " " * len(name_and_impact)
         lines.append(wrap_text(rule.when, WIDTH, prefix=indent, first=name_and_impact))
-    rules_of_one_file, rules_of_several_files = examples.keys(), _SEVERAL_FILES.keys()
-    names_of_check_rules = ", ".join(sorted([*rules_of_one_file, *rules_of_several_files]))
-    lines += ["", "Rules of check:", "", textwrap.fill(names_of_check_rules, WIDTH, break_on_hyphens=False)]
+    names_of_check_rules = sorted([*examples, *_SEVERAL_FILES])
+    wrapped_names = textwrap.fill(", ".join(names_of_check_rules), WIDTH, break_on_hyphens=False)
+    lines += ["", "Rules of check:", "", wrapped_names]
     return "\n".join(lines)
 
 
@@ -129,6 +129,9 @@ def _describe_rule_of_diff(name: str) -> list[str]:
     rule = RULES.get(name)
     if rule is None:
         return []
-    impacts = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
     heading = wrap_text(f"{rule.when}.", WIDTH, prefix="  ", first=f"{rule.name}: ")
-    return ["\n".join([heading, *impacts, wrap_text(rule.why, WIDTH, prefix="  ")])]
+    impact_lines = []
+    for output, impact in zip(OUTPUTS, rule.impacts, strict=True):
+        impact_lines.append(f"  {TITLES[output]:<7} {impact.word}")
+    reason = wrap_text(rule.why, WIDTH, prefix="  ")
+    return ["\n".join([heading, *impact_lines, reason])]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..say.plain_text import count_with_unit
 from .arguments import Parser, add_specs_option
-from .terminal import CommandError, print_json, print_problems
+from .terminal import CommandError, error_after_printing, print_json
 
 if TYPE_CHECKING:
     import argparse
@@ -67,7 +67,7 @@ def family_named(name: str, paths: Sequence[Path]) -> Family:
 
     families, report = load_families(paths)
     if report:
-        raise print_problems(report)
+        raise error_after_printing(report)
     families_by_name = {family.device.name: family for family in families}
     if name.lower() not in families_by_name:
         raise CommandError(f"'{name}' is not a family; known: {', '.join(families_by_name)}", 2)

@@ -106,9 +106,8 @@ def _read_recording(arguments: argparse.Namespace) -> RecordedFrames:
     if common_length > longest:
         raise CommandError(f"the frames have {common_length} bits; a line has at most {longest}", 2)
     if common_length < shortest:
-        raise CommandError(
-            f"the frames have {count_with_unit(common_length, 'bit')}; a line has at least {shortest}", 2
-        )
+        length = count_with_unit(common_length, "bit")
+        raise CommandError(f"the frames have {length}; a line has at least {shortest}", 2)
     positions: tuple[float, ...] = ()
     if arguments.positions is not None:
         positions = _read_positions(arguments.positions, len(frame_texts))
@@ -162,21 +161,22 @@ def _read_frame(interface: str, text: str, bits: int | None) -> _Frame:
             # A bit frame may be one number with a prefix. An RS-485 frame always consists of bytes.
             plain_text = with_prefix(plain_text, bits or 0)
             compact_text = re.sub(r"[\s_]", "", plain_text)
-            digit_count = len(compact_text) - len("0b")  # The prefix 0x has the same length.
+            number_of_digits = len(compact_text) - len("0b")  # The prefix 0x has the same length.
             if re.fullmatch(r"0[bB][01]+", compact_text):
-                return _Frame(int(compact_text, 2), digit_count)
+                return _Frame(number=int(compact_text, 2), bits=number_of_digits)
             if re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact_text):
-                return _with_stated_length(_Frame(int(compact_text, 16), 4 * digit_count), bits, text)
+                frame = _Frame(number=int(compact_text, 16), bits=4 * number_of_digits)
+                return _with_stated_length(frame, bits, text)
             # Without a prefix, a single piece could be decimal, hexadecimal or binary.
             if len(plain_text.split()) == 1:
                 start_of_text = plain_text[:_SHOWN_CHARACTERS]
-                raise CommandError(
-                    f"'{start_of_text}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2
-                )
-        frame_data = frame_bytes(plain_text)
+                remedy = "write 0b... with every bit, 0x..., or hex bytes"
+                raise CommandError(f"'{start_of_text}' is not a frame; {remedy}", 2)
+        frame_in_bytes = frame_bytes(plain_text)
     except FrameTextError as error:
         raise CommandError(str(error), 2) from None
-    return _with_stated_length(_Frame(int.from_bytes(frame_data, "big"), 8 * len(frame_data)), bits, text)
+    frame = _Frame(number=int.from_bytes(frame_in_bytes, "big"), bits=8 * len(frame_in_bytes))
+    return _with_stated_length(frame, bits, text)
 
 
 def _with_stated_length(frame: _Frame, bits: int | None, text: str) -> _Frame:
@@ -204,15 +204,11 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
         positions = tuple(float(piece) for piece in text.split(","))
     except ValueError:
         start_of_text = text[:_SHOWN_CHARACTERS]
-        raise CommandError(
-            f"'{start_of_text}' is not a list of numbers; write it like --positions 0,45,90", 2
-        ) from None
+        problem = f"'{start_of_text}' is not a list of numbers"
+        raise CommandError(f"{problem}; write it like --positions 0,45,90", 2) from None
     if len(positions) != count:
-        raise CommandError(
-            f"{count_with_unit(len(positions), 'position')} for {count_with_unit(count, 'frame')}; "
-            "give one for each frame",
-            2,
-        )
+        both_counts = f"{count_with_unit(len(positions), 'position')} for {count_with_unit(count, 'frame')}"
+        raise CommandError(f"{both_counts}; give one for each frame", 2)
     if not all(map(isfinite, positions)):
         raise CommandError("a position is not a finite number; write it like --positions 0,45,90", 2)
     if max(map(abs, positions)) > _HIGHEST_POSITION:
@@ -240,8 +236,9 @@ def _proposal_data(proposal: PossibleLine) -> dict[str, Any]:
 
 def _text_lines(recording: RecordedFrames, proposals: Sequence[PossibleLine], first_frame: str) -> Iterator[str]:
     """Yield the proposals as lines of text, and the commands to continue with the first proposal."""
-    frames = count_with_unit(len(recording.frames), "frame")
-    yield f"{frames} of {count_with_unit(recording.bits, 'bit')}, most likely layout first"
+    number_of_frames = count_with_unit(len(recording.frames), "frame")
+    length = count_with_unit(recording.bits, "bit")
+    yield f"{number_of_frames} of {length}, most likely layout first"
     for rank, proposal in enumerate(proposals, 1):
         yield ""
         yield f"{rank}. {proposal.line}"

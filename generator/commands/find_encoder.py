@@ -6,14 +6,14 @@ import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..cache import Cache
 from ..say.plain_text import count_with_unit, first_of
 from .arguments import bytes_by_address
 from .line_encoder import WITHOUT_SPEC, encoder_in_line, is_line, refuse_line
 from .specs_by_text import families_for, has_family, has_same_spec
-from .terminal import CommandError, print_problems
+from .terminal import CommandError, error_after_printing
 
 if TYPE_CHECKING:
     import argparse
@@ -26,8 +26,14 @@ if TYPE_CHECKING:
 
 #: Most files in a message.
 _MOST_FILES = 8
-#: A family, the order code in it (None if the family was named), and the specs in which it was found.
-FoundDevice = tuple["Device", "LabelMatch | None", Sequence[Path]]
+
+
+class FoundEncoder(NamedTuple):
+    """A family, the order code in it (None if the family was named), and the specs in which it was found."""
+
+    device: Device
+    code_match: LabelMatch | None
+    paths: Sequence[Path]
 
 
 def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, LabelMatch, Sequence[Path]]:
@@ -40,10 +46,10 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Labe
         CommandError: The code does not exist (exit code 2), or no valid spec has it and others have problems (exit
             code 1).
     """
-    device, match, paths = _find_in_groups(specs, text, cache, accepts_family=False)
-    if match is None:  # Only a name is found without a match.
-        raise _unknown_code_error([device], text)
-    return device, match, paths
+    found_encoder = _find_in_groups(specs, text, cache, accepts_family=False)
+    if found_encoder.code_match is None:  # Only a name is found without a match.
+        raise _unknown_code_error([found_encoder.device], text)
+    return found_encoder.device, found_encoder.code_match, found_encoder.paths
 
 
 def find_requested(
@@ -57,20 +63,25 @@ def find_requested(
         CommandError: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is
             then 2.
     """
-    device, match, paths = find_order_code(specs, arguments.order_code, cache)
+    device, code_match, paths = find_order_code(specs, arguments.order_code, cache)
     register_bytes = bytes_by_address(arguments.register)
     if arguments.edition is None:
-        return device, match, register_bytes
+        return device, code_match, register_bytes
     refuse_line(arguments.order_code, "has no editions")
     from .edition_devices import in_requested_edition
 
-    device, match_in_edition, register_bytes = in_requested_edition(
-        paths, device, match, arguments.edition, arguments.order_code, register_bytes
+    device_in_edition, match_in_edition, remaining_bytes = in_requested_edition(
+        device,
+        code_match,
+        specs=paths,
+        wanted_edition=arguments.edition,
+        text=arguments.order_code,
+        register_bytes=register_bytes,
     )
-    return device, match_in_edition or match, register_bytes
+    return device_in_edition, match_in_edition or code_match, remaining_bytes
 
 
-def find_family_or_code(specs: Specs, text: str, cache: Cache) -> FoundDevice:
+def find_family_or_code(specs: Specs, text: str, cache: Cache) -> FoundEncoder:
     """Return a family named ``text`` without a match, or the result of ``find_order_code`` for the order code.
 
     Raises:
@@ -79,7 +90,7 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> FoundDevice:
     return _find_in_groups(specs, text, cache, accepts_family=True)
 
 
-def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> FoundDevice:
+def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> FoundEncoder:
     """Return the family or order code from the first group of specs that contains it.
 
     The groups are the user's specs and the packaged ones. If another group also contains it, with a different spec, a
@@ -89,7 +100,7 @@ def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bo
     """
     if is_line(text):
         device, match_of_line = encoder_in_line(text)
-        return device, match_of_line, ()
+        return FoundEncoder(device, match_of_line, paths=())
     reports_with_problems: list[ProblemReport] = []
     for index, paths in enumerate(specs.groups):
         family_and_code, report = _find_in_group(paths, text, cache, accepts_family=accepts_family)
@@ -97,15 +108,16 @@ def _find_in_groups(specs: Specs, text: str, cache: Cache, *, accepts_family: bo
             reports_with_problems.append(report)
         if family_and_code is None:
             continue
-        device, match = family_and_code
+        device, code_match = family_and_code
         _refuse_hidden(device, reports_with_problems)
         for report in reports_with_problems:
             _print_skipped_files(report)
-        later_groups = specs.groups[index + 1 :]
-        other_groups = [group for group in later_groups if not has_same_spec(paths, group, device.name)]
-        if any(_group_has(group, device.name, text, cache, accepts_family=accepts_family) for group in other_groups):
-            print(f"codewheel: {text} is in your specs and in the packaged ones; yours are used", file=sys.stderr)
-        return device, match, paths
+        for later_paths in specs.groups[index + 1 :]:
+            if has_same_spec(paths, later_paths, device.name):
+                continue
+            if _group_has(later_paths, device.name, text, cache, accepts_family=accepts_family):
+                print(f"codewheel: {text} is in your specs and in the packaged ones; yours are used", file=sys.stderr)
+        return FoundEncoder(device, code_match, paths)
     raise _no_such_encoder(specs, text, cache, accepts_family=accepts_family)
 
 
@@ -150,8 +162,8 @@ def _best_match(
 
 def _suffix_length(family_and_code: tuple[Device, LabelMatch | None]) -> int:
     """Return the number of characters after the order code, or 0 for the name of a family."""
-    _, match = family_and_code
-    return len(match.tail) if match is not None else 0
+    _, code_match = family_and_code
+    return len(code_match.tail) if code_match is not None else 0
 
 
 def _all_matches(
@@ -160,7 +172,7 @@ def _all_matches(
     """Return each family that has the order code ``text``, with its match.
 
     If ``accepts_family`` allows names and a family has this name, return only this family, with None instead of a
-    match.
+    code_match.
     """
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find_code as match_of
@@ -188,15 +200,15 @@ def _refuse_hidden(device: Device, reports_with_problems: Iterable[ProblemReport
         # A file is named after its family.
         names_of_faulty_families = {Path(file).stem for file in report.faulty_files}
         if device.name in names_of_faulty_families:
-            raise print_problems(report)
+            raise error_after_printing(report)
 
 
 def _print_skipped_files(report: ProblemReport) -> None:
+    # Each file once, in the order of its first problem.
     files = list(dict.fromkeys(problem.file for problem in report.problems))
-    notice = (
-        f"skipped, with {count_with_unit(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
-    )
-    print(f"codewheel: {notice}", file=sys.stderr)
+    number_of_problems = count_with_unit(len(report), "problem")
+    listed_files = first_of(files, _MOST_FILES)
+    print(f"codewheel: skipped, with {number_of_problems}: {listed_files}; run codewheel check", file=sys.stderr)
 
 
 def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: bool) -> CommandError:
@@ -208,7 +220,7 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, *, accepts_family: b
     for paths in specs.groups:
         group_devices, report = load_valid(paths)
         if report:
-            return print_problems(report)
+            return error_after_printing(report)
         devices += group_devices
     packaged_match = None
     if not specs.packaged:
@@ -226,10 +238,10 @@ def find_among(devices: Sequence[Device], text: str) -> tuple[Device, LabelMatch
     Raises:
         CommandError: There is no such code. The exit code is 2.
     """
-    device, match = _best_match(devices, text, accepts_family=False) or (None, None)
-    if device is None or match is None:
+    device, code_match = _best_match(devices, text, accepts_family=False) or (None, None)
+    if device is None or code_match is None:
         raise _unknown_code_error(devices, text)
-    return device, match
+    return device, code_match
 
 
 def _candidate_families(devices: Sequence[Device], text: str) -> list[Device]:
@@ -237,15 +249,17 @@ def _candidate_families(devices: Sequence[Device], text: str) -> list[Device]:
 
     Other special models and older editions are left out, because their order codes are also those of a family.
     """
-    code = "".join(text.split()).upper()
-    special_models = [device for device in devices if _is_special_model(device, code)]
+    label = "".join(text.split()).upper()
+    special_models = [device for device in devices if _is_special_model(device, label)]
     # Only special models and older editions have a base.
-    return [*special_models, *(device for device in devices if not device.base)]
+    families = [device for device in devices if not device.base]
+    return [*special_models, *families]
 
 
-def _is_special_model(device: Device, code: str) -> bool:
-    """Return whether a device is a special model whose suffix ends the code."""
-    return any(overlay.special and code.endswith(f"/{overlay.special}") for overlay in device.overlays)
+def _is_special_model(device: Device, label: str) -> bool:
+    """Return whether a device is a special model, and a label ends with its suffix, such as ``/S123``."""
+    suffixes = [f"/{overlay.special}" for overlay in device.overlays if overlay.special]
+    return label.endswith(tuple(suffixes))
 
 
 def _unknown_code_error(devices: Sequence[Device], text: str, *, suggests_line: bool = False) -> CommandError:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from .arguments import AND_PACKAGED, Parser, add_cache_option, add_specs, cache_for
-from .terminal import print_json, print_problems
+from .terminal import error_after_printing, print_json
 
 if TYPE_CHECKING:
     import argparse
@@ -99,7 +99,7 @@ def _load_devices(paths: Sequence[Path]) -> Sequence[Device]:
 
     devices, report = load_library(paths)
     if report:
-        raise print_problems(report)
+        raise error_after_printing(report)
     return devices
 
 
@@ -168,9 +168,11 @@ def as_text(families: Sequence[FamilyRow]) -> str:
         heading = f"{family['title']} ({family['manufacturer']})"
         manual = family["manual"]
         date = f" of {manual['date']}" if manual["date"] else ""
+        interface_titles = [title for _, title in family["interfaces"]]
+        number_of_codes = len(family["order_codes"])
         facts = [
-            ("interfaces", ", ".join(title for _, title in family["interfaces"])),
-            ("order codes", f"{len(family['order_codes'])}, {_pattern_or_codes(family)}"),
+            ("interfaces", ", ".join(interface_titles)),
+            ("order codes", f"{number_of_codes}, {_pattern_or_codes(family)}"),
             ("manual", f"{manual['title']}, revision {manual['revision']}{date}"),
             ("evidence", family["evidence"]),
         ]

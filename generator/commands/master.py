@@ -17,7 +17,7 @@ from .arguments import (
     cache_for,
 )
 from .line_encoder import OR_A_LINE
-from .terminal import CommandError, print_json, print_problems, refuse_missing
+from .terminal import CommandError, error_after_printing, print_json, refuse_missing
 
 if TYPE_CHECKING:
     from ..masters.record import EncoderFacts
@@ -83,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
     refuse_missing(arguments.masters)
     masters, report = sheet.load_masters(arguments.masters)
     if report:
-        raise print_problems(report)
+        raise error_after_printing(report)
     _refuse_incomplete_options(arguments)
     if arguments.order_code is None:
         if arguments.json:
@@ -92,15 +92,16 @@ def run(arguments: argparse.Namespace) -> int:
             print(text.masters_text(masters))
         return 0
     _refuse_unknown_master(arguments.master, masters)
-    device, match, encoder_record = _requested_record(arguments)
+    device, code_match, encoder_record = _requested_record(arguments)
     if arguments.format is not None or arguments.device is not None:
         print(_file_for_master(arguments, device, masters, encoder_record))
         return 0
-    sheets = [sheet.sheet(master, encoder_record) for master in masters if arguments.master in (None, master.name)]
+    shown_masters = [master for master in masters if arguments.master in (None, master.name)]
+    sheets = [sheet.sheet(master, encoder_record) for master in shown_masters]
     if arguments.json:
-        print_json(text.sheet_data(device, match, encoder_record, sheets))
+        print_json(text.sheet_data(device, code_match, encoder_record, sheets))
     else:
-        print(text.sheet_text(device, match, encoder_record, sheets))
+        print(text.sheet_text(device, code_match, encoder_record, sheets))
     # With ``--master``, there is only its sheet.
     is_refused = arguments.master is not None and sheets[0].refusals
     return 1 if is_refused or encoder_record.obstacle else 0
@@ -148,19 +149,20 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     from .read_specs import specs_to_read
 
     cache = cache_for(arguments)
-    device, match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
+    device, code_match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
     try:
-        variant = with_registers(device, match.variant, register_bytes)
-        answers = answers_of(device, match.variant, arguments.choose)
+        variant = with_registers(device, code_match.variant, register_bytes)
+        answers = answers_of(device, code_match.variant, arguments.choose)
         has_factory_defaults = not register_bytes
         encoder_record = record(
             device, variant, as_delivered=has_factory_defaults, cable_m=arguments.cable, answers=answers
         )
-        return device, match, encoder_record
+        return device, code_match, encoder_record
     except RegisterError as error:
         raise CommandError(str(error), 2) from None
     except Undecided as error:
-        raise CommandError(open_questions(device, error.layout, answers, "has no settings"), 2) from None
+        message = open_questions(device, error.layout, answers, predicate="has no settings")
+        raise CommandError(message, 2) from None
     except NoRecord as error:
         raise CommandError(str(error), 1) from None
 
@@ -190,9 +192,8 @@ def _file_for_master(
     if master_device not in devices_with_format:
         known_devices = join_words(devices_with_format, "or")
         raise CommandError(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
-    return file_text(device, [encoder_record.code], master_sheet, rule=file_format, master_device=master_device).rstrip(
-        "\n"
-    )
+    text = file_text(device, [encoder_record.code], master_sheet, rule=file_format, master_device=master_device)
+    return text.rstrip("\n")
 
 
 def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Sequence[Master]) -> Any:

@@ -64,7 +64,9 @@ def _print_decisions(paths: Sequence[Path], changes: int) -> int:
     problems = check_specs(paths, targets_named()).report.problems
     for problem in problems:
         print(problem.format())
-    decisions = f"{count_with_unit(len(problems), 'place')} to decide by hand" if problems else "nothing to decide"
+    decisions = "nothing to decide"
+    if problems:
+        decisions = f"{count_with_unit(len(problems), 'place')} to decide by hand"
     print(f"{count_with_unit(changes, 'change')} applied, {decisions}")
     return 1 if problems else 0
 

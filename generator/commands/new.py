@@ -134,14 +134,17 @@ def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceTe
         )
     manufacturer_file = spec_path.with_name("manufacturer.yaml")
     text_of = text_of or partial(device_text, like=like)
+    folder = spec_path.parent
     manufacturer = _manufacturer_name(manufacturer_file)
-    text_by_path = {spec_path: text_of(name, manufacturer, _schema_reference(spec_path.parent, "device"))}
+    schema_of_spec = _schema_reference(folder, "device")
+    text_by_path = {spec_path: text_of(name, manufacturer, schema_of_spec)}
     if not manufacturer_file.exists():
-        text_by_path[manufacturer_file] = manufacturer_text(_schema_reference(spec_path.parent, "manufacturer"))
-    for kind in ("device", "manufacturer"):
-        schema_copy = spec_path.with_name(f"{kind}.schema.json")
-        if not _in_one_checkout(spec_path.parent, kind) and not schema_copy.exists():
-            text_by_path[schema_copy] = _schema_of_tool(kind).read_text(encoding="utf-8")
+        schema_of_manufacturer = _schema_reference(folder, "manufacturer")
+        text_by_path[manufacturer_file] = manufacturer_text(schema_of_manufacturer)
+    for schema_kind in ("device", "manufacturer"):
+        schema_copy = spec_path.with_name(f"{schema_kind}.schema.json")
+        if not _in_one_checkout(folder, schema_kind) and not schema_copy.exists():
+            text_by_path[schema_copy] = _schema_of_tool(schema_kind).read_text(encoding="utf-8")
     return list(_write_new_files(text_by_path))
 
 
@@ -153,7 +156,7 @@ def _refuse_invalid_name(name: str) -> None:
     """
     from ..language.rules.names import TAKEN
 
-    if not _FAMILY_NAME.fullmatch(name) or len(name) > _LONGEST_NAME or _is_reserved(name):
+    if not _is_valid_name(name):
         rule = "use lowercase letters, digits and underscores"
         start_of_name = name[:_SHOWN_CHARACTERS]
         raise NameRefused(f"'{start_of_name}' is not a valid family name; {rule}, such as {_suggested_name(name)}")
@@ -179,9 +182,13 @@ def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
         yield path
 
 
-def _is_reserved(name: str) -> bool:
-    """Return whether a name is a keyword of Python, or ``manufacturer``, the file next to the spec."""
-    return iskeyword(name) or name == "manufacturer"
+def _is_valid_name(name: str) -> bool:
+    """Return whether a family can have this name, apart from names that the tool or generated files use.
+
+    It cannot be a keyword of Python, or ``manufacturer``, the file next to the spec.
+    """
+    is_reserved = iskeyword(name) or name == "manufacturer"
+    return _FAMILY_NAME.fullmatch(name) is not None and len(name) <= _LONGEST_NAME and not is_reserved
 
 
 def _suggested_name(name: str) -> str:
@@ -193,10 +200,8 @@ def _suggested_name(name: str) -> str:
 
     with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     suggestion = with_underscores[:_LONGEST_NAME]
-    is_valid = (
-        _FAMILY_NAME.fullmatch(suggestion) is not None and not _is_reserved(suggestion) and suggestion not in TAKEN
-    )
-    return suggestion if is_valid and suggestion != name else "encoder_1"
+    is_free = suggestion != name and suggestion not in TAKEN
+    return suggestion if is_free and _is_valid_name(suggestion) else "encoder_1"
 
 
 def _manufacturer_name(path: Path) -> str:

@@ -29,21 +29,24 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
     alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}
     answers: dict[str, str] = {}
     for pair in pairs:
-        name, _, answer_name = pair.partition("=")
+        question, _, answer_name = pair.partition("=")
         if not alternatives:
             raise CommandError(f"{variant.code} has nothing to choose", 2)
-        if name not in alternatives:
+        if question not in alternatives:
             options: list[str] = []
             for alternative in alternatives.values():
                 options += _choose_options(alternative)
-            raise CommandError(f"{variant.code} has no choice {quoted(visible(name))}; write {' or '.join(options)}", 2)
-        if answer_name not in (answer.name for answer in alternatives[name].answers):
-            choices = " or ".join(_choose_options(alternatives[name]))
-            raise CommandError(f"{quoted(name)} has no answer {quoted(visible(answer_name))}; write {choices}", 2)
-        if answers.setdefault(name, answer_name) != answer_name:
-            raise CommandError(
-                f"{quoted(name)} is chosen twice, as {quoted(answers[name])} and as {quoted(answer_name)}", 2
-            )
+            problem = f"{variant.code} has no choice {quoted(visible(question))}"
+            raise CommandError(f"{problem}; write {' or '.join(options)}", 2)
+        known_answers = [answer.name for answer in alternatives[question].answers]
+        if answer_name not in known_answers:
+            options = _choose_options(alternatives[question])
+            problem = f"{quoted(question)} has no answer {quoted(visible(answer_name))}"
+            raise CommandError(f"{problem}; write {' or '.join(options)}", 2)
+        previous_answer = answers.setdefault(question, answer_name)
+        if previous_answer != answer_name:
+            both_answers = f"as {quoted(previous_answer)} and as {quoted(answer_name)}"
+            raise CommandError(f"{quoted(question)} is chosen twice, {both_answers}", 2)
     return answers
 
 
@@ -69,7 +72,7 @@ def open_questions(
     unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
     if not unanswered:
         return ""
-    questions = " ".join(_question_with_options(alternative) for alternative in unanswered)
+    questions = " ".join(map(_question_with_options, unanswered))
     return f"{quoted(layout.name)} {predicate} until you decide. {questions}".removesuffix(".")
 
 

@@ -49,12 +49,10 @@ def devices_by_target(
     accepted = {target: accepted_devices(target, devices, filters) for target in targets}
     for target, target_devices in accepted.items():
         if devices and not target_devices:
-            grades = [f"{device.name} ({device.evidence.grade})" for device in devices]
-            raise CommandError(
-                f"the setting 'only.{target}' accepts no family that was read: {first_of(grades, _MOST_FAMILIES)}; "
-                "change it, or name the other targets with --target",
-                1,
-            )
+            names_and_grades = [f"{device.name} ({device.evidence.grade})" for device in devices]
+            families_read = first_of(names_and_grades, _MOST_FAMILIES)
+            problem = f"the setting 'only.{target}' accepts no family that was read: {families_read}"
+            raise CommandError(f"{problem}; change it, or name the other targets with --target", 1)
     return accepted
 
 
@@ -95,7 +93,9 @@ def are_built_in(targets: Iterable[Target], names: Iterable[str] | None) -> bool
 
 
 def _unknown_target_message(name: str) -> str:
-    return f"there is no target '{name}'{suggest_word(name, target_names(), 'there are')}"
+    """Return the message about an unknown target, with the nearest target or all of them."""
+    hint = suggest_word(name, target_names(), "there are")
+    return f"there is no target '{name}'{hint}"
 
 
 def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[str, Options]:
@@ -119,9 +119,8 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
         if target_name not in targets_by_name:
             if target_name not in target_names():
                 raise CommandError(_unknown_target_message(target_name), 2)
-            raise CommandError(
-                f"'{target_and_option}' is for a target that does not run; add --target {target_name}", 2
-            )
+            problem = f"'{target_and_option}' is for a target that does not run"
+            raise CommandError(f"{problem}; add --target {target_name}", 2)
         _refuse_setting(targets_by_name[target_name], option, value)
         options[target_name][option] = value
     return dict(options)
@@ -138,9 +137,8 @@ def _refuse_setting(target: Target, name: str, value: str) -> None:
         raise CommandError(f"the target '{target.name}' has no option '{name}'{hint}", 2)
     accepted_values = options[name].values
     if accepted_values and value not in accepted_values:
-        raise CommandError(
-            f"'{target.name}.{name}' cannot be '{value}'{suggest_word(value, accepted_values, 'it can be')}", 2
-        )
+        hint = suggest_word(value, accepted_values, "it can be")
+        raise CommandError(f"'{target.name}.{name}' cannot be '{value}'{hint}", 2)
 
 
 def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[Device, ...], ProblemReport]:
@@ -156,6 +154,7 @@ def load_for_targets(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[
 def complete_devices(
     families: Sequence[Family],
     targets: Iterable[Target],
+    *,
     editions: Iterable[str],
     report: ProblemReport,
     filters: FamilyFilters = NO_FILTERS,
@@ -169,7 +168,8 @@ def complete_devices(
         CommandError: A target fails. The exit code is 1.
     """
     report_unfit_parts(families, targets, report, filters)
-    devices = [*(family.device for family in families), *edition_devices(families, editions, report)]
+    devices = [family.device for family in families]
+    devices += edition_devices(families, editions, report)
     return tuple(sorted(devices, key=lambda device: device.name))
 
 
@@ -226,9 +226,10 @@ def render_targets(
         raise CommandError(str(error), 1) from None
     if library.own_templates is not None:
         templates_by_target = {target.name: target.templates for target in targets}
-        unused = list(unused_templates(library.own_templates, templates_by_target, target_names()))
-        if unused:
-            raise CommandError("\n  ".join(["nothing written: these templates have no effect:", *unused]), 2)
+        problems = list(unused_templates(library.own_templates, templates_by_target, target_names()))
+        if problems:
+            lines = ["nothing written: these templates have no effect:", *problems]
+            raise CommandError("\n  ".join(lines), 2)
     return files
 
 

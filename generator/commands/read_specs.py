@@ -27,8 +27,8 @@ from ..language.files import (
     packaged_families,
 )
 from ..loading.configuration import BUILT_IN, PYPROJECT, Configuration, Faulty
-from ..say.plain_text import count_with_unit, first_of
-from .terminal import CommandError, print_problems, refuse_missing
+from ..say.plain_text import first_of
+from .terminal import CommandError, error_after_printing, refuse_missing
 
 if TYPE_CHECKING:
     from ..language.document import Path as Place
@@ -159,7 +159,7 @@ def find_settings() -> Configuration | None:
     except Faulty as error:
         from ..loading.configuration_file import errors_in
 
-        raise print_problems(errors_in(error.files)) from None
+        raise error_after_printing(errors_in(error.files)) from None
 
 
 #: Commands that get the folder of the specs with an option.
@@ -179,23 +179,20 @@ def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     folder = specs.settings.folder if specs.settings is not None else Path()
     # These commands have positional arguments of their own, so specs are named with an option.
     option = " --specs" if command in _COMMANDS_WITH_OPTION else ""
+    command_with_folder = f"codewheel {command}{option} FOLDER"
     if not specs.is_complete:
-        raise CommandError(
-            f"{_folder_text(folder)} has more than {MOST_NAMES:,} files and folders, so not all of its specs were "
-            f"found; name the folder of the specs: codewheel {command}{option} FOLDER, or list it under "
-            "[tool.codewheel]",
-            2,
-        )
+        problem = f"{_folder_text(folder)} has more than {MOST_NAMES:,} files and folders"
+        consequence = "so not all of its specs were found"
+        remedy = f"name the folder of the specs: {command_with_folder}, or list it under [tool.codewheel]"
+        raise CommandError(f"{problem}, {consequence}; {remedy}", 2)
     if not specs.paths:
+        problem = f"there are no specs in {_folder_text(folder)} or below it{_output_with_specs(specs)}"
+        remedy = f"name them: {command_with_folder}, or list them under [tool.codewheel] in pyproject.toml"
         hint = ""
         if command == "generate":
             example = _example_of_packaged_family()
             hint = f"; outputs for a packaged encoder: codewheel generate --packaged {example} -o out"
-        raise CommandError(
-            f"there are no specs in {_folder_text(folder)} or below it{_output_with_specs(specs)}; name them: "
-            f"codewheel {command}{option} FOLDER, or list them under [tool.codewheel] in pyproject.toml{hint}",
-            2,
-        )
+        raise CommandError(f"{problem}; {remedy}{hint}", 2)
     _report_not_entered(specs, folder)
     return replace(specs, packaged=())
 
@@ -342,7 +339,7 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     known_names = target_names()
     unknown_targets = [(name, place) for name, place in registered_targets if name not in known_names]
     if unknown_targets:
-        raise print_problems(_report_unknown_targets(settings.file, unknown_targets, known_names))
+        raise error_after_printing(_report_unknown_targets(settings.file, unknown_targets, known_names))
 
 
 def _report_unknown_targets(
@@ -357,9 +354,10 @@ def _report_unknown_targets(
 
     report = ProblemReport()
     for name, place in unknown_targets:
-        message = f"there is no target '{name}'{suggest_word(name, known_names, 'there are')}"
+        hint = suggest_word(name, known_names, "there are")
+        message = f"there is no target '{name}'{hint}"
         is_key = place[0] == "only"
-        add_error(report, file, place, "undefined-reference", message, at_key=is_key)
+        add_error(report, file, place, rule="undefined-reference", message=message, at_key=is_key)
     return report
 
 
@@ -377,18 +375,16 @@ def report_unknown_families(settings: Configuration | None, family_names: Iterab
     from ..loading.configuration_file import add_error
 
     # A spec with problems may have no family yet, so its file counts as a family of this name.
-    spec_names = [Path(file).stem for file in report.files] if report else []
+    names_of_files = [Path(file).stem for file in report.files] if report else []
     known_names = list(family_names)
     for target, family_filter in settings.only.items():
         for index, name in enumerate(family_filter.families):
-            if name not in known_names and name not in spec_names:
-                message = f"there is no family '{name}' among the specs{suggest_word(name, known_names, 'there are')}"
-                place = ("only", target, "families", index)
-                add_error(report, settings.file, place, "undefined-reference", message)
-
-
-#: Highest number of files in the line about the specs that were read. The others are counted.
-_MAX_FILES = 8
+            if name in known_names or name in names_of_files:
+                continue
+            hint = suggest_word(name, known_names, "there are")
+            message = f"there is no family '{name}' among the specs{hint}"
+            place = ("only", target, "families", index)
+            add_error(report, settings.file, place, rule="undefined-reference", message=message)
 
 
 def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
@@ -413,37 +409,3 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
     specs = find_specs_to_read(named)
     refuse_unknown_targets(specs.settings)
     return specs
-
-
-def read_line(
-    families: Iterable[str], report: ProblemReport, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
-) -> str:
-    """Return a line that names the specs that were read, so that users notice a forgotten path.
-
-    ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` are the specs that they refer to.
-    """
-    # A file that was skipped in a folder may have been read because the user named it.
-    skipped_files = [file for file in report.passed_over if file not in report.files]
-    skipped_text = f"; skipped: {first_of(skipped_files, _MAX_FILES)}" if skipped_files else ""
-    if packaged:
-        return f"{_packaged_text(families, report, packaged, packaged_files)}{skipped_text}"
-    return f"read {count_with_unit(len(report.files), 'spec')}: {first_of(report.files, _MAX_FILES)}{skipped_text}"
-
-
-def _packaged_text(
-    families: Iterable[str], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
-) -> str:
-    """Return a text on the packaged families and the user's specs that were read.
-
-    ``packaged`` are the names of families or manufacturers on the command line. Files outside the folders of
-    ``packaged_files`` are the user's.
-    """
-    # A file is named after its family.
-    packaged_families_found = {path.stem for path in packaged_files}
-    families_read = ", ".join(name for name in families if name in packaged_families_found)
-    beginning = f"read the packaged specs of {', '.join(packaged)}: {families_read}"
-    packaged_folders = {os.path.realpath(path.parent) for path in packaged_files}
-    user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
-    if not user_files:
-        return beginning
-    return f"{beginning}, and {count_with_unit(len(user_files), 'spec')} of yours: {first_of(user_files, _MAX_FILES)}"

@@ -11,7 +11,7 @@ from ..language.problems import joined_lines
 from ..say.plain_text import count_with_unit
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
-from .terminal import CommandError, Progress, print_json, print_problems
+from .terminal import CommandError, Progress, error_after_printing, print_json
 
 if TYPE_CHECKING:
     import argparse
@@ -91,7 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json(_as_data(family, changed_passages, compares_words=compares_words))
     else:
-        print("\n".join(_text_lines(family, changed_passages, facts, compares_words=compares_words)))
+        print(*_text_lines(family, changed_passages, facts, compares_words=compares_words), sep="\n")
     return 1 if changed_passages else 0
 
 
@@ -105,7 +105,7 @@ def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> F
 
     families, report = load_families(specs)
     if report:
-        raise print_problems(report)
+        raise error_after_printing(report)
     families_by_name = {family.device.name: family for family in families if not family.device.base}
     known_names = ", ".join(families_by_name)
     if name is not None:
@@ -178,16 +178,21 @@ def _text_lines(
         section = changed_passage.passage.section
         if section.shown != heading:
             heading = section.shown
-            facts_by_change: dict[tuple[Sequence[str], Sequence[str]], set[str]] = {}
+            # The paths of the facts that were listed in this section, by the old and the new text.
+            paths_by_change: dict[tuple[Sequence[str], Sequence[str]], set[str]] = {}
             yield f"\n{heading}"
         change = (changed_passage.passage.old, changed_passage.passage.new)
-        yield from _passage_lines(changed_passage, facts_by_change.setdefault(change, set()))
-    sections = {changed_passage.passage.section.number for changed_passage in changed_passages}
-    cited_names = {name for changed_passage in changed_passages for name in changed_passage.section_names}
+        listed_paths = paths_by_change.setdefault(change, set())
+        yield from _passage_lines(changed_passage, listed_paths)
+    section_numbers = {changed_passage.passage.section.number for changed_passage in changed_passages}
+    cited_names: set[str] = set()
+    for changed_passage in changed_passages:
+        cited_names |= changed_passage.section_names
     citing_facts = [fact for fact in facts if not fact.sections.isdisjoint(cited_names)]
+    number_of_passages = count_with_unit(len(changed_passages), "passage")
+    number_of_sections = count_with_unit(len(section_numbers), "section")
     yield ""
-    places = f"{count_with_unit(len(changed_passages), 'passage')} in {count_with_unit(len(sections), 'section')}"
-    yield f"{places}, cited by {len(citing_facts):,} of {len(facts):,} facts"
+    yield f"{number_of_passages} in {number_of_sections}, cited by {len(citing_facts):,} of {len(facts):,} facts"
     yield _LIMITS_OF_REREAD
 
 

@@ -1,14 +1,20 @@
-"""Findings of ``check`` and ``diff`` for review tools: workflow commands of GitHub, and SARIF 2.1.0."""
+"""Findings of ``check`` and ``diff`` for review tools (GitHub and SARIF 2.1.0), and their places in specs."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from .. import __version__
+
+if TYPE_CHECKING:
+    from ..language.document import Document
+    from ..language.document import Path as SpecPath
 
 _SARIF_SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 #: Levels of SARIF by levels of GitHub.
@@ -79,3 +85,45 @@ def _sarif_result(finding: ReviewFinding) -> dict[str, object]:
 def _uri_of_file(file: str) -> str:
     path = Path(file)
     return path.as_uri() if path.is_absolute() else quote(path.as_posix())
+
+
+_PATH_STEPS = re.compile(r"[^.\[\]]+")
+
+
+def place_in_spec(document: Document, text: str) -> SpecPath:
+    """Return the place of a path of keys and names, such as ``registers.mode.fields``, as far as it exists in a spec.
+
+    In the result, indices replace the names of list items: ``("registers", 3, "fields")``.
+    """
+    from ..language.schema_check import value_at
+
+    path: SpecPath = ()
+    for step in _PATH_STEPS.findall(text):
+        paths_to_step = list(_paths_to_step(step, value_at(document.data, path)))
+        if not paths_to_step:
+            break
+        # The first path is the shortest.
+        path = (*path, *paths_to_step[0])
+    return path
+
+
+def _paths_to_step(step: str, node: Any) -> Iterator[SpecPath]:
+    """Yield the paths from ``node`` to a key or name in it: directly, or one level deeper if it is a map.
+
+    Paths of changes leave out some keys, so ``position`` in ``{"fields": [{"name": "position"}]}`` is at
+    ``("fields", 0)``.
+    """
+    yield from _children_named(step, node)
+    if isinstance(node, dict):
+        for key, inner_node in node.items():
+            yield from ((key, *path) for path in _children_named(step, inner_node))
+
+
+def _children_named(step: str, node: Any) -> Iterator[SpecPath]:
+    """Yield the path ``(index,)`` to each item of a list with this name, or ``(key,)`` for a map with this key."""
+    from ..language.document import label_of
+
+    if isinstance(node, list):
+        yield from ((index,) for index, child in enumerate(node) if label_of(child) == step)
+    elif isinstance(node, dict) and step in node:
+        yield (step,)

@@ -119,13 +119,15 @@ def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, s
     ``FOLDER``. Specs that the user's command reads without naming them are named too, because naming any specs excludes
     all others.
     """
-    packaged = [family for family in families if _is_packaged(family)]
-    needs_folder = not packaged or len(packaged) < len(families)
+    packaged_families_to_add = [family for family in families if _is_packaged(family)]
+    are_all_packaged = len(packaged_families_to_add) == len(families)
+    needs_folder = not packaged_families_to_add or not are_all_packaged
     folders = ["FOLDER"] if needs_folder else []
     if user_arguments.specs or user_arguments.more_specs:
         # The user named some specs, and the settings list all. Without names, the command reads all specs in the
         # settings.
-        if settings is not None and settings.specs and not packaged:
+        lists_specs = settings is not None and bool(settings.specs)
+        if lists_specs and not packaged_families_to_add:
             return "codewheel generate"
     elif not user_arguments.packaged:
         # The user's command has no names and reads all own specs, which a name would exclude.
@@ -134,7 +136,7 @@ def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, s
         # The user's command reads only packaged specs, and the other families may be among the user's own.
         folders = _own_specs(settings) or folders
     arguments = argparse.Namespace(**vars(user_arguments))
-    for family in packaged:
+    for family in packaged_families_to_add:
         _, _, name = family.partition("/")
         arguments.packaged = [*arguments.packaged, name]
     return command_again(arguments, *folders)
@@ -259,15 +261,16 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
     if name.lower() in folders:
         specs = find_files(folders[name.lower()]).specs
         return specs, [path.stem for path in specs if path.name != MANUFACTURER]
+    all_packaged_specs = Specs(paths=tuple(folders.values()))
     try:
-        device, match, _ = find_family_or_code(Specs(tuple(folders.values())), name, cache)
+        device, code_match, _ = find_family_or_code(all_packaged_specs, name, cache)
     except CommandError as stop:
         raise _no_packaged_error(name, stop, folders) from None
     spec = folders[device.manufacturer.name] / f"{device.name}.yaml"
     # The name of a family is found without a match.
-    if match is None or match.unlisted:
+    if code_match is None or code_match.unlisted:
         return [spec], [device.name]
-    return [spec], [match.variant.code]
+    return [spec], [code_match.variant.code]
 
 
 def _no_packaged_error(name: str, stop: CommandError, folders: Mapping[str, Path]) -> CommandError:
@@ -308,4 +311,6 @@ def _option_to_limit_c(arguments: argparse.Namespace, families_and_codes: Sequen
     has_codes = any(not name.islower() for name in families_and_codes)
     if has_option or not writes_c or not has_codes:
         return ()
-    return (f"c.only={','.join(dict.fromkeys(families_and_codes))}",)
+    # Each name once, in the order of the arguments.
+    listed_names = ",".join(dict.fromkeys(families_and_codes))
+    return (f"c.only={listed_names}",)

@@ -79,10 +79,10 @@ def _more_help() -> str:
     from ..virtual import FAULTS, faults_of
 
     lines = [fill(_HOW_TO_USE, _HELP_WIDTH)]
-    # Each fault has an effect for each interface over which it can occur.
-    interfaces = dict.fromkeys(
-        interface for effect_by_interface in FAULTS.values() for interface in effect_by_interface
-    )
+    interfaces: dict[str, None] = {}
+    for effect_by_interface in FAULTS.values():
+        # A fault has an effect for each interface over which it can occur.
+        interfaces |= dict.fromkeys(effect_by_interface)
     for interface in interfaces:
         lines += ["", f"faults over {INTERFACES[interface].short}:"]
         lines += [f"  {name:<10}{effect}" for name, effect in faults_of(interface).items()]
@@ -104,7 +104,8 @@ def run(arguments: argparse.Namespace) -> int:
         # The result is not needed, only the error if the line has problems.
         encoder_in_line(arguments.order_code)
     else:
-        _, _, paths = find_order_code(specs_to_read(arguments.specs), arguments.order_code, cache_for(arguments))
+        specs = specs_to_read(arguments.specs)
+        _, _, paths = find_order_code(specs, arguments.order_code, cache_for(arguments))
     try:
         encoder = _virtual_encoder(arguments, paths)
     except ValueError as error:
@@ -113,7 +114,9 @@ def run(arguments: argparse.Namespace) -> int:
         uses_tcp = arguments.tcp is not None or not has_terminals()
         port = listen_tcp(arguments.tcp or 0) if uses_tcp else terminal()
     except (OSError, OverflowError) as error:
-        raise CommandError(f"cannot open a port: {getattr(error, 'strerror', None) or error}", 1) from None
+        # Only an error of the system has this text.
+        reason = getattr(error, "strerror", None) or error
+        raise CommandError(f"cannot open a port: {reason}", 1) from None
     print(port.name, flush=True)
     try:
         serve(encoder, line_of(encoder), port)

@@ -70,13 +70,15 @@ def families_for(paths: Sequence[Path], text: str, cache: Cache) -> tuple[Device
     """
     try:
         device_files = _device_files(paths)
-        name, label = text.strip().lower(), "".join(text.split()).upper()
+        name = text.strip().lower()
+        label = "".join(text.split()).upper()
         named_files = [device_file for device_file in device_files if device_file.name == name]
         if len(named_files) > 1:
             return None
         if named_files:
             # Without a label, the result is always one device.
-            return (_load_if_possible(named_files[0].path, cache)[0],)
+            (device,) = _load_if_possible(named_files[0].path, cache)
+            return (device,)
         devices: list[Device] = []
         for device_file in device_files:
             if not device_file.can_have(label):
@@ -123,11 +125,9 @@ def _device_files(paths: Sequence[Path]) -> list[_SpecFile]:
 
     for path in dict.fromkeys(spec_files(paths)):
         spec_file = _read_spec_file(path)
-        is_device_of_manufacturer = (
-            spec_file.kind == _DEVICE_FILE and not is_second(path) and has_manufacturer(path.parent)
-        )
+        is_device = spec_file.kind == _DEVICE_FILE and not is_second(path)
         is_manufacturer = spec_file.kind == _MANUFACTURER_FILE and path.name == MANUFACTURER
-        if is_device_of_manufacturer:
+        if is_device and has_manufacturer(path.parent):
             device_files.append(spec_file)
         elif spec_file.kind != _MASTER_FILE and not is_manufacturer:
             raise _NotSelectable

@@ -47,19 +47,22 @@ def prepare_streams(as_json: bool = False) -> None:
 
     If an output stream is closed, its text is discarded. If the input is closed, reading it is an error.
     """
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (open for as long as we run)
+    for stream_name in ("stdout", "stderr"):
+        if getattr(sys, stream_name) is None:
+            null_device = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 (open for as long as we run)
+            setattr(sys, stream_name, null_device)
     if sys.stdin is None:
         # Reading it raises CommandError.
         sys.stdin = _ClosedInput()
     # A byte that is not valid text becomes an escape such as \\xff, which is rejected later because it is not a frame.
-    _configure_stream(sys.stdin, None, "backslashreplace")
-    _configure_stream(sys.stderr, None, "codewheel")
+    _configure_stream(sys.stdin, errors="backslashreplace")
+    _configure_stream(sys.stderr, errors="codewheel")
     if as_json:
-        _configure_stream(sys.stdout, None if _is_utf8(sys.stdout) else "ascii", "codewheel-json")
+        # In ASCII, every character that is not in it becomes an escape.
+        encoding = None if _is_utf8(sys.stdout) else "ascii"
+        _configure_stream(sys.stdout, errors="codewheel-json", encoding=encoding)
     else:
-        _configure_stream(sys.stdout, None, "codewheel")
+        _configure_stream(sys.stdout, errors="codewheel")
 
 
 class Progress:
@@ -106,10 +109,12 @@ def release_streams() -> None:
             stream.flush()
         except (OSError, ValueError):
             with suppress(OSError, ValueError):
-                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+                null_device = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(null_device, stream.fileno())
 
 
-def _configure_stream(stream: TextIO, encoding: str | None, errors: str) -> None:
+def _configure_stream(stream: TextIO, *, errors: str, encoding: str | None = None) -> None:
+    """Set the handler for encoding errors of a standard stream, and its encoding unless it is None."""
     if isinstance(stream, io.TextIOWrapper):
         stream.reconfigure(encoding=encoding, errors=errors)
 
@@ -185,7 +190,7 @@ def print_json(data: Any) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False))
 
 
-def print_problems(report: ProblemReport) -> CommandError:
+def error_after_printing(report: ProblemReport) -> CommandError:
     """Print all problems to standard error, and return the ``CommandError`` to raise."""
     for problem in report.shown:
         print(problem.format(), file=sys.stderr)
@@ -207,4 +212,10 @@ def with_coloured_impacts(text: str) -> str:
     """Return the text of ``diff`` with the impact of each change in its colour, if the terminal has colours."""
     if not has_colours():
         return text
-    return _IMPACT_IN_LINE.sub(lambda match: match[1] + in_colour(match[2], _BY_IMPACT[match[2]]), text)
+    return _IMPACT_IN_LINE.sub(_in_colour_of_impact, text)
+
+
+def _in_colour_of_impact(line_start: re.Match[str]) -> str:
+    """Return the beginning of a line, such as ``  breaking``, with the impact in its colour."""
+    indent, impact = line_start.groups()
+    return f"{indent}{in_colour(impact, _BY_IMPACT[impact])}"

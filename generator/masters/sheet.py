@@ -42,13 +42,13 @@ _RULE_LISTS = ("limits", "settings", "writing", "notes", "files")
 class Master:
     """A master as described in its file. ``limits``, ``settings``, ``writing``, ``notes`` and ``files`` are its rules.
 
-    ``takes`` are the interfaces that it supports. ``several_channels`` says how it reads several data channels of one
-    frame, and is empty if its description covers only a single channel.
+    ``several_channels`` says how it reads several data channels of one frame, and is empty if its description covers
+    only a single channel.
     """
 
     name: str
     title: str
-    takes: tuple[str, ...]
+    supported_interfaces: tuple[str, ...]
     documents: tuple[Document, ...]
     devices: tuple[MasterDevice, ...]
     standing: str
@@ -145,15 +145,17 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Proble
         group_names: set[str] = set()
         for document in read_specs(group, report):
             description = check_document(document, report)
-            if description is not None and "master" not in description:
+            if description is None:  # The report contains its problems.
+                continue
+            if "master" not in description:
                 problem = "this is not a description of a master: the key 'master' is missing"
                 report.add("not-allowed", document, (), problem)
-            elif description is not None:  # None: the report contains its problems.
-                name = description["master"]
-                if name in group_names:
-                    report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
-                group_names.add(name)
-                masters[name] = _master_from_spec(description)
+                continue
+            name = description["master"]
+            if name in group_names:
+                report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
+            group_names.add(name)
+            masters[name] = _master_from_spec(description)
     return tuple(sorted(masters.values(), key=lambda master: master.title.lower())), report
 
 
@@ -179,7 +181,7 @@ def _master_from_spec(master_data: YamlMapping) -> Master:
     return Master(
         name=master_data["master"],
         title=master_data["title"],
-        takes=tuple(master_data["takes"]),
+        supported_interfaces=tuple(master_data["takes"]),
         documents=tuple(documents),
         devices=devices_of(master_data),
         standing=master_data.get("standing", "documented"),
@@ -194,7 +196,7 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     ``record`` contains the facts about the order code.
     """
     interface = record.words["interface"]
-    if interface not in master.takes:
+    if interface not in master.supported_interfaces:
         refusing_sheet = _refusing_sheet(master, _interface_refusal(master, record))
         return replace(refusing_sheet, is_described=False)
     if record.obstacle:
@@ -267,7 +269,7 @@ def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
 
 def _interface_refusal(master: Master, record: EncoderFacts) -> MasterRefusal:
     """Return the refusal of a master whose description does not cover the interface of the order code."""
-    described_interfaces = join_words(INTERFACES[name].title for name in master.takes)
+    described_interfaces = join_words(INTERFACES[name].title for name in master.supported_interfaces)
     encoder_interface = INTERFACES[record.words["interface"]].title
     reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
     return MasterRefusal(reason=reason, standing=master.standing, source="")

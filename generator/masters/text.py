@@ -376,17 +376,17 @@ def masters_text(masters: Sequence[Master]) -> str:
     """Return the list of masters as text, one per line, each with its interfaces."""
     rows: list[tuple[str, str]] = []
     for master in masters:
-        interface_titles = ", ".join(INTERFACES[name].title for name in master.takes)
+        interface_titles = ", ".join(INTERFACES[name].title for name in master.supported_interfaces)
         rows.append((master.name, f"{master.title}: {interface_titles}"))
     return "\n".join(two_columns(rows, indent=0))
 
 
 def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
     """Return the list of masters as plain data."""
-    return {
-        "version": VERSION,
-        "masters": [{"name": master.name, "title": master.title, "takes": list(master.takes)} for master in masters],
-    }
+    rows: list[dict[str, Any]] = []
+    for master in masters:
+        rows.append({"name": master.name, "title": master.title, "takes": list(master.supported_interfaces)})
+    return {"version": VERSION, "masters": rows}
 
 
 def sheet_data(

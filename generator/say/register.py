@@ -351,13 +351,13 @@ def _flag_rules(device: Device, flag: Flag, *, is_implemented: bool) -> Iterator
 
 def _combines_other_verdicts(device: Device, flag: Flag) -> bool:
     """Return True if a flag that ``flag`` combines has a different verdict, so that it matters which one decides."""
-    for _, layout in device.layouts():
-        for field in layout.fields:
-            combined_flag = field.kind
-            if isinstance(combined_flag, Flag) and field.name in flag.sums_up:
-                verdicts = {combined_flag.makes_position, flag.makes_position, flag.verdict_if_set}
-                if len(verdicts - {None}) > 1:
-                    return True
+    own_verdicts = {flag.makes_position, flag.verdict_if_set}
+    fields = [field for _, layout in device.layouts() for field in layout.fields if field.name in flag.sums_up]
+    for field in fields:
+        if isinstance(field.kind, Flag):
+            verdicts = {*own_verdicts, field.kind.makes_position}
+            if len(verdicts - {None}) > 1:
+                return True
     return False
 
 

@@ -32,7 +32,7 @@ def test_writes_then_leaves_unchanged_files_alone(tmp_path: Path) -> None:
         FileChange("python/pkg/b.py", "written"),
     ]
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.py")}
-    assert {item.what for item in write(tmp_path, {"python": FILES})} == {"unchanged"}
+    assert {item.state for item in write(tmp_path, {"python": FILES})} == {"unchanged"}
     assert write(tmp_path, {"python": {**FILES, "python/a.py": "new\n"}}) == [
         FileChange("python/a.py", "written"),
         FileChange("python/pkg/b.py", "unchanged"),
@@ -138,7 +138,7 @@ def test_what_a_killed_run_left_is_cleared_by_the_next(
     assert len(left) == 2
     assert "python" in left
     files = {"python/a.py": (tmp_path / "python/a.py").read_text(), "python/pkg/b.py": "b\n"}
-    assert {item.what for item in write(tmp_path, {"python": files})} == {"unchanged"}
+    assert {item.state for item in write(tmp_path, {"python": files})} == {"unchanged"}
     assert [path.name for path in tmp_path.iterdir()] == ["python"]
     assert tree(tmp_path) == {**files, "python/mine.txt": "mine"}
 

@@ -33,7 +33,7 @@ def sheets(text: str, folder: Path) -> dict[str, SettingsSheet]:
     (device,), report = load_library([path, SPECS / "manufacturer.yaml"])
     assert not report
     facts = record(device, device.variant("RXH"))
-    return {master.name: sheet(master, facts) for master in shipped_masters() if "biss" in master.takes}
+    return {master.name: sheet(master, facts) for master in shipped_masters() if "biss" in master.supported_interfaces}
 
 
 def test_each_master_says_whether_it_takes_a_second_channel(tmp_path: Path) -> None:

@@ -33,9 +33,9 @@ def add_arguments(parser: Parser) -> None:
         metavar="NAME",
         help="check that this output can express the specs (see below, may be repeated)",
     )
-    form = parser.add_mutually_exclusive_group()
-    form.add_argument("--json", action="store_true", help="print the problems as JSON")
-    form.add_argument("--format", choices=FORMATS, default="text", help=FORMATS_HELP)
+    output_group = parser.add_mutually_exclusive_group()
+    output_group.add_argument("--json", action="store_true", help="print the problems as JSON")
+    output_group.add_argument("--format", choices=FORMATS, default="text", help=FORMATS_HELP)
     add_cache_option(parser)
     parser.add_argument(
         "--coverage",
@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     if _print_stored(cached_check, arguments):
         # Only runs without problems are stored.
         return 0
-    return _check_and_print(specs.paths, settings, arguments, cache, cached_check)
+    return _check_and_print(arguments, specs.paths, settings=settings, cache=cache, result=cached_check)
 
 
 def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
@@ -103,9 +103,10 @@ def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
 
 
 def _check_and_print(
-    paths: Sequence[Path],
-    settings: Configuration | None,
     arguments: argparse.Namespace,
+    paths: Sequence[Path],
+    *,
+    settings: Configuration | None,
     cache: Cache,
     result: CachedResult,
 ) -> int:
@@ -123,22 +124,23 @@ def _check_and_print(
 
     targets = targets_named(arguments.target, WITH_PROBLEMS)
     with Progress("codewheel: checking the specs"):
-        checked = check_specs(paths, targets, NO_CACHE if arguments.coverage else cache)
-    family_names = [family.device.name for family in checked.families]
-    report_unknown_families(settings, family_names, checked.report)
+        checked_specs = check_specs(paths, targets, NO_CACHE if arguments.coverage else cache)
+    report = checked_specs.report
+    family_names = [family.device.name for family in checked_specs.families]
+    report_unknown_families(settings, family_names, report)
     coverage_by_family: Sequence[Coverage] = []
     coverage_data: dict[str, Any] = {}
     if arguments.coverage:
-        coverage.check_counts(checked, write=arguments.write)
-        coverage_by_family = checked.readings
+        coverage.check_counts(checked_specs, write=arguments.write)
+        coverage_by_family = checked_specs.readings
         coverage_data = coverage.as_data(coverage_by_family)
-    _print_problems(family_names, checked.report, coverage_data, arguments)
+    _print_problems(family_names, report, coverage_data, arguments)
     if arguments.coverage and not arguments.json:
-        print(coverage.as_text(coverage_by_family, checked))
+        print(coverage.as_text(coverage_by_family, checked_specs))
     # With other targets, or without the packages of some, the next run may find other problems.
-    if not checked.report and are_built_in(targets, WITH_PROBLEMS):
-        result.put(specs_read(family_names, checked.report))
-    return 0 if coverage.is_complete(coverage_by_family, checked.report) else 1
+    if not report and are_built_in(targets, WITH_PROBLEMS):
+        result.put(specs_read(family_names, report))
+    return 0 if coverage.is_complete(coverage_by_family, report) else 1
 
 
 def _print_problems(
@@ -174,8 +176,7 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
     if form in ("github", "sarif"):
         return _review_text(report, form)
     from ...say.plain_text import count_with_unit
-    from ..placeholders import placeholder_lines
-    from ..read_specs import read_line
+    from ..placeholders import placeholder_lines, read_line
 
     lines = [problem.format() for problem in report.shown]
     lines += placeholder_lines(report.files)

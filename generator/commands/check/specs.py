@@ -80,7 +80,8 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     for family in to_check:
         file = family.document.file
         # A family is not stored if its content is not known, or if its files have changed during the check.
-        is_unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
+        content_now = content_of(family_files(Path(file)))
+        is_unchanged = bool(family.content) and content_now == contents_before[file]
         if is_unchanged and is_clean(family, report):
             cache.put(_CLEAN_ENTRY, contents_before[file], True)
     return checked
@@ -170,20 +171,23 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
     for family in families:
         if family.content and cache.get(_PROVED_ENTRY, family.content) is True:
             continue
-        problem_count_before = len(report)
+        number_of_problems_before = len(report)
         check_editions([family], report)
         no_targets: tuple[Target, ...] = ()
-        check_counts(check_families([family], no_targets, report), write=False)
+        checked_family = check_families([family], no_targets, report)
+        check_counts(checked_family, write=False)
         # A second reading may have changed since the content was read.
-        is_unchanged = family.content and content_of(family_files(Path(family.document.file))) == family.content
-        has_no_new_problem = len(report) == problem_count_before
+        content_now = content_of(family_files(Path(family.document.file)))
+        is_unchanged = bool(family.content) and content_now == family.content
+        has_no_new_problem = len(report) == number_of_problems_before
         if is_unchanged and has_no_new_problem:
             cache.put(_PROVED_ENTRY, family.content, True)
     if report:
         for problem in report.shown:
             print(problem.format(), file=sys.stderr)
-        problems = f"'codewheel check --coverage' reports {count_with_unit(len(report.by_cause), 'problem')}"
-        raise CommandError(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
+        number_of_problems = count_with_unit(len(report.by_cause), "problem")
+        reason = f"'codewheel check --coverage' reports {number_of_problems}"
+        raise CommandError(f"nothing {participle}: {reason}; correct them, or add --unchecked", 1)
 
 
 def is_complete(covered: Sequence[Coverage], report: ProblemReport) -> bool:
@@ -201,11 +205,13 @@ def as_data(covered: Sequence[Coverage]) -> dict[str, Any]:
 
 def _family_data(family_coverage: Coverage) -> dict[str, Any]:
     """Return the counts of a family by class, and the facts that were read only once."""
+    data_by_class = {
+        fact_class.value: _class_data(fact_class, times_read)
+        for fact_class, times_read in family_coverage.counts.items()
+    }
     return {
         "family": family_coverage.family.device.name,
-        "classes": {
-            fact_class.value: _class_data(fact_class, count) for fact_class, count in family_coverage.counts.items()
-        },
+        "classes": data_by_class,
         "total": asdict(family_coverage.total),
         "once": [_fact_data(family_coverage, fact_class, path) for fact_class, path in family_coverage.once],
     }
@@ -272,7 +278,8 @@ def _lacking_lines(covered: Sequence[Coverage]) -> list[str]:
         spec = family_coverage.spec
         for fact_class, path in family_coverage.lacking:
             line_number, column = spec.position(path)
-            lines.append(f"{spec.file}:{line_number}:{column}: read once: {fact_class.value}, {spec.name_path(path)}")
+            fact_name = spec.name_path(path)
+            lines.append(f"{spec.file}:{line_number}:{column}: read once: {fact_class.value}, {fact_name}")
     if lines:
         lines.append(f"{count_with_unit(len(lines), 'fact')} to read a second time")
     return lines

@@ -100,23 +100,24 @@ def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
     from .decoding import DecodeRequest
 
     cache = cache_for(arguments)
-    device, match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
-    answers = answers_of(device, match.variant, arguments.choose)
+    device, code_match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
+    listed_variant = code_match.variant
+    answers = answers_of(device, listed_variant, arguments.choose)
     # Registers that identify the order code are only compared with it. Others may change the layout of frames.
-    identifying_addresses = fixed_addresses(device, match.variant)
+    identifying_addresses = fixed_addresses(device, listed_variant)
     changed_bytes = {address: byte for address, byte in register_bytes.items() if address not in identifying_addresses}
     try:
-        variant_with_registers = with_registers(device, match.variant, changed_bytes)
+        variant_with_registers = with_registers(device, listed_variant, changed_bytes)
         variant = with_answers(device, variant_with_registers, answers)
     except RegisterError as error:
         raise CommandError(str(error), 2) from None
     return DecodeRequest(
         device=reduced_to_codes(device, [variant.code]),
-        match=replace(match, variant=variant),
+        match=replace(code_match, variant=variant),
         sender=arguments.sender,
         layout=arguments.layout,
         register=arguments.register_name,
         as_json=arguments.json,
-        register_differences=compare_held(device, match.variant, register_bytes),
+        register_differences=compare_held(device, listed_variant, register_bytes),
         answers=answers,
     )

@@ -85,31 +85,32 @@ class ChannelDecoder:
             FrameTextError: The text cannot be read as a number.
         """
         typed_frame = frame_number(self.frame, undecorated(frame_text), exact=True)
-        channel_bits = [channel.bits for channel in self.frame.channels]
-        longest = max(channel_bits)
+        channel_lengths = [channel.bits for channel in self.frame.channels]
+        longest = max(channel_lengths)
         # The bits that a channel has when written in whole hex digits or in whole bytes.
-        written_bits: set[int] = set()
-        for bits in channel_bits:
-            hex_digits, bytes_needed = (bits + 3) // 4, (bits + 7) // 8
-            written_bits |= {4 * hex_digits, 8 * bytes_needed}
-        has_digits_of_channel = typed_frame.written in written_bits and typed_frame.number >> longest == 0
+        written_lengths: set[int] = set()
+        for length in channel_lengths:
+            number_of_hex_digits = (length + 3) // 4
+            number_of_bytes = (length + 7) // 8
+            written_lengths |= {4 * number_of_hex_digits, 8 * number_of_bytes}
+        fits_into_channel = typed_frame.number < 1 << longest
+        has_digits_of_channel = typed_frame.written in written_lengths and fits_into_channel
         has_bits_of_channel = typed_frame.exact and typed_frame.bits <= longest
         return None if has_digits_of_channel or has_bits_of_channel else typed_frame
 
     def decode(self, typed_frame: TypedFrame) -> ChannelResult:
         """Decode a frame, which consists of the bits of all channels in transmission order."""
-        device = self._device
-        frame = self.frame
-        number = typed_frame.number
-        bits = typed_frame.bits if typed_frame.exact else max(frame.bits, typed_frame.bits)
+        device, frame, number = self._device, self.frame, typed_frame.number
         problems: tuple[codec.FrameProblem, ...] = ()
         decoded_channels: tuple[codec.DecodedFrame, ...] = ()
         findings = ChannelFindings(channels=(), agree=None, verdict=None)
-        if bits == frame.bits:
+        # Without an exact number of bits, leading zeros may be missing.
+        length = typed_frame.bits if typed_frame.exact else max(frame.bits, typed_frame.bits)
+        if length == frame.bits:
             decoded_channels = decode_channels(device, frame, number)
             findings = channel_findings(device, self._variant, frame, decoded_channels)
         else:
-            message = report_of_length(frame, bits)
+            message = report_of_length(frame, length)
             problems = (codec.FrameProblem(Fault.LENGTH, field="", message=message),)
         result = ChannelResult(
             channels=decoded_channels,
@@ -120,15 +121,15 @@ class ChannelDecoder:
         )
         if not result.has_problem:
             return result
-        return replace(result, readings=self._possible_readings(number, bits))
+        return replace(result, readings=self._possible_readings(number, length))
 
     def _explain_channel(self, decoded: codec.DecodedFrame) -> Diagnosis | None:
         """Return the possible explanations of an error in a channel, or None if it has no error."""
         if not decoded.problems:
             return None
         assert decoded.layout is not None
-        text = f"0b{decoded.number:0{decoded.layout.bits}b}"
-        return why_text(self._device, self._variant, "encoder", text, decoded)
+        binary_text = f"0b{decoded.number:0{decoded.layout.bits}b}"
+        return why_text(self._device, self._variant, sender="encoder", frame_text=binary_text, decoded=decoded)
 
     def _possible_readings(self, number: int, bits: int) -> tuple[str, ...]:
         """Return other ways to read the whole frame with which all CRCs are correct."""
@@ -147,23 +148,25 @@ def channel_decoder(device: Device, variant: Variant) -> ChannelDecoder | None:
 
 def report_of_length(frame: PlacedChannels, bits: int) -> str:
     """Return the message about a frame of the wrong length, which has ``bits`` bits."""
-    channels = " and ".join(f"{channel.name} ({channel.bits} bits)" for channel in frame.channels)
-    bits_off = abs(frame.bits - bits)
-    verb = "is" if bits_off == 1 else "are"
+    names_and_lengths = " and ".join(f"{channel.name} ({channel.bits} bits)" for channel in frame.channels)
+    number_of_wrong_bits = abs(frame.bits - bits)
+    verb = "is" if number_of_wrong_bits == 1 else "are"
     state = "missing" if bits < frame.bits else "too many"
-    difference = f"{count_with_unit(bits_off, 'bit')} {verb} {state}"
-    return say_report.length_of_channels(channels, f"{frame.bits} bits", f"{bits}", difference)
+    difference = f"{count_with_unit(number_of_wrong_bits, 'bit')} {verb} {state}"
+    return say_report.length_of_channels(
+        names_and_lengths, needed=f"{frame.bits} bits", actual=f"{bits}", difference=difference
+    )
 
 
 def described_channels(device: Device, variant: Variant, frame: PlacedChannels, result: ChannelResult) -> Iterator[str]:
     """Yield the lines about each channel of a frame, and then about all of them together."""
     channels = zip(result.channels, result.findings_with_verdict, result.whys, strict=True)
-    for decoded, findings, why in channels:
+    for decoded, findings, diagnosis in channels:
+        # An order code may not send every channel.
         is_sent = decoded.layout is not None and decoded.layout.bits > 0
-        if not is_sent:  # An order code may not send every channel.
-            continue
-        yield from described_frame(device, variant, decoded, findings, why)
-        yield ""
+        if is_sent:
+            yield from described_frame(device, variant, decoded, findings=findings, diagnosis=diagnosis)
+            yield ""
     yield from (wrapped(line, WIDTH, prefix="  ", first="") for line in _summary_lines(frame, result))
     yield from evidence_lines(device)
 

@@ -9,7 +9,7 @@ import sys
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from ...model import Device, Flag, PlacedLayout, Variant, Verdict
 from ...order_codes.labels import LabelMatch
@@ -115,6 +115,14 @@ def split_into_words(line: FrameLine, word_bits: int) -> list[FrameLine]:
     return [line._replace(number=line.number or index, text=word) for index, word in enumerate(words, 1)]
 
 
+class _FailedFrame(NamedTuple):
+    """Frame with an error: its text, the decoded frame, and possible explanations."""
+
+    text: str
+    decoded: codec.DecodedFrame
+    diagnosis: Diagnosis
+
+
 class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
@@ -139,8 +147,8 @@ class Decoding:
         self._needed_answers: dict[str, dict[str, str]] = {}
         self._codes = {FAULT} if request.register_differences else set()
         self._is_first = True
-        #: The last frames with an error: the text, the decoded frame and its explanations.
-        self._failed_frames: deque[tuple[str, codec.DecodedFrame, Diagnosis]] = deque(maxlen=MOST_FRAMES)
+        #: The last frames with an error.
+        self._failed_frames: deque[_FailedFrame] = deque(maxlen=MOST_FRAMES)
 
     @property
     def code(self) -> int:
@@ -156,9 +164,10 @@ class Decoding:
         Text that cannot be decoded is reported on standard error, and does not prevent decoding the next line. After
         each line, ``code`` is the exit code so far.
         """
-        frames = itertools.chain.from_iterable(split_into_words(line, self._word_bits) for line in lines)
-        for frames_before, line in enumerate(frames):
-            if frames_before == MANY and self._request.register is None:
+        # Each of these lines has one frame.
+        frame_lines = itertools.chain.from_iterable(split_into_words(line, self._word_bits) for line in lines)
+        for number_of_frames, line in enumerate(frame_lines):
+            if number_of_frames == MANY and self._request.register is None:
                 self._suggest_package()
             try:
                 channel_frame = self._channels.read(line.text) if self._channels is not None else None
@@ -178,7 +187,7 @@ class Decoding:
                 # The frame is valid with the other layout, so there is no mistake to explain.
                 why = None
             if why is not None and decoded.problems:
-                self._failed_frames.append((line.text, decoded, why))
+                self._failed_frames.append(_FailedFrame(text=line.text, decoded=decoded, diagnosis=why))
             output = self._frame_output(line, decoded, frame_findings, why, other_layouts)
             # With many frames, the user should not have to wait for the last one.
             is_one_of_many = line.number is not None
@@ -192,21 +201,27 @@ class Decoding:
         request = self._request
         result = decoder.decode(frame)
         variant = request.match.variant
-        is_not_usable = result.findings.verdict is Verdict.NOT_USABLE
-        code_without_problem = NOT_USABLE if is_not_usable else DONE
-        self._codes.add(FAULT if result.has_problem else code_without_problem)
+        if result.has_problem:
+            self._codes.add(FAULT)
+        else:
+            is_not_usable = result.findings.verdict is Verdict.NOT_USABLE
+            self._codes.add(NOT_USABLE if is_not_usable else DONE)
         is_one_of_many = line.number is not None
         if request.as_json:
-            data = channel_data(request.device, variant, request.sender, result, line)
+            data = channel_data(request.device, variant, sender=request.sender, result=result, line=line)
             output = _json_text(data, is_one_of_many=is_one_of_many)
         else:
-            first_line = line_prefix(line) + heading(request.device, variant, request.sender, None)
-            lines = [first_line, *self._label]
+            title = heading(request.device, variant, request.sender, placed_layout=None)
+            lines = [f"{line_prefix(line)}{title}", *self._label]
             lines += described_channels(request.device, variant, decoder.frame, result)
-            blank_line = "" if self._is_first else "\n"
-            output = blank_line + "\n".join(lines)
-            self._is_first = False
+            output = self._blank_line() + "\n".join(lines)
         print(output, flush=is_one_of_many)
+
+    def _blank_line(self) -> str:
+        """Return the blank line in front of the text of each frame except the first."""
+        blank_line = "" if self._is_first else "\n"
+        self._is_first = False
+        return blank_line
 
     def _suggest_package(self) -> None:
         """Print a notice that the Python package decodes a file with many frames faster."""
@@ -225,15 +240,26 @@ class Decoding:
             return []
         from ...why.together import judge_together
 
-        mistakes = judge_together([why for _, _, why in failed_frames])
-        # The first mistake explains the most frames.
-        if mistakes and mistakes[0].frames == len(failed_frames) and not mistakes[0].hides_shift:
-            return mistakes
-        device = self._request.device
-        variant = self._request.match.variant
-        sender = self._request.sender
-        whys = [why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames]
-        return judge_together([why for why in whys if why is not None])
+        mistakes = judge_together([failed_frame.diagnosis for failed_frame in failed_frames])
+        if mistakes:
+            # It explains the most frames.
+            likeliest_mistake = mistakes[0]
+            explains_all = likeliest_mistake.frames == len(failed_frames)
+            if explains_all and not likeliest_mistake.hides_shift:
+                return mistakes
+        diagnoses_with_pairs = []
+        for failed_frame in failed_frames:
+            diagnosis = self._diagnose(failed_frame.text, failed_frame.decoded, with_pairs=True)
+            if diagnosis is not None:
+                diagnoses_with_pairs.append(diagnosis)
+        return judge_together(diagnoses_with_pairs)
+
+    def _diagnose(self, frame_text: str, decoded: codec.DecodedFrame, *, with_pairs: bool = False) -> Diagnosis | None:
+        """Return possible explanations of a frame with an error, including pairs of mistakes if ``with_pairs``."""
+        request = self._request
+        return why_text(
+            request.device, request.match.variant, request.sender, frame_text, decoded, with_pairs=with_pairs
+        )
 
     def _decode_text(self, frame_text: str) -> tuple[codec.DecodedFrame, Diagnosis | None]:
         """Decode a frame or a register value, and explain its error.
@@ -253,7 +279,7 @@ class Decoding:
             return decoded, None
         decoded = self._decode_frame(frame_text)
         self._require_answers(decoded)
-        return decoded, why_text(device, variant, self._request.sender, frame_text, decoded)
+        return decoded, self._diagnose(frame_text, decoded)
 
     def _require_answers(self, decoded: codec.DecodedFrame) -> None:
         """Raise ``UndecidedError`` if the layout of a frame depends on a question that the user has not answered.
@@ -349,17 +375,15 @@ class Decoding:
             data = decoded_data(
                 request.device,
                 request.match.variant,
-                request.sender,
-                decoded,
-                frame_findings,
+                sender=request.sender,
+                decoded=decoded,
+                frame_findings=frame_findings,
                 diagnosis=diagnosis,
                 line=line,
                 answers=answers,
                 other_layouts=other_layouts,
             )
             return _json_text(data, is_one_of_many=line.number is not None)
-        separator = "" if self._is_first else "\n"
-        self._is_first = False
         text = explain(
             request.device,
             request.match,
@@ -372,7 +396,7 @@ class Decoding:
             label=self._label,
             other_frames=other_frames_line(decoded, other_layouts),
         )
-        return separator + text
+        return self._blank_line() + text
 
 
 def _json_text(data: Mapping[str, Any], *, is_one_of_many: bool) -> str:

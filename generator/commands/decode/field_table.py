@@ -1,15 +1,16 @@
-"""The table of the fields of a decoded frame, with their places, numbers, values and meanings."""
+"""The fields of a decoded frame as a table with places, numbers, values and meanings, and its position in words."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from typing import NamedTuple
 
-from ...model import PlacedLayout
+from ...model import Device, Measurement, PlacedLayout, Variant, Verdict
+from ...model.expressions import Expression
 from ...reference import codec
 from ...say import report as say_report
 from ...say.names_and_places import bit_place
-from ...say.plain_text import WIDTH, quantity_text
+from ...say.plain_text import WIDTH, decimal, quantity_text
 from ...say.plain_text import wrap_text as wrapped_anew
 from ...say.text import as_sentence, with_unit
 
@@ -42,7 +43,8 @@ def field_table(decoded: codec.DecodedFrame) -> list[str]:
     column_widths = [max(map(len, column)) for column in columns]
     lines = []
     for row in rows:
-        columns_text = "  ".join(cell.ljust(width) for cell, width in zip(row.cells, column_widths, strict=True))
+        cells_and_widths = zip(row.cells, column_widths, strict=True)
+        columns_text = "  ".join(cell.ljust(width) for cell, width in cells_and_widths)
         indent = " " * (len(columns_text) + 2)
         if not row.meaning:
             lines.append(columns_text.rstrip())
@@ -58,13 +60,16 @@ def _field_row(placed_layout: PlacedLayout, field: codec.DecodedField) -> _Field
 
     A single bit is shown in decimal, and any other raw number in hexadecimal.
     """
+    place = ""
+    number_text = f"{field.raw:#x}"
     has_place = field.high >= 0  # A joined number has no place.
-    place = bit_place(placed_layout.layout, placed_layout.bits, field.high, field.low) if has_place else ""
-    is_one_bit = has_place and field.high <= field.low
-    number_text = str(field.raw) if is_one_bit else f"{field.raw:#x}"
-    return _FieldRow(
-        cells=(place, field.name, number_text, _value_text(field)), meaning=_meaning_text(placed_layout, field)
-    )
+    if has_place:
+        place = bit_place(placed_layout.layout, length=placed_layout.bits, high=field.high, low=field.low)
+        is_one_bit = field.high <= field.low
+        if is_one_bit:
+            number_text = str(field.raw)
+    cells = (place, field.name, number_text, _value_text(field))
+    return _FieldRow(cells, meaning=_meaning_text(placed_layout, field))
 
 
 def _meaning_text(placed_layout: PlacedLayout, field: codec.DecodedField) -> str:
@@ -92,3 +97,59 @@ def _value_text(field: codec.DecodedField) -> str:
 
 def capitalized(text: str) -> str:
     return text[:1].upper() + text[1:]
+
+
+def position_text(device: Device, variant: Variant, decoded: codec.DecodedFrame, verdict: Verdict | None) -> str:
+    """Return the position in µm or degrees, such as ``position: 90.0°``, or "" if it is not usable or not known.
+
+    If the frame contains only a part of the position, the part with the lowest bits is shown.
+    """
+    measurement = device.measurement_of(variant.interface)
+    is_usable = verdict not in (None, Verdict.NOT_USABLE)
+    if not is_usable or measurement is None or decoded.layout is None:
+        return ""
+    measurement = measurement.within(decoded.layout.layout.position_range)
+    field_name = measurement.of
+    # A frame without the multiturn part of a joined position contains only the part with the lowest bits.
+    if field_name not in decoded.values:
+        field_name = _lowest_joined_field(device, variant, field_name)
+    counts = decoded.values.get(field_name)
+    if not isinstance(counts, int):
+        return ""
+    micrometers_per_count = measurement.micrometres(variant.parameters)
+    if micrometers_per_count is not None:
+        length = decimal(counts * micrometers_per_count)
+        return f"{field_name}: {length} µm"
+    return _angle_text(measurement, variant, field_name, counts)
+
+
+def _lowest_joined_field(device: Device, variant: Variant, name: str) -> str:
+    """Return the field with the lowest bits of a joined number, or ``name`` if it is not a joined number."""
+    for layout in device.interface(variant.interface).layouts:
+        for join in layout.joins:
+            if join.name == name:
+                return join.fields[-1]
+    return name
+
+
+def _angle_text(measurement: Measurement, variant: Variant, name: str, counts: int) -> str:
+    """Return a position in counts as an angle: ``singleturn: 90.0°``, or ``position: 90.0° of revolution 3``.
+
+    The revolution is only given for the whole position of a multiturn encoder. If the counts per turn are not known,
+    the text is "".
+    """
+    counts_per_turn = _value_or_zero(measurement.counts_per_turn, variant)
+    turns = _value_or_zero(measurement.turns, variant)
+    if counts_per_turn < 1:
+        return ""
+    turn, counts_in_turn = divmod(counts, counts_per_turn)
+    degrees = counts_in_turn * 360 / counts_per_turn
+    # One decimal for each digit of the counts per degree, so that adjacent counts have different texts.
+    decimals = len(str(counts_per_turn // 360))
+    angle = f"{name}: {degrees:.{decimals}f}°"
+    has_revolution = turns > 1 and name == measurement.of
+    return f"{angle} of revolution {turn:,}" if has_revolution else angle
+
+
+def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
+    return expression.value(variant.parameters) if expression is not None else 0

@@ -139,8 +139,9 @@ def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str)
     # The line may carry fewer bits than the bytes of the frame have. The first bits are then zeros that are not sent.
     byte_count = placed_layout.bits // 8
     if len(digits) != bits:
+        quoted_text = quoted(visible(frame_text))
         remedy = say_report.write_bits(str(bits), str(byte_count))
-        raise FrameTextError(say_report.no_bits(quoted(visible(frame_text)), str(bits), remedy))
+        raise FrameTextError(say_report.no_bits(quoted_text, str(bits), remedy))
     return int(digits, 2).to_bytes(byte_count, "big")
 
 
@@ -165,8 +166,8 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     if are_bytes:
         _reject_bits_in_pairs(pieces, frame_text)
         # Each byte may have its own prefix.
-        digits = _WHOLE_BYTES.sub(r"\1", "".join(f"{piece} " for piece in pieces))
-        without_gaps = "0x" + digits.replace(" ", "")
+        hex_bytes = [_WHOLE_BYTES.sub(r"\1", piece) for piece in pieces]
+        without_gaps = "0x" + "".join(hex_bytes)
         bits = 4 * (len(without_gaps) - len("0x"))
         needed_bytes = (placed.bits + 7) // 8
         if exact and bits // 8 != needed_bytes:
@@ -193,14 +194,19 @@ def _number_without_prefix(placed: PlacedLayout | PlacedChannels, digits: str, f
     if len(meanings) == 1 and digits.isdecimal():
         number = int(digits)
         return TypedFrame(number, number.bit_length(), exact=False)
-    meanings = meanings or list(meanings_of_long_number(digits))
-    remedy = say_report.write_one_of(", ".join(meanings)) if meanings else say_report.write_number(str(placed.bits))
+    if not meanings:
+        meanings = list(meanings_of_long_number(digits))
+    if meanings:
+        remedy = say_report.write_one_of(", ".join(meanings))
+    else:
+        remedy = say_report.write_number(str(placed.bits))
     raise _number_error(placed, frame_text, remedy)
 
 
 def _number_error(placed: PlacedLayout | PlacedChannels, frame_text: str, remedy: str) -> FrameTextError:
     """Return the error for a text that is not a number of the frame's bits."""
-    return FrameTextError(say_report.no_bits(quoted(visible(frame_text)), str(placed.bits), remedy))
+    quoted_text = quoted(visible(frame_text))
+    return FrameTextError(say_report.no_bits(quoted_text, str(placed.bits), remedy))
 
 
 def _reject_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
@@ -208,9 +214,9 @@ def _reject_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
 
     This is possible if all pieces are two digits without a prefix, and all digits are 0 or 1.
     """
-    have_no_prefix = all(len(piece) == 2 for piece in pieces)
+    are_two_characters = all(len(piece) == 2 for piece in pieces)
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
-    if have_no_prefix and are_zeros_and_ones:
+    if are_two_characters and are_zeros_and_ones:
         raise FrameTextError(say_report.bits_or_bytes(quoted(visible(frame_text))))
 
 
@@ -218,7 +224,7 @@ def _reject_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
 
 
 def decode_text(
-    device: Device, variant: Variant, sender: str, text: str, layout: str | None = None
+    device: Device, variant: Variant, sender: str, text: str, layout_name: str | None = None
 ) -> codec.DecodedFrame:
     """Decode a frame given as text.
 
@@ -228,42 +234,43 @@ def decode_text(
         sender: ``encoder`` or ``master``.
         text: Hex bytes for a line that carries bytes. For a line that carries bits, one number: ``0b`` with every
             digit, or ``0x``.
-        layout: The name of the layout. By default, this is the layout that the frame identifies by its selector or its
-            length, or the first layout of the sender.
+        layout_name: The name of the layout. By default, this is the layout that the frame identifies by its selector or
+            its length, or the first layout of the sender.
 
     Raises:
         FrameTextError: The text cannot be read as a frame, or the layout does not exist.
     """
-    return text_decoder(device, variant, sender, layout)(text)
+    decode = text_decoder(device, variant, sender, layout_name)
+    return decode(text)
 
 
 def text_decoder(
-    device: Device, variant: Variant, sender: str, layout: str | None
+    device: Device, variant: Variant, sender: str, layout_name: str | None
 ) -> Callable[[str], codec.DecodedFrame]:
     """Return a function that decodes the text of one frame.
 
-    ``layout`` is the name of the layout. If it is None, each frame identifies its layout by its selector or its length.
-    If the layout does not exist, the function raises ``FrameTextError`` for every frame.
+    If ``layout_name`` is None, each frame identifies its layout by its selector or its length. If the layout does not
+    exist, the function raises ``FrameTextError`` for every frame.
     """
     layouts = layouts_of_sender(device, variant, sender)
-    candidates = [candidate for candidate in layouts if layout is None or candidate.name == layout]
-    first_placed = candidates[0].place(variant.parameters) if candidates else None
+    possible_layouts = [layout for layout in layouts if layout_name in (None, layout.name)]
+    first_layout = possible_layouts[0].place(variant.parameters) if possible_layouts else None
     # If layouts differ in length, the number of bits identifies the layout.
     is_exact = have_lengths(layouts, sender)
 
     def decode(text: str) -> codec.DecodedFrame:
         """Decode a frame with the named layout, or with the layout that the frame identifies."""
         frame_text = undecorated(text)
-        if first_placed is None:
-            raise FrameTextError(_no_layout_message(device, variant, sender, layout))
-        if layout is not None:
-            return decode_as(device, variant, first_placed, frame_text, exact=is_exact)
-        if first_placed.layout.in_bytes:
-            data = placed_bytes(first_placed, variant, frame_text)
-            # ``decode_bytes`` finds the layout by the selector in the bytes, or by their number.
-            return codec.decode_bytes(device, variant, sender, data)
-        placed = _layout_of_length(frame_text, first_placed, layouts, variant) if is_exact else first_placed
-        return decode_as(device, variant, placed, frame_text, exact=is_exact)
+        if first_layout is None:
+            raise FrameTextError(_no_layout_message(device, variant, sender, layout_name))
+        if layout_name is None and first_layout.layout.in_bytes:
+            frame = placed_bytes(first_layout, variant, frame_text)
+            # The codec finds the layout by the selector in the bytes, or by their number.
+            return codec.decode_bytes(device, variant, sender, frame)
+        placed_layout = first_layout
+        if layout_name is None and is_exact:
+            placed_layout = _layout_of_length(frame_text, first_layout, layouts, variant)
+        return decode_as(device, variant, placed_layout, frame_text, exact=is_exact)
 
     return decode
 
@@ -299,17 +306,17 @@ def decode_register_text(device: Device, variant: Variant, name: str, frame_text
 
 
 def _layout_of_length(
-    frame_text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant
+    frame_text: str, first_layout: PlacedLayout, layouts: Sequence[Layout], variant: Variant
 ) -> PlacedLayout:
-    """Return the layout whose length matches the text: ``first`` if it does, or the only other layout that does.
+    """Return the layout whose length matches the text: ``first_layout`` if it does, or the only other one that does.
 
-    If no other layout matches, or several do, the result is also ``first``, and the decoder reports the wrong length.
+    If no other layout matches, or several do, it is also ``first_layout``, and the decoder reports the wrong length.
     """
-    if _has_length(first, frame_text):
-        return first
-    candidates = [layout.place(variant.parameters) for layout in layouts]
-    fitting_layouts = [candidate for candidate in candidates if _has_length(candidate, frame_text)]
-    return fitting_layouts[0] if len(fitting_layouts) == 1 else first
+    if _has_length(first_layout, frame_text):
+        return first_layout
+    placed_layouts = [layout.place(variant.parameters) for layout in layouts]
+    fitting_layouts = [layout for layout in placed_layouts if _has_length(layout, frame_text)]
+    return fitting_layouts[0] if len(fitting_layouts) == 1 else first_layout
 
 
 def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
@@ -337,11 +344,12 @@ def decode_as(
         FrameTextError: The text cannot be read as a frame.
     """
     if placed_layout.layout.in_bytes:
-        return codec.decode_placed(device, placed_layout, placed_bytes(placed_layout, variant, frame_text))
-    frame = frame_number(placed_layout, frame_text, exact=exact)
-    if frame.exact:
-        return codec.decode_bits(device, placed_layout, frame.number, frame.bits)
-    return codec.decode(device, placed_layout, frame.number)
+        frame_in_bytes = placed_bytes(placed_layout, variant, frame_text)
+        return codec.decode_placed(device, placed_layout, frame_in_bytes)
+    typed_frame = frame_number(placed_layout, frame_text, exact=exact)
+    if typed_frame.exact:
+        return codec.decode_bits(device, placed_layout, typed_frame.number, typed_frame.bits)
+    return codec.decode(device, placed_layout, typed_frame.number)
 
 
 def why_text(
@@ -358,48 +366,52 @@ def why_text(
     A frame of bytes whose layout is not known is also explained. ``decoded`` is the result of decoding the text. If
     ``with_pairs`` is true, pairs of mistakes are also listed, even if a single mistake explains the frame.
     """
-    placed = decoded.layout
-    if placed is not None and not placed.layout.in_bytes:
-        return _why_bits(device, variant, sender, frame_text, placed, decoded, with_pairs=with_pairs)
-    if placed is None:
+    placed_layout = decoded.layout
+    if placed_layout is not None and not placed_layout.layout.in_bytes:
+        # If the layouts of the sender differ in length, the number of hex bytes determines the length of the frame.
+        is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
+        typed_frame = frame_number(placed_layout, undecorated(frame_text), exact=is_exact)
+        return _why_bits(device, variant, placed_layout, decoded, typed_frame=typed_frame, with_pairs=with_pairs)
+    if placed_layout is None:
         first_layout = layouts_of_sender(device, variant, sender)[0]
-        data = placed_bytes(first_layout.place(variant.parameters), variant, undecorated(frame_text))
+        layout_of_bytes = first_layout.place(variant.parameters)
     else:
         faults = {problem.fault for problem in decoded.problems}
         if not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:
             return None
-        data = placed_bytes(placed, variant, undecorated(frame_text))
+        layout_of_bytes = placed_layout
     from ...why.explain import explain_bytes
 
-    return explain_bytes(device, variant, sender, placed, data, with_pairs=with_pairs)
+    frame = placed_bytes(layout_of_bytes, variant, undecorated(frame_text))
+    return explain_bytes(device, variant, sender, placed_layout, frame, with_pairs=with_pairs)
 
 
 def _why_bits(
     device: Device,
     variant: Variant,
-    sender: str,
-    frame_text: str,
     placed_layout: PlacedLayout,
     decoded: codec.DecodedFrame,
     *,
+    typed_frame: TypedFrame,
     with_pairs: bool,
 ) -> Diagnosis | None:
     """Return possible explanations of a bit frame, or None if it needs none or nothing explains it.
 
     A frame is explained if its CRC, its length or a constant is wrong, or if it is long and its bits are all equal, as
     on a dead line. The bits of a valid frame without a CRC are checked too, because only they show a dead line.
+    ``typed_frame`` is the frame as the user typed it.
     """
     faults = {problem.fault for problem in decoded.problems}
     is_valid_without_crc = not faults and decoded.crc is None
     all_ones = (1 << placed_layout.bits) - 1
     has_equal_bits = placed_layout.bits >= LEAST_EQUAL_BITS and decoded.number in (0, all_ones)
-    is_suspicious = is_valid_without_crc or has_equal_bits or bool(faults & _TRANSMISSION_FAULTS)
-    if not is_suspicious and Fault.CONSTANT not in faults:
-        return None
+    has_transmission_fault = not faults.isdisjoint(_TRANSMISSION_FAULTS)
+    is_suspicious = is_valid_without_crc or has_equal_bits or has_transmission_fault
     from ...why.explain import explain_bits, explain_constant
 
-    is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
-    frame = frame_number(placed_layout, undecorated(frame_text), exact=is_exact)
     if is_suspicious:
-        return explain_bits(device, variant, placed_layout, frame, is_valid=not faults, with_pairs=with_pairs)
-    return explain_constant(device, variant, placed_layout, frame)
+        is_valid = not faults
+        return explain_bits(device, variant, placed_layout, typed_frame, is_valid=is_valid, with_pairs=with_pairs)
+    if Fault.CONSTANT in faults:
+        return explain_constant(device, variant, placed_layout, typed_frame)
+    return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...model import Device, PlacedLayout, Scale, Variant
@@ -57,20 +58,21 @@ def decoded_data(
 
 
 def channel_data(
-    device: Device, variant: Variant, sender: str, result: ChannelResult, line: FrameLine
+    device: Device, variant: Variant, *, sender: str, result: ChannelResult, line: FrameLine
 ) -> dict[str, Any]:
     """Return a frame with several data channels as plain data for JSON, with the errors and reports of all channels.
 
     Each channel also has its fields and its own errors and reports. ``agree`` says whether the compared positions
     agree, and is null if none are compared.
     """
+    data_of_frame = partial(decoded_data, device, variant, sender=sender, line=line)
     whole_frame = codec.DecodedFrame(layout=None, number=0, fields=(), crc=None, problems=tuple(result.all_problems))
-    data = decoded_data(device, variant, sender, whole_frame, result.all_findings, line=line)
+    data = data_of_frame(decoded=whole_frame, frame_findings=result.all_findings)
+    data["channels"] = []
     channels = zip(result.channels, result.findings.channels, result.whys, strict=True)
-    data["channels"] = [
-        decoded_data(device, variant, sender, decoded, channel_findings, diagnosis=why, line=line)
-        for decoded, channel_findings, why in channels
-    ]
+    for decoded_channel, channel_findings, diagnosis in channels:
+        channel = data_of_frame(decoded=decoded_channel, frame_findings=channel_findings, diagnosis=diagnosis)
+        data["channels"].append(channel)
     data["agree"] = result.findings.agree
     data["readings"] = list(result.readings)
     return data

@@ -19,9 +19,8 @@ from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH
 from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, as_sentence, count_with_unit
-from .field_table import capitalized, field_table, wrapped
+from .field_table import capitalized, field_table, position_text, wrapped
 from .frames import FrameLine, frame_number, undecorated
-from .position_text import position_text
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis, Explanation
@@ -37,6 +36,7 @@ def explain(
     code_match: LabelMatch,
     sender: str,
     decoded: codec.DecodedFrame,
+    *,
     findings: Findings = _NO_FINDINGS,
     diagnosis: Diagnosis | None = None,
     line: FrameLine = NO_LINE,
@@ -49,9 +49,19 @@ def explain(
     ``label`` are the lines about the order code, if they are already known. ``other_frames`` is a sentence on other
     layouts with which the frame is valid, or "".
     """
-    lines = [line_prefix(line) + heading(device, code_match.variant, sender, decoded.layout)]
+    title = heading(device, code_match.variant, sender, decoded.layout)
+    lines = [f"{line_prefix(line)}{title}"]
     lines += label_lines(device, code_match) if label is None else label
-    lines += described_frame(device, code_match.variant, decoded, findings, diagnosis, answers, other_frames, line.text)
+    lines += described_frame(
+        device,
+        code_match.variant,
+        decoded,
+        findings=findings,
+        diagnosis=diagnosis,
+        answers=answers,
+        other_frames=other_frames,
+        frame_text=line.text,
+    )
     return "\n".join([*lines, *evidence_lines(device)])
 
 
@@ -59,6 +69,7 @@ def described_frame(
     device: Device,
     variant: Variant,
     decoded: codec.DecodedFrame,
+    *,
     findings: Findings,
     diagnosis: Diagnosis | None = None,
     answers: Mapping[str, str] = NO_ANSWERS,
@@ -78,7 +89,8 @@ def described_frame(
         if position:
             yield from ("", position)
     if decoded.crc is not None:
-        yield from ("", _crc_line(device.crc(decoded.crc.name), decoded.crc))
+        crc = device.crc(decoded.crc.name)
+        yield from ("", _crc_line(crc, decoded.crc))
     yield from ("", *_problem_lines(decoded, findings))
     if other_frames:
         yield wrapped(other_frames, WIDTH, prefix="  ", first="")
@@ -119,14 +131,14 @@ def _other_position_lines(
     from ...why.exchanges import own_request
 
     typed_frame = frame_number(placed_layout, undecorated(frame_text)) if frame_text else None
-    other_readings = other_positions(device, variant, decoded, typed_frame)
-    readings = [f"{position} {reason}" for reason, position in other_readings]
+    readings = [f"{position} {reason}" for reason, position in other_positions(device, variant, decoded, typed_frame)]
     if readings:
         suggestion = say_report.looks_wrong(position_name(device, variant), ", ".join(readings))
         yield wrapped(as_sentence(suggestion), WIDTH, prefix="  ", first="")
     request_name = own_request(device, variant, placed_layout, decoded.number)
     if request_name:
-        yield wrapped(as_sentence(capitalized(say_report.own_request(request_name))), WIDTH, prefix="  ", first="")
+        note = capitalized(say_report.own_request(request_name))
+        yield wrapped(as_sentence(note), WIDTH, prefix="  ", first="")
 
 
 def line_prefix(line: FrameLine) -> str:
@@ -167,9 +179,8 @@ def label_differences(device: Device, code_match: LabelMatch) -> Iterator[str]:
     if code_match.written_as_in:
         yield wrapped(f"the label is written as in {code_match.written_as_in}", WIDTH, prefix="  ")
     if code_match.unlisted:
-        yield wrapped(
-            f"accepted, although not listed in the manual: {', '.join(code_match.unlisted)}", WIDTH, prefix="  "
-        )
+        unlisted_parts = ", ".join(code_match.unlisted)
+        yield wrapped(f"accepted, although not listed in the manual: {unlisted_parts}", WIDTH, prefix="  ")
     if code_match.tail:
         yield f"  the label continues with {code_match.tail}"
     if code_match.special:
@@ -199,16 +210,14 @@ def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
             is_used = answers.get(alternative.name) == answer.name
             if not is_used:
                 continue
-            yield wrapped(
-                f"decoded with {alternative.name} = {answer.name}: {answer.meaning}", WIDTH, prefix="  ", first=""
-            )
+            answer_text = f"decoded with {alternative.name} = {answer.name}: {answer.meaning}"
+            yield wrapped(answer_text, WIDTH, prefix="  ", first="")
             # If a question has a default, it is the first answer.
             is_default = bool(alternative.default) and index == 0
             if is_default:
                 options = " or ".join(_options_for_other_answers(alternative))
-                yield wrapped(
-                    f"this is the default; for a different reading, add {options}", WIDTH, prefix="    ", first="  "
-                )
+                remark = f"this is the default; for a different reading, add {options}"
+                yield wrapped(remark, WIDTH, prefix="    ", first="  ")
 
 
 def _options_for_other_answers(alternative: Alternative) -> Iterator[str]:
@@ -280,23 +289,26 @@ def _report_text(report: FrameReport) -> str:
 
 def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list[str]:
     """Return the lines that explain an error: a dead line alone, or corrupted bits and possible mistakes."""
-    is_line_stuck = [explanation.kind for explanation in diagnosis.explanations] == ["line_stuck"]
-    if is_line_stuck:
+    kinds = [explanation.kind for explanation in diagnosis.explanations]
+    if kinds == ["line_stuck"]:
         explanation = as_sentence(capitalized(diagnosis.explanations[0].text))
         return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
-    missing = as_sentence(capitalized(diagnosis.missing)) if diagnosis.missing else ""
-    missing_lines = ["", wrapped(missing, WIDTH, prefix="  ", first="")] if missing else []
-    return [*missing_lines, *_disturbed_lines(diagnosis.disturbed, placed_layout), *_mistake_lines(diagnosis)]
+    lines = []
+    if diagnosis.missing:
+        missing_bits = as_sentence(capitalized(diagnosis.missing))
+        lines += ["", wrapped(missing_bits, WIDTH, prefix="  ", first="")]
+    lines += _disturbed_lines(diagnosis.disturbed, placed_layout)
+    return lines + _mistake_lines(diagnosis)
 
 
 def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | None) -> list[str]:
     """Return the hint that one of some bits may have been inverted on the line, or no lines if there are none."""
     if not disturbed or placed_layout is None:
         return []
-    bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
+    inverted_bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
     has_crc = placed_layout.crc_field is not None
-    explanation = f"{say_report.disturbed(bits, has_crc=has_crc)} If all frames fail, read on."
-    return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
+    hint = say_report.disturbed(inverted_bits, has_crc=has_crc)
+    return ["", wrapped(f"{hint} If all frames fail, read on.", WIDTH, prefix="  ", first="")]
 
 
 def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
@@ -341,9 +353,8 @@ def _hint_lines(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.needs_another_frame:
         lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
     if diagnosis.cannot_see:
-        lines.append(
-            wrapped(f"This CRC cannot detect: {'; '.join(diagnosis.cannot_see)}.", WIDTH, prefix="  ", first="")
-        )
+        undetected_errors = "; ".join(diagnosis.cannot_see)
+        lines.append(wrapped(f"This CRC cannot detect: {undetected_errors}.", WIDTH, prefix="  ", first=""))
     return lines
 
 
@@ -380,8 +391,8 @@ def _chance_and_values(explanation: Explanation) -> str:
     if explanation.one_in > 1:
         details.append(f"matches by chance in {_frequency_text(explanation.one_in)} frames")
     if explanation.reads:
-        readings = (explanation.reads, *explanation.or_reads)
-        details.append(f"gives {' or '.join(map(_numbers_text, readings))}")
+        readings = map(_numbers_text, (explanation.reads, *explanation.or_reads))
+        details.append(f"gives {' or '.join(readings)}")
     return ", and ".join(details)
 
 

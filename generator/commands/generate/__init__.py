@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..arguments import Parser, a_path, add_cache_option, add_specs, cache_for
-from ..terminal import CommandError, Progress, print_problems
+from ..terminal import CommandError, Progress, error_after_printing
 
 if TYPE_CHECKING:
     import argparse
@@ -152,14 +152,15 @@ def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Se
     options = options_named(selection.options_for([device.name for device in c_devices]), targets)
     _refuse_misused_options(arguments, targets)
     with Progress("codewheel: checking the specs"):
-        devices = complete_devices(families, targets, arguments.edition, report, selection.only)
+        devices = complete_devices(families, targets, editions=arguments.edition, report=report, filters=selection.only)
     if report:
-        raise print_problems(report)
+        raise error_after_printing(report)
     specs_line = _line_about_specs(devices, report, arguments.packaged, selection.packaged)
     print(specs_line)
-    accepted = devices_by_target([target.name for target in targets], devices, selection.only)
-    files = _render_targets(Library(devices, arguments.templates), accepted, targets, options, cache)
-    families_by_target = {name: owners(target_devices) for name, target_devices in accepted.items()}
+    accepted_devices_by_target = devices_by_target([target.name for target in targets], devices, selection.only)
+    library = Library(devices, arguments.templates)
+    files = _render_targets(library, accepted_devices_by_target, targets, options=options, cache=cache)
+    families_by_target = {name: owners(accepted) for name, accepted in accepted_devices_by_target.items()}
     if are_built_in(targets, arguments.target):
         result.put(result_to_store(specs_line, files, families_by_target))
 
@@ -208,8 +209,7 @@ def _line_about_specs(
 
     ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """
-    from ..placeholders import placeholder_line
-    from ..read_specs import read_line
+    from ..placeholders import placeholder_line, read_line
 
     specs_line = read_line([device.name for device in devices], report, packaged, packaged_files)
     todo_line = placeholder_line(report.files)
@@ -218,14 +218,15 @@ def _line_about_specs(
 
 def _render_targets(
     library: Library,
-    accepted: Mapping[str, tuple[Device, ...]],
+    accepted_devices_by_target: Mapping[str, tuple[Device, ...]],
     targets: Sequence[Target],
+    *,
     options: Mapping[str, Options],
     cache: Cache,
 ) -> dict[str, Mapping[str, str]]:
     """Return the files of each target, as ``{target: {path: text}}``.
 
-    Parts of unchanged families come from the cache. ``accepted`` are the devices that each target writes.
+    Parts of unchanged families come from the cache. A target writes the devices that it accepts.
     """
     from ...family_parts import FamilyParts
     from ...targets.registry import files_of
@@ -236,7 +237,7 @@ def _render_targets(
 
         def render_with_progress(target: Target, library: Library, target_options: Options) -> Mapping[str, str]:
             progress.text = f"codewheel: rendering {target.name}"
-            accepted_library = replace(library, devices=accepted[target.name])
-            return render_target(target, accepted_library, target_options)
+            library_of_target = replace(library, devices=accepted_devices_by_target[target.name])
+            return render_target(target, library_of_target, target_options)
 
         return render_targets(library, targets, options, render_with_progress)

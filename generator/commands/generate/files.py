@@ -83,9 +83,9 @@ def _print_changes(file_changes: Sequence[FileChange], arguments: argparse.Names
         CommandError: A file that was only compared differs.
     """
     word_by_change = {"written": "differs", "removed": "left over"} if arguments.check else {}
-    changed_files = [change for change in file_changes if change.what != "unchanged"]
+    changed_files = [change for change in file_changes if change.state != "unchanged"]
     for change in changed_files:
-        word = word_by_change.get(change.what, change.what)
+        word = word_by_change.get(change.state, change.state)
         print(f"{word:<10} {(arguments.output / change.path).as_posix()}")
     if arguments.check and changed_files:
         _print_targets_by_state(file_changes)
@@ -102,7 +102,7 @@ def _print_targets_by_state(file_changes: Iterable[FileChange]) -> None:
         target, slash, _ = change.path.partition("/")
         is_in_target = bool(slash)
         if is_in_target:
-            states_by_target.setdefault(target, set()).add(change.what)
+            states_by_target.setdefault(target, set()).add(change.state)
     current_targets = [target for target, states in states_by_target.items() if states == {"unchanged"}]
     outdated_targets = [target for target in states_by_target if target not in current_targets]
     if current_targets and outdated_targets:
@@ -117,21 +117,24 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     """
     from ...targets.biss.dtd import DtdError, read_dtd, validation_errors
 
-    idbiss_names = [name for name in files if Path(name).name.startswith("idbiss")]
-    path_by_name = {name: (output / name).as_posix() for name in idbiss_names}
+    idbiss_texts: dict[str, str] = {}
+    for path, text in files.items():
+        if Path(path).name.startswith("idbiss"):
+            idbiss_texts[(output / path).as_posix()] = text
     dtd_errors: list[str] = []
     try:
         dtd_text = read_dtd(dtd)
-        for name in idbiss_names:
-            dtd_errors += validation_errors(files[name], path_by_name[name], dtd_text, dtd.as_posix())
+        for path, text in idbiss_texts.items():
+            dtd_errors += validation_errors(text, path, dtd_text, dtd_name=dtd.as_posix())
     except DtdError as error:
         raise CommandError(str(error), 2) from None
     for dtd_error in dtd_errors:
         print(dtd_error, file=sys.stderr)
     if dtd_errors:
-        raise CommandError(f"not valid against {dtd}: {count_with_unit(len(dtd_errors), 'error')}", 1)
-    for name in idbiss_names:
-        print(f"valid against {dtd}: {path_by_name[name]}")
+        number_of_errors = count_with_unit(len(dtd_errors), "error")
+        raise CommandError(f"not valid against {dtd}: {number_of_errors}", 1)
+    for path in idbiss_texts:
+        print(f"valid against {dtd}: {path}")
 
 
 def changed_files(
@@ -150,8 +153,9 @@ def changed_files(
         return None
     paths = sorted({*old_files, *new_files})
     changed_paths = tuple(path for path in paths if old_files.get(path) != new_files.get(path))
-    changed_names = name_changes(old_files, new_files, {device.name for device in (*old_devices, *new_devices)})
-    return FileCounts(changed_paths, len(paths), changed_names)
+    family_names = {device.name for device in (*old_devices, *new_devices)}
+    changed_names = name_changes(old_files, new_files, family_names)
+    return FileCounts(changed=changed_paths, count=len(paths), names=changed_names)
 
 
 def unchanged_families(old_devices: Sequence[Device], new_devices: Sequence[Device]) -> frozenset[str]:
@@ -176,12 +180,12 @@ def _have_same_model(device: Device, other_device: Device) -> bool:
     return device is other_device or digest == model_digest_of(other_device)
 
 
-def _rendered_files(devices: Sequence[Device], parts: FamilyParts, filters: FamilyFilters) -> Mapping[str, str]:
+def _rendered_files(devices: Sequence[Device], family_parts: FamilyParts, filters: FamilyFilters) -> Mapping[str, str]:
     """Return the files of all built-in targets, as texts by path, without families that a filter excludes."""
     files: dict[str, str] = {}
-    for name in BUILT_IN:
-        accepted = accepted_devices(name, devices, filters)
-        target = load_target(name)
-        if accepted:
-            files |= parts.files_of(target, Library(accepted), target.defaults)
+    for target_name in BUILT_IN:
+        devices_of_target = accepted_devices(target_name, devices, filters)
+        target = load_target(target_name)
+        if devices_of_target:
+            files |= family_parts.files_of(target, Library(devices_of_target), target.defaults)
     return files

@@ -37,18 +37,25 @@ def run(arguments: argparse.Namespace) -> int:
 
     cache = cache_for(arguments)
     specs = specs_to_read(arguments.specs)
-    device, match, paths = find_family_or_code(specs, arguments.what, cache)
+    device, code_match, paths = find_family_or_code(specs, arguments.what, cache)
     if arguments.edition is not None:
         refuse_line(arguments.what, "has no editions")
         from ..edition_devices import in_requested_edition
 
-        device, match, _ = in_requested_edition(paths, device, match, arguments.edition, arguments.what, {})
+        device, code_match, _ = in_requested_edition(
+            device,
+            code_match,
+            specs=paths,
+            wanted_edition=arguments.edition,
+            text=arguments.what,
+            register_bytes={},
+        )
     if arguments.json:
         from ...dump.plain import device_dump, variant_dump
 
-        print_json(device_dump(device) if match is None else variant_dump(device, match))
+        print_json(device_dump(device) if code_match is None else variant_dump(device, code_match))
     else:
         from .text import device_text, variant_text
 
-        print(device_text(device) if match is None else variant_text(device, match))
+        print(device_text(device) if code_match is None else variant_text(device, code_match))
     return 0

@@ -23,7 +23,9 @@ def picture(placed_layout: PlacedLayout) -> list[str]:
     used_columns = _PICTURE_MARGIN
     for placed_field in placed_layout.fields:
         box_text = _box_text(placed_field.field)
-        place_text = bit_place(placed_layout.layout, placed_layout.bits, placed_field.high, placed_field.low)
+        place_text = bit_place(
+            placed_layout.layout, length=placed_layout.bits, high=placed_field.high, low=placed_field.low
+        )
         width = max(len(box_text), len(place_text)) + 2  # with a space on each side
         width_with_edge = width + 1
         if rows_of_boxes[-1] and used_columns + width_with_edge > WIDTH:

@@ -96,10 +96,9 @@ def _manual_lines(device: Device) -> list[str]:
     """Return the lines about the manual, its other editions, and the evidence for the facts."""
     manual = device.manual
     date = f" of {manual.date}" if manual.date else ""
-    sentences = [
-        f"from the manual {manual.title}, revision {manual.revision}{date}, in {language_name(manual.language)}"
-    ]
-    sentences += [PLAIN_STYLE.sentence(statement) for statement in (describe_grade(device), *origin(device))]
+    language = language_name(manual.language)
+    sentences = [f"from the manual {manual.title}, revision {manual.revision}{date}, in {language}"]
+    sentences += map(PLAIN_STYLE.sentence, (describe_grade(device), *origin(device)))
     if device.editions:
         revisions = ", ".join(edition.revision for edition in device.editions)
         sentences.append(f"--edition shows the others: {revisions}")
@@ -112,13 +111,15 @@ def _order_code_lines(device: Device) -> Iterator[str]:
     yield f"Order codes: {device.order_code.pattern}"
     for statement in not_on_label(device):
         yield wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="    ", first="  ")
-    for part in device.order_code.parts:
-        yield wrap_text(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
-        yield from two_columns(((option.text, option.meaning) for option in part.values), indent=4)
-        for statement in open_values(part):
+    for code_part in device.order_code.parts:
+        yield wrap_text(code_part.meaning, WIDTH, prefix="    ", first=f"  {code_part.name}: ")
+        texts_and_meanings = [(value.text, value.meaning) for value in code_part.values]
+        yield from two_columns(texts_and_meanings, indent=4)
+        for statement in open_values(code_part):
             yield _indented_paragraph(PLAIN_STYLE.sentence(statement))
-    for also_written in device.order_code.also_written:
-        yield wrap_text(PLAIN_STYLE.sentence(describe_spelling(also_written)), WIDTH, prefix="    ", first="  ")
+    for label_spelling in device.order_code.also_written:
+        spelling_sentence = PLAIN_STYLE.sentence(describe_spelling(label_spelling))
+        yield wrap_text(spelling_sentence, WIDTH, prefix="    ", first="  ")
 
 
 def _indented_paragraph(text: str) -> str:
@@ -134,19 +135,19 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     parameters = parameters_of(device, variant.interface)
     run_time_parameter_names = run_time_names(device)
     # These are parameters that a register holds, and parameters that are calculated from them.
-    in_registers = [parameter for parameter in parameters if parameter.name in run_time_parameter_names]
+    run_time_parameters = [parameter for parameter in parameters if parameter.name in run_time_parameter_names]
     # The user chooses parameters of alternatives, so they are listed with the questions.
-    others = [parameter for parameter in parameters if parameter not in in_registers]
-    fixed_parameters = [parameter for parameter in others if not parameter.alternative]
+    other_parameters = [parameter for parameter in parameters if parameter not in run_time_parameters]
+    fixed_parameters = [parameter for parameter in other_parameters if not parameter.alternative]
     lines = []
     if fixed_parameters:
         lines += ["", "Parameters", *_value_lines(device, fixed_parameters, variant)]
-    if in_registers:
+    if run_time_parameters:
         heading = f"Held in registers ({say_order_code.initial(device)})"
-        lines += ["", heading, *_value_lines(device, in_registers, variant)]
+        lines += ["", heading, *_value_lines(device, run_time_parameters, variant)]
         # A calculated parameter has no register of its own.
-        registers_read = [device.register(parameter.register) for parameter in in_registers if parameter.read_from]
-        example = f"--register 0x{registers_read[0].address:02X}=0x.."
+        register_names = [parameter.register for parameter in run_time_parameters if parameter.read_from]
+        example = f"--register 0x{device.register(register_names[0]).address:02X}=0x.."
         lines.append(wrap_text(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  "))
     return lines
 
@@ -176,15 +177,11 @@ def alternative_lines(device: Device) -> list[str]:
         return []
     lines = ["", "Left open by the manual, for you to choose"]
     for alternative in device.alternatives:
-        lines.append(
-            wrap_text(
-                PLAIN_STYLE.sentence(describe_question(alternative)),
-                WIDTH,
-                prefix="      ",
-                first=f"  {alternative.name}: ",
-            )
-        )
-        lines += [_indented_paragraph(PLAIN_STYLE.sentence(say_answer(answer))) for answer in alternative.answers]
+        question = PLAIN_STYLE.sentence(describe_question(alternative))
+        lines.append(wrap_text(question, WIDTH, prefix="      ", first=f"  {alternative.name}: "))
+        for answer in alternative.answers:
+            answer_sentence = PLAIN_STYLE.sentence(say_answer(answer))
+            lines.append(_indented_paragraph(answer_sentence))
         lines.append(_indented_paragraph(_how_to_choose(alternative)))
     return lines
 
@@ -218,10 +215,13 @@ def _position_lines(
     for title, measurement in measurements:
         if measurement is None:
             continue
-        counts = style_with(parameters).phrase(say_measurement.describe_measurement(measurement))
+        unit_and_range = style_with(parameters).phrase(say_measurement.describe_measurement(measurement))
         length = _whole_length(measurement, parameters)
-        title_and_range_rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
-    return ["", "Position", *two_columns(title_and_range_rows, indent=2)] if title_and_range_rows else []
+        range_text = f"{unit_and_range}{length}  [{cite(measurement.source)}]"
+        title_and_range_rows.append((title or measurement.of, range_text))
+    if not title_and_range_rows:
+        return []
+    return ["", "Position", *two_columns(title_and_range_rows, indent=2)]
 
 
 def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None) -> str:
@@ -306,7 +306,7 @@ def _fixed_value_text(field: Field) -> str:
 def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     """Return the lines about a frame of an order code: a title, a picture, and notes, for example about registers."""
     interface = device.interface(variant.interface)
-    placed = layout.place(variant.parameters)
+    placed_layout = layout.place(variant.parameters)
     style = style_with(variant.parameters)
     name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
     heading = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
@@ -317,9 +317,9 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         register_fields = " and ".join(field_at(device, field_path) for field_path in paths_of_widths)
         notes.append(f"The widths are the {say_order_code.initial(device)} in {register_fields}.")
     if layout.gray_of:
-        notes.append(_position_code_note(device, placed))
-    lines = [wrap_text(heading, WIDTH, prefix="  ", first=""), *picture(placed)]
-    return lines + [wrap_text(note, WIDTH, prefix="  ", first="  ") for note in notes]
+        notes.append(_position_code_note(device, placed_layout))
+    note_lines = [wrap_text(note, WIDTH, prefix="  ", first="  ") for note in notes]
+    return [wrap_text(heading, WIDTH, prefix="  ", first=""), *picture(placed_layout), *note_lines]
 
 
 def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterator[str]:
@@ -434,7 +434,8 @@ def _errata_lines(device: Device) -> list[str]:
         if erratum.severity == "wording":
             wording_count += 1
             continue
-        heading, *details = PLAIN_STYLE.lines(say_errata.describe_erratum(erratum, whole=True))
+        erratum_statement = say_errata.describe_erratum(erratum, whole=True)
+        heading, *details = PLAIN_STYLE.lines(erratum_statement)
         lines += [wrap_text(heading, WIDTH, prefix="    ", first="  "), *map(_indented_paragraph, details)]
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"

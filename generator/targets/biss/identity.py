@@ -26,14 +26,14 @@ _MANUFACTURER_BITS = 16
 class IdBits:
     """Bits ``high`` to ``low`` of the identity of a device, and their content ``number``.
 
-    ``what`` is the name of these bits with their registers. ``text`` is the content as characters if it is a text, and
-    ``register`` is the register in the spec.
+    ``description`` is the name of these bits with their registers. ``text`` is the content as characters if it is a
+    text, and ``register`` is the register in the spec.
     """
 
     high: int
     low: int
     number: int
-    what: str
+    description: str
     text: str = ""
     register: str = ""
 
@@ -89,7 +89,7 @@ def manufacturer_bits(biss_id: int) -> IdBits:
         high=_MANUFACTURER_BITS - 1,
         low=0,
         number=biss_id,
-        what="64-bit identity: manufacturer ID, registers 7Eh and 7Fh",
+        description="64-bit identity: manufacturer ID, registers 7Eh and 7Fh",
         text=characters if is_text else "",
     )
 
@@ -131,7 +131,7 @@ def _register_bits(register: Register) -> Iterator[IdBits]:
             high=high,
             low=low,
             number=number,
-            what=f"64-bit identity: device ID, {registers_in_words}",
+            description=f"64-bit identity: device ID, {registers_in_words}",
             text=field.equals if isinstance(field.equals, str) else "",
             register=register.name,
         )

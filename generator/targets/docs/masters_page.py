@@ -97,8 +97,7 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
     master_sections = []
     unsupporting_masters = []
     for master, sheets in group_sheets.sheets:
-        # ``takes`` are the names of the interfaces that a master supports.
-        if interface.name in master.takes:
+        if interface.name in master.supported_interfaces:
             groups_and_sheets = list(zip(groups, sheets, strict=True))
             master_sections.append(_master_section(master, groups_and_sheets))
         else:
