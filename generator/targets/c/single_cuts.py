@@ -80,7 +80,7 @@ def _find_block(c_code: str, condition: str) -> re.Match[str]:
     pattern = rf"^    if \({re.escape(condition)}\) \{{\n(?P<body>.*?)^    \}}\n"
     blocks = list(re.finditer(pattern, c_code, re.MULTILINE | re.DOTALL))
     if len(blocks) != 1:
-        raise TargetError(f"the runtime has {len(blocks)} blocks with the condition '{condition}', not 1")
+        raise TargetError(f"the runtime must have one block with the condition '{condition}', and has {len(blocks)}")
     return blocks[0]
 
 
