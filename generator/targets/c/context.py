@@ -150,7 +150,7 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[CMacro]:
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():
         if value is not None:
-            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), c_number(value), note)
+            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), value=c_number(value), note=note)
             note = f"see {timing.name} above"
 
 
@@ -164,7 +164,7 @@ def scale_macros(layout: Layout, stem: str) -> Iterator[CMacro]:
         name = f"{stem}_{field.name}".upper()
         if scale is not None:
             note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
-            yield CMacro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)
+            yield CMacro(f"{name}_NUMERATOR", value=f"INT64_C({scale.numerator})", note=note)
             magnitude = f"INT64_C({abs(scale.offset)})"
             offset = f"(-{magnitude})" if scale.offset < 0 else magnitude
             yield CMacro(f"{name}_OFFSET", offset)

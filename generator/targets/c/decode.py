@@ -359,7 +359,7 @@ class CDecoder:
                 yield name, CCast(type_, signed_number)
             case ZeroMeans(number_for_zero):
                 is_zero = COperation("==", (bits, CNumber(0)))
-                number = Conditional(is_zero, CNumber(number_for_zero), bits)
+                number = Conditional(is_zero, value_if_true=CNumber(number_for_zero), value_if_false=bits)
                 yield name, CCast(type_, number)
             case ActiveFlag(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits

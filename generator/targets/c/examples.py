@@ -416,7 +416,7 @@ class ExampleCode:
             if register.name in written_names:
                 title += ", factory default"
                 content = register.default_bytes() or bytes(register.length)
-            yield Memory(register.address, content, title)
+            yield Memory(register.address, data=content, note=title)
 
 
 def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:

@@ -185,7 +185,7 @@ def _build_spelling(pattern: str, choices: Mapping[str, Sequence[_Choice]], *, i
     for name, part_choices in choices.items():
         may_precede_digit = _may_precede_digit(name, pattern, choices)
         choices_of_parts.append(_split_optional_digits(part_choices) if may_precede_digit else part_choices)
-    return _Spelling(pattern, choices_of_parts, is_listed)
+    return _Spelling(pattern, choices=choices_of_parts, is_listed=is_listed)
 
 
 def _may_precede_digit(name: str, pattern: str, choices: Mapping[str, Sequence[_Choice]]) -> bool:
