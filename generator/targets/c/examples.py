@@ -294,7 +294,7 @@ class ExampleCode:
         code = self.run.code if self.run is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
-        operations = [row.op for row in code.rows if isinstance(row, StepRow)]
+        operations = [row.operation for row in code.rows if isinstance(row, StepRow)]
         requests = [operation for operation in operations if isinstance(operation, SendRequest)]
         return bool(requests) and all(request.reply is not None for request in requests)
 
