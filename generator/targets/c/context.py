@@ -126,8 +126,9 @@ def wide_number_function(scope: ParameterSpelling, name: str, expression: Expres
     """Return the function for an expression, with a result of 64 bits. ``about`` is the comment on it."""
     value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
-    has_64_bits = bool(expression.terms) and expression.terms[0].is_power
-    if not has_64_bits:
+    begins_with_power = bool(expression.terms) and expression.terms[0].is_power
+    is_wide_constant = expression.is_constant and expression.constant > 0xFFFFFFFF
+    if not begins_with_power and not is_wide_constant:
         value = CCast("uint64_t", value)
     return CFunction(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
 
