@@ -270,7 +270,7 @@ def _width_problem(case: _Case) -> KeyProblem | None:
 
 
 def _must_use_all_bits(case: _Case, total_counts: int) -> bool:
-    """Return whether a position with so many counts must use all bits of its fields.
+    """Return whether a position with that many counts must use all bits of its fields.
 
     A position with a fixed width can begin with zeros, as manuals draw it. If the width depends on the parameters that
     determine the counts, all bits must be used. A length that wraps around at a power of two also uses all bits. Both

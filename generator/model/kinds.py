@@ -108,7 +108,7 @@ class WholeCode(NamedTuple):
 
     Attributes:
         name: Name of the code.
-        codes_of: Function that returns the codes of the numbers from 0 up for a field of so many bits.
+        codes_of: Function that returns the codes of the numbers from 0 up for a field of that many bits.
     """
 
     name: str

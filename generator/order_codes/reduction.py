@@ -73,8 +73,10 @@ def _reduced_part(part: Any, codes: Collection[str], manual_steps: Collection[st
         return part
     if isinstance(part, tuple):
         return _reduced_values(part, codes, manual_steps)
-    if isinstance(part, Field) and isinstance(part.kind, Flag) and _applies_only_to_others(part.kind, codes):
-        return part.unexplained
+    if isinstance(part, Field) and isinstance(part.kind, Flag):
+        is_unexplained = _applies_only_to_others(part.kind, codes)
+        if is_unexplained:
+            return part.unexplained
     if not names_of_members(part.__class__):
         return part
     changed: dict[str, Any] = {}

@@ -45,7 +45,7 @@ from codewheel.reference.bits import binary_to_gray
 from codewheel.reference.codec import EncodeError, decode
 from codewheel.reference.registers import register_writes
 from codewheel.targets.c.device import DeviceView, views_of
-from codewheel.targets.c.order_codes import written_out
+from codewheel.targets.c.order_codes import patterns_of_expression
 from test_c_codec import FAULTS, Table, check, register_bytes, run_time_variants
 
 Family = tuple[Device, Run]
@@ -333,7 +333,7 @@ def samples_of(expression: str, random_: random.Random) -> list[str]:
     """Return texts that an expression describes: digits for ``#``, and one digit or none for ``~``."""
     choices = {"#": [*"0123456789"], "~": ["", *"0123456789"]}
     texts = []
-    for pattern in written_out(expression) if expression else ():
+    for pattern in patterns_of_expression(expression) if expression else ():
         letters = [choices.get(letter, [letter]) for letter in pattern]
         texts += ["".join(map(random_.choice, letters)) for _ in range(3)]
     return texts
@@ -395,8 +395,8 @@ def test_an_open_part_before_a_digit_is_found_as_in_the_model(made_once: MadeOnc
         (".", ()),
     ],
 )
-def test_open_parts_are_written_out(expression: str, patterns: tuple[str, ...]) -> None:
-    assert written_out(expression) == patterns
+def test_open_parts_are_patterns_of_expression(expression: str, patterns: tuple[str, ...]) -> None:
+    assert patterns_of_expression(expression) == patterns
 
 
 # -- positions

@@ -154,7 +154,7 @@ def test_it_has_nothing_of_other_order_codes_or_files(packaged: tuple[Device, ..
         (
             "amt22",
             "AMT22-14",
-            ["wait at least 3 us after the chip select", "Not covered: - A frame from real hardware."],
+            ["wait at least 3 us after the chip select", "Left out: - A frame from real hardware."],
         ),
         ("as5145", "AS5045", ["The documents do not give the length of the pause."]),
         ("as5047p", "AS5047P", ["which is FFh FFh, most significant byte first", 'Source: "Public drivers']),

@@ -179,7 +179,7 @@ def test_what_a_flag_makes_of_the_position(files: Files) -> None:
     (alarm,) = [line for line in page.splitlines() if line.startswith("| `status_alarm`")]
     assert (
         "<br>This flag combines `temperature_alarm` and `signal_strength_alarm`.<br>While it is active, the position "
-        "is usable with a warning. If a flag that it combines is active in the same frame, that flag decides instead. |"
+        "is usable with a warning. |"
     ) in alarm
     (speed,) = [line for line in page.splitlines() if line.startswith("| `overspeed`")]
     assert "<br>While it is active, the position is not usable. |" in speed

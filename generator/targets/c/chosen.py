@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 from ...loading.examples import example_variant
 from ...model import (
@@ -84,6 +85,13 @@ def _is_shown_over(device: Device, interface: Interface, example: Example) -> bo
             assert_never(example)
 
 
+class WorkedRegister(NamedTuple):
+    """A register with its worked example."""
+
+    register: Register
+    example: RegisterExample
+
+
 class Chosen:
     """The worked examples of the manual for one order code of an interface, chosen by ``chosen_variant``.
 
@@ -103,17 +111,17 @@ class Chosen:
         self.frame = self._choose_frame()
 
     @property
-    def registers(self) -> Mapping[str, tuple[Register, RegisterExample]]:
+    def registers(self) -> Mapping[str, WorkedRegister]:
         """The registers that have a worked example, by name, each with the first of its examples.
 
         Registers in banks are left out, because the program cannot simulate them.
         """
-        registers: dict[str, tuple[Register, RegisterExample]] = {}
+        registers: dict[str, WorkedRegister] = {}
         for example in self.examples:
             if isinstance(example, RegisterExample):
                 register = self.device.register(example.register)
                 if register.bank is None:
-                    registers.setdefault(register.name, (register, example))
+                    registers.setdefault(register.name, WorkedRegister(register, example))
         return registers
 
     @property
@@ -175,7 +183,9 @@ class Chosen:
 
         def rank(layout: Layout) -> tuple[bool, bool]:
             # A frame with the position comes first, and then a frame that needs no choice by the user.
-            return not self.has_position(layout), bool(self.device.alternatives_of(layout))
+            lacks_position = not self.has_position(layout)
+            needs_choice = bool(self.device.alternatives_of(layout))
+            return lacks_position, needs_choice
 
         layout = min(layouts, key=rank)
         sample = self.device.sample_of(layout)
@@ -197,7 +207,10 @@ class Chosen:
 
 def _rate_unreliability(example: FrameExample) -> tuple[bool, bool]:
     """Return a key that is lowest for examples used as printed, and then for examples from the manual."""
-    return bool(example.erratum), any(source.document for source in example.source)
+    has_erratum = bool(example.erratum)
+    # A source without a document is the manual.
+    is_from_other_document = any(source.document for source in example.source)
+    return has_erratum, is_from_other_document
 
 
 def _number_of_writes(procedure_and_example: tuple[Procedure, ProcedureExample]) -> int:

@@ -118,7 +118,7 @@ class CodeFacts:
         code = row.variant.code
         if isinstance(interface, Clocked) and interface.clocks_by_code:
             for name, clock_hz, note in clock_limits(interface.clock_of(code)):
-                yield CMacro(f"{row.macro}_{name}", c_number(clock_hz), note)
+                yield CMacro(f"{row.macro}_{name}", value=c_number(clock_hz), note=note)
         if isinstance(interface, Biss) and interface.timeouts_by_code:
             yield from self._timeout_macros(row, interface.timeout_of(code))
         if isinstance(interface, Ssi) and has_cables_by_code(interface):
@@ -131,11 +131,11 @@ class CodeFacts:
         if timeout is None:
             return
         for name, time_ns in timeout_limits(timeout):
-            yield CMacro(f"{row.macro}_{name}", c_number(time_ns), "timeout in nanoseconds")
+            yield CMacro(f"{row.macro}_{name}", value=c_number(time_ns), note="timeout in nanoseconds")
         product = timeout_product(timeout)
         if product:
             function = self._find_or_add_timeout(product, row)
-            yield CMacro(f"{row.macro}_TIMEOUT_NS", function.name, "function that returns its timeout")
+            yield CMacro(f"{row.macro}_TIMEOUT_NS", value=function.name, note="function that returns its timeout")
 
     def _find_or_add_timeout(self, product: int, row: CodeRow) -> TimeoutFunction:
         """Return the function for a timeout of ``product`` divided by the clock.
@@ -153,7 +153,9 @@ class CodeFacts:
         """Yield the macro that names the function for the clock limit by cable length, or nothing without limits."""
         if cable_rows:
             function = self._find_or_add_clock_limit(cable_rows, row)
-            yield CMacro(f"{row.macro}_CLOCK_LIMIT_HZ", function.name, "function that returns its clock limit")
+            yield CMacro(
+                f"{row.macro}_CLOCK_LIMIT_HZ", value=function.name, note="function that returns its clock limit"
+            )
 
     def _find_or_add_clock_limit(self, cable_rows: tuple[CableLength, ...], row: CodeRow) -> ClockLimitFunction:
         """Return the function for these clocks by cable length.

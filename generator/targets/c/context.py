@@ -126,8 +126,9 @@ def wide_number_function(scope: ParameterSpelling, name: str, expression: Expres
     """Return the function for an expression, with a result of 64 bits. ``about`` is the comment on it."""
     value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
-    has_64_bits = bool(expression.terms) and expression.terms[0].is_power
-    if not has_64_bits:
+    begins_with_power = bool(expression.terms) and expression.terms[0].is_power
+    is_wide_constant = expression.is_constant and expression.constant > 0xFFFFFFFF
+    if not begins_with_power and not is_wide_constant:
         value = CCast("uint64_t", value)
     return CFunction(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
 
@@ -150,7 +151,7 @@ def timing_macros(timing: Timing, stem: str) -> Iterator[CMacro]:
     bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
     for bound, value in bounds.items():
         if value is not None:
-            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), c_number(value), note)
+            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), value=c_number(value), note=note)
             note = f"see {timing.name} above"
 
 
@@ -164,7 +165,7 @@ def scale_macros(layout: Layout, stem: str) -> Iterator[CMacro]:
         name = f"{stem}_{field.name}".upper()
         if scale is not None:
             note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
-            yield CMacro(f"{name}_NUMERATOR", f"INT64_C({scale.numerator})", note)
+            yield CMacro(f"{name}_NUMERATOR", value=f"INT64_C({scale.numerator})", note=note)
             magnitude = f"INT64_C({abs(scale.offset)})"
             offset = f"(-{magnitude})" if scale.offset < 0 else magnitude
             yield CMacro(f"{name}_OFFSET", offset)

@@ -194,20 +194,25 @@ class CDecoder:
         if self.plan.by_word or len(byte_indices) != 1:
             return self._selector_or_parity_differs(parity, parity.known_parity)
         (byte,) = byte_indices
-        mask = 0
-        expected_value = 0
-        # The constants of the byte were checked before. Comparing them again can complete the mask to 0xFF, so that
-        # the byte needs no mask. There is at most one constant for each byte.
-        for constant in constant_bytes(self.plan.checks):
-            if constant.byte == byte:
-                mask = constant.mask
-                expected_value = constant.value
+        mask, expected_value = self._constant_bits_of(byte)
         for bit_slice, number in slices_and_numbers:
+            bits_of_number = (number >> bit_slice.low_in_number) & bit_slice.mask
             mask |= bit_slice.mask << bit_slice.low_in_byte
-            expected_value |= ((number >> bit_slice.low_in_number) & bit_slice.mask) << bit_slice.low_in_byte
+            expected_value |= bits_of_number << bit_slice.low_in_byte
         whole_byte = CName(f"bytes[{byte}]")
         compared_bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
         return COperation("!=", (compared_bits, CNumber(expected_value, hexadecimal=True)))
+
+    def _constant_bits_of(self, byte: int) -> tuple[int, int]:
+        """Return the mask and the value of the constant bits of a byte, both 0 without such bits.
+
+        They were checked before. Comparing them again can complete a mask to 0xFF, so that the byte needs no mask.
+        """
+        for constant in constant_bytes(self.plan.checks):
+            # There is at most one constant for each byte.
+            if constant.byte == byte:
+                return constant.mask, constant.value
+        return 0, 0
 
     def _selector_or_parity_differs(self, parity: ParityIs, known_parity: int) -> CExpression:
         """Return the condition that the selector or its parity bit, both in locals, differs from this frame's."""
@@ -224,18 +229,19 @@ class CDecoder:
         for all order codes, contents of registers and answers of the user. It is not used for the parity of the
         selector, which is compared with a constant instead.
         """
-        if not self.plan.by_word or self.plan.is_converted or parity.known_parity is not None:
+        is_in_plain_word = self.plan.by_word and not self.plan.is_converted
+        if not is_in_plain_word or parity.known_parity is not None:
             return 0
         parameters: set[str] = set()
         for bits in (parity.bits, *parity.of_bits):
             parameters.update((*bits.low.parameters, *bits.width.parameters))
-        if not parameters.isdisjoint(self._parameters_beyond_order_code()):
-            return 0
+        depends_on_order_code_alone = parameters.isdisjoint(self._parameters_beyond_order_code())
         masks = {_mask_for_code(parity, variant.parameters) for variant in self.struct.device.variants}
-        if len(masks) > 1:
+        if not depends_on_order_code_alone or len(masks) > 1:
             return 0
         (mask,) = masks
-        return mask if mask.bit_length() <= 32 else 0
+        is_in_lower_half = mask.bit_length() <= 32
+        return mask if is_in_lower_half else 0
 
     def _parameters_beyond_order_code(self) -> set[str]:
         """Return the names of the parameters that a register, or an answer of the user, can change."""
@@ -353,7 +359,7 @@ class CDecoder:
                 yield name, CCast(type_, signed_number)
             case ZeroMeans(number_for_zero):
                 is_zero = COperation("==", (bits, CNumber(0)))
-                number = Conditional(is_zero, CNumber(number_for_zero), bits)
+                number = Conditional(is_zero, value_if_true=CNumber(number_for_zero), value_if_false=bits)
                 yield name, CCast(type_, number)
             case ActiveFlag(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits

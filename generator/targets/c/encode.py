@@ -211,7 +211,7 @@ class CEncoder:
                 return COperation("&", (CCast("uint64_t", member), self.struct.scope.mask(field.width)))
             case ZeroMeans(number_for_zero):
                 is_sent_as_zero = COperation("==", (member, CNumber(number_for_zero)))
-                return Conditional(is_sent_as_zero, CNumber(0), member)
+                return Conditional(is_sent_as_zero, value_if_true=CNumber(0), value_if_false=member)
             case UnsignedNumber() | NamedChoice() | DecimalDigits() | Latin1Text():
                 return member
             case meaning:
@@ -221,11 +221,11 @@ class CEncoder:
         """Return the bit to send for a flag, such as ``in->error ? 1U : 0U``, or the inverse if it is active low."""
         flag = self.member_of(field)
         if not low_is_active:
-            return Conditional(flag, CNumber(1), CNumber(0))
+            return Conditional(flag, value_if_true=CNumber(1), value_if_false=CNumber(0))
         if field.width.is_constant:
-            return Conditional(flag, CNumber(0), CNumber(1))
+            return Conditional(flag, value_if_true=CNumber(0), value_if_false=CNumber(1))
         # The width is 1, which inverts the bit, or 0 if the order code has no flag. Its bit is then 0 ^ 0.
-        active = Conditional(flag, CNumber(1), CNumber(0))
+        active = Conditional(flag, value_if_true=CNumber(1), value_if_false=CNumber(0))
         width = self.struct.scope.expression_of(field.width)
         return COperation("^", (CCast("uint64_t", active), CCast("uint64_t", width)))
 
@@ -340,7 +340,9 @@ def _flag_in_byte(flag: CExpression, bit_slice: BitSlice, *, low_is_active: bool
     """Return the bit of a flag at its place in its byte, such as ``in->error ? 0x80U : 0x00U``."""
     bit = CNumber(bit_slice.mask << bit_slice.low_in_byte, hexadecimal=True)
     zero = CNumber(0, hexadecimal=True)
-    return Conditional(flag, zero, bit) if low_is_active else Conditional(flag, bit, zero)
+    if low_is_active:
+        return Conditional(flag, value_if_true=zero, value_if_false=bit)
+    return Conditional(flag, value_if_true=bit, value_if_false=zero)
 
 
 def _as_byte(value: CExpression) -> CExpression:

@@ -87,7 +87,7 @@ class Enumerations:
             path = ("interfaces", interface.name, "layouts", layout.name)
             for field in layout.fields:
                 if isinstance(meaning_of(field), NamedChoice):
-                    self._add_enumeration(layout.name, field, path)
+                    self._add_enumeration(layout.name, field, path=path)
         for register in device.registers:
             for field in register.layout.fields:
                 if isinstance(meaning_of(field), NamedChoice):
@@ -102,11 +102,11 @@ class Enumerations:
         owner = f"reg_{register.name}"
         path = ("registers", register.name)
         if len(register.layout.fields) > 1:
-            self._add_enumeration(owner, field, path)
+            self._add_enumeration(owner, field, path=path)
             return
         # The facts about the only field are in the comment on the register.
         about = f"Values of {title_of(register)}."
-        self._add_new(owner, field, path, type_=f"{self.prefix}_{register.name}", about=about, statements=())
+        self._add_new(owner, field, path=path, type_=f"{self.prefix}_{register.name}", about=about, statements=())
 
     def _add_enumeration(self, owner: str, field: Field, path: Path) -> None:
         """Add the enumeration of a field, or share the one of an earlier field with the same name and values.
@@ -118,7 +118,7 @@ class Enumerations:
         about = HEADER_STYLE.paragraph(statements) or f"Values of {title_of(field)}."
         if field.name not in self._shared:
             type_ = f"{self.prefix}_{field.name}"
-            enumeration = self._add_new(owner, field, path, type_=type_, about=about, statements=statements)
+            enumeration = self._add_new(owner, field, path=path, type_=type_, about=about, statements=statements)
             self._shared[field.name] = (field.values, enumeration)
             return
         shared_values, shared_enumeration = self._shared[field.name]
@@ -126,7 +126,7 @@ class Enumerations:
             self.choices[owner, field.name] = shared_enumeration
         else:
             type_ = f"{self.prefix}_{path[-1]}_{field.name}"
-            self._add_new(owner, field, path, type_=type_, about=about, statements=statements)
+            self._add_new(owner, field, path=path, type_=type_, about=about, statements=statements)
 
     def _add_new(
         self, owner: str, field: Field, path: Path, *, type_: str, about: str, statements: tuple[Statement, ...]
@@ -210,11 +210,11 @@ class AlternativeCode:
 
     def _build_constant(self, index: int, answer: Answer) -> EnumConstant:
         note = HEADER_STYLE.sentence(statement(answer.meaning, source=answer.source))
-        return EnumConstant(f"{self.type}_{answer.name}".upper(), index, note)
+        return EnumConstant(name=f"{self.type}_{answer.name}".upper(), value=index, note=note)
 
     def _build_function(self, prefix: str, parameter: Parameter) -> AnsweredBy:
         about = HEADER_STYLE.sentence(statement(parameter.meaning, source=parameter.source))
-        return AnsweredBy(f"{prefix}_{parameter.name}", about, self._express_parameter(parameter.name))
+        return AnsweredBy(name=f"{prefix}_{parameter.name}", about=about, value=self._express_parameter(parameter.name))
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its part of the spec."""
@@ -229,7 +229,7 @@ class AlternativeCode:
         value: CExpression = CNumber(last_answer.sets[parameter])
         for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
             is_answer = COperation("==", (CName(self.argument), CName(constant.name)))
-            value = Conditional(is_answer, CNumber(answer.sets[parameter]), value)
+            value = Conditional(is_answer, value_if_true=CNumber(answer.sets[parameter]), value_if_false=value)
         return value
 
 

@@ -294,7 +294,7 @@ class ExampleCode:
         code = self.run.code if self.run is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
-        operations = [row.op for row in code.rows if isinstance(row, StepRow)]
+        operations = [row.operation for row in code.rows if isinstance(row, StepRow)]
         requests = [operation for operation in operations if isinstance(operation, SendRequest)]
         return bool(requests) and all(request.reply is not None for request in requests)
 
@@ -392,7 +392,7 @@ class ExampleCode:
 
     def _show_register(self, register: Register) -> ShownRegister:
         """Return a register that the program reads, with the source of its worked example."""
-        _, example = self._chosen.registers[register.name]
+        example = self._chosen.registers[register.name].example
         candidates = (code for code in self.view.registers if code.register is register)
         code = first_or_raise(candidates, f"code for the register '{register.name}'")
         return ShownRegister(
@@ -409,19 +409,14 @@ class ExampleCode:
         Registers that the procedure writes have their factory default instead, or 0 if the manual gives none.
         """
         written_names = {step.register for step in self._procedure_steps if isinstance(step, (WriteStep, ModifyStep))}
-        registers_and_examples = sorted(self._chosen.registers.values(), key=_address_of_register)
-        for register, example in registers_and_examples:
+        by_address = sorted(self._chosen.registers.values(), key=lambda worked: worked.register.address)
+        for register, example in by_address:
+            title = title_of(register)
+            content = example.bytes
             if register.name in written_names:
-                factory_default = register.default_bytes() or bytes(register.length)
-                yield Memory(register.address, factory_default, f"{title_of(register)}, factory default")
-            else:
-                yield Memory(register.address, example.bytes, title_of(register))
-
-
-def _address_of_register(register_and_example: tuple[Register, object]) -> int:
-    """Return the address of a register that comes with its example."""
-    register, _ = register_and_example
-    return register.address
+                title += ", factory default"
+                content = register.default_bytes() or bytes(register.length)
+            yield Memory(register.address, data=content, note=title)
 
 
 def _has_only_answers(frame: FrameSize, answers: Sequence[Answer]) -> bool:

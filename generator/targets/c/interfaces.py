@@ -260,7 +260,7 @@ class InterfaceCode:
     def _define_macro(self, name: str, value: int, about: Statement | str, *, hexadecimal: bool = False) -> CMacro:
         """Return a macro of the interface, with a statement or a text as its comment."""
         note = about if isinstance(about, str) else HEADER_STYLE.sentence(about)
-        return CMacro(f"{self._macro_prefix}_{name}".upper(), c_number(value, hexadecimal), note)
+        return CMacro(f"{self._macro_prefix}_{name}".upper(), value=c_number(value, hexadecimal), note=note)
 
     def _macros_and_statements(self) -> Iterator[tuple[CMacro | None, Statement | None]]:
         """Yield the macros of the interface for clock, timeout, port, words and times.
@@ -302,33 +302,35 @@ class InterfaceCode:
     def _macros_of_clock(self, clock: Clock, statement: Statement) -> Iterator[CMacro]:
         """Yield the limits of the clock, and the fastest clock in use. The first comment describes all of them."""
         for index, (name, clock_hz, note) in enumerate(clock_limits(clock)):
-            yield self._define_macro(name, clock_hz, note if index else statement)
+            yield self._define_macro(name, clock_hz, about=note if index else statement)
 
     def _macros_of_port(self, port: Port, statement: Statement) -> Iterator[CMacro]:
         """Yield the settings of a serial port. The first comment describes all of them."""
-        yield self._define_macro("BAUD", port.baud, statement)
-        yield self._define_macro("DATA_BITS", port.data_bits, "number of data bits")
-        yield CMacro(f"{self._macro_prefix}_PARITY", _PARITY_CHARACTERS[port.parity], f"parity: {port.parity}")
-        yield self._define_macro("STOP_BITS", port.stop_bits, "number of stop bits")
+        yield self._define_macro("BAUD", port.baud, about=statement)
+        yield self._define_macro("DATA_BITS", port.data_bits, about="number of data bits")
+        yield CMacro(
+            f"{self._macro_prefix}_PARITY", value=_PARITY_CHARACTERS[port.parity], note=f"parity: {port.parity}"
+        )
+        yield self._define_macro("STOP_BITS", port.stop_bits, about="number of stop bits")
 
     def _macros_of_words(self, words: WordFormat, statement: Statement) -> Iterator[CMacro]:
         """Yield the SPI mode, the length of a word if all have the same, and how many words later a reply comes."""
-        yield self._define_macro("MODE", words.mode, statement)
+        yield self._define_macro("MODE", words.mode, about=statement)
         if len(words.lengths) == 1 and words.lengths[0].is_constant:
-            yield self._define_macro("WORD_BITS", words.lengths[0].constant, "number of bits of a word")
+            yield self._define_macro("WORD_BITS", words.lengths[0].constant, about="number of bits of a word")
         # The reply comes with the word after the request, or with the same word.
         delay = 1 if words.reply == "next_word" else 0
-        yield self._define_macro("REPLY_WORDS", delay, "number of words from a request to its reply")
+        yield self._define_macro("REPLY_WORDS", delay, about="number of words from a request to its reply")
 
     def _macros_of_control_data(self, interface: Biss) -> Iterator[tuple[CMacro, Statement | None]]:
         """Yield the width of each field in the BiSS control data, with its statement, and its named values."""
         for field in interface.control_data:
             statement = control_field(field)
-            yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, statement), statement
+            yield self._define_macro(f"CONTROL_{field.name}_BITS", field.bits, about=statement), statement
             for value in field.values:
                 name = f"CONTROL_{field.name}_{value.name}"
                 note = f"{title_of(field)}: {title_of(value)}"
-                yield self._define_macro(name, value.value, note, hexadecimal=True), None
+                yield self._define_macro(name, value.value, about=note, hexadecimal=True), None
 
     def _macros_of_timeout(self, timeout: Timeout, statement: Statement) -> Iterator[CMacro]:
         """Yield the typical and the longest timeout. The first comment describes all of them.
@@ -336,7 +338,7 @@ class InterfaceCode:
         If the timeout is not a number of clock periods, the timeouts printed for each clock follow.
         """
         for index, (name, time_ns) in enumerate(timeout_limits(timeout)):
-            yield self._define_macro(name, time_ns, "see above" if index else statement)
+            yield self._define_macro(name, time_ns, about="see above" if index else statement)
 
     @property
     def position_request(self) -> str:
@@ -356,12 +358,12 @@ class InterfaceCode:
             for data_id in self.interface.data_ids:
                 statement = describe_data_id(data_id)
                 name = f"CONTROL_{data_id.name}"
-                yield self._define_macro(name, data_id.control, statement, hexadecimal=True), statement
+                yield self._define_macro(name, data_id.control, about=statement, hexadecimal=True), statement
         if isinstance(self.interface, Spi):
             # 0 means that there is no request.
             for request_number, spi_exchange in enumerate(self.interface.exchanges, 1):
                 statement = describe_exchange(spi_exchange)
-                yield self._define_macro(f"REQUEST_{spi_exchange.request}", request_number, statement), statement
+                yield self._define_macro(f"REQUEST_{spi_exchange.request}", request_number, about=statement), statement
 
     @property
     def controls_title(self) -> str:

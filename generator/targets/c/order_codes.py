@@ -12,7 +12,7 @@ import itertools
 import math
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 
 from ...model import CodePart, Device, Spelling, Variant
 from ...model.record import dataclass
@@ -69,7 +69,7 @@ class _Choice:
         return self.label or self.text
 
 
-def written_out(expression: str) -> tuple[str, ...]:
+def patterns_of_expression(expression: str) -> tuple[str, ...]:
     """Return the patterns that a regular expression of an open part stands for, the longest first.
 
     ``[A-Z][0-9]{2}|X`` gives ``@##`` and ``X``. The result is empty if the expression is not supported, or if it stands
@@ -129,7 +129,7 @@ def unknown_parts(device: Device) -> tuple[str, ...]:
 
     The manual leaves these parts open, but the table of patterns cannot express which other values they can have.
     """
-    return tuple(part.name for part in device.order_code.parts if part.open and not written_out(part.open))
+    return tuple(part.name for part in device.order_code.parts if part.open and not patterns_of_expression(part.open))
 
 
 def open_codes(device: Device) -> tuple[OpenCode, ...]:
@@ -146,7 +146,7 @@ def open_codes(device: Device) -> tuple[OpenCode, ...]:
     spellings = [_build_spelling(order_code.pattern, listed_choices, is_listed=True)]
     for spelling in order_code.also_written:
         choices = {part.name: _choices_of_spelling(part, spelling) for part in order_code.parts}
-        endings = written_out(spelling.then) if spelling.then else ("",)
+        endings = patterns_of_expression(spelling.then) if spelling.then else ("",)
         spellings += [_build_spelling(spelling.pattern + ending, choices, is_listed=False) for ending in endings]
     number_of_combinations = sum(spelling.number_of_combinations for spelling in spellings)
     if number_of_combinations > _MOST_COMBINATIONS:
@@ -184,8 +184,8 @@ def _build_spelling(pattern: str, choices: Mapping[str, Sequence[_Choice]], *, i
     choices_of_parts = []
     for name, part_choices in choices.items():
         may_precede_digit = _may_precede_digit(name, pattern, choices)
-        choices_of_parts.append(_count_digits(part_choices) if may_precede_digit else part_choices)
-    return _Spelling(pattern, choices_of_parts, is_listed)
+        choices_of_parts.append(_split_optional_digits(part_choices) if may_precede_digit else part_choices)
+    return _Spelling(pattern, choices=choices_of_parts, is_listed=is_listed)
 
 
 def _may_precede_digit(name: str, pattern: str, choices: Mapping[str, Sequence[_Choice]]) -> bool:
@@ -197,7 +197,7 @@ def _may_precede_digit(name: str, pattern: str, choices: Mapping[str, Sequence[_
     return any(not choice.shown or choice.shown[0] in _MAY_BE_DIGIT for choice in choices[next_name])
 
 
-def _count_digits(choices: Sequence[_Choice]) -> Sequence[_Choice]:
+def _split_optional_digits(choices: Sequence[_Choice]) -> Sequence[_Choice]:
     """Return the choices with a pattern for each number of optional digits: ``##`` and ``#`` for ``#~``."""
     choices_with_fixed_length: list[_Choice] = []
     for choice in choices:
@@ -230,8 +230,7 @@ class _Codes:
         part_names = tuple(name for name, choice in chosen.items() if not choice.is_open)
         listed_texts = tuple(chosen[name].text for name in part_names)
         for index in self._indices_by_texts(part_names).get(listed_texts, ()):
-            variant = self._device.variants[index]
-            if all(_conditions_of_open_parts(self._device.order_code.parts, chosen, variant)):
+            if _may_have_open_parts(self._device.variants[index], self._device.order_code.parts, chosen):
                 return index
         return None
 
@@ -243,7 +242,8 @@ class _Codes:
         if part_names not in self._indices:
             indices_by_texts: dict[tuple[str, ...], list[int]] = defaultdict(list)
             for index, variant in enumerate(self._device.variants):
-                indices_by_texts[tuple(variant.parts[name] for name in part_names)].append(index)
+                texts = tuple(variant.parts[name] for name in part_names)
+                indices_by_texts[texts].append(index)
             self._indices[part_names] = indices_by_texts
         return self._indices[part_names]
 
@@ -306,21 +306,24 @@ def _list_choices(part: CodePart) -> list[_Choice]:
     """Return the listed values of a part, and its patterns if it is open."""
     choices = [_Choice(value.text, is_open=False) for value in part.values]
     if part.open:
-        choices += [_Choice(pattern, is_open=True) for pattern in written_out(part.open)]
+        choices += [_Choice(pattern, is_open=True) for pattern in patterns_of_expression(part.open)]
     return choices
 
 
-def _conditions_of_open_parts(
-    parts: Sequence[CodePart], chosen: Mapping[str, _Choice], variant: Variant
-) -> Iterator[bool]:
-    """Yield True or False for each condition under which a part may have unlisted values (``open_only_with``).
+def _may_have_open_parts(variant: Variant, parts: Sequence[CodePart], chosen: Mapping[str, _Choice]) -> bool:
+    """Return True if the parts for which a pattern is chosen may have unlisted values in this order code.
 
-    Such a condition is met if the other part is open too, or if the order code has one of the given values for it.
+    The key ``open_only_with`` of a part lists conditions. Each is met if the other part is open too, or if the order
+    code has one of the listed values for it.
     """
     for part in parts:
-        if chosen[part.name].is_open:
-            for other_part, allowed_values in part.open_only_with.items():
-                yield chosen[other_part].is_open or variant.parts[other_part] in allowed_values
+        if not chosen[part.name].is_open:
+            continue
+        for other_part, allowed_values in part.open_only_with.items():
+            has_allowed_value = variant.parts[other_part] in allowed_values
+            if not chosen[other_part].is_open and not has_allowed_value:
+                return False
+    return True
 
 
 def _is_matched_by_open_pattern(
@@ -333,8 +336,9 @@ def _is_matched_by_open_pattern(
     """
     if not allowed:
         return False
-    choices_and_patterns = zip(chosen, patterns, strict=True)
-    matching_choices = (_matching_choices(choice, part_patterns) for choice, part_patterns in choices_and_patterns)
+    matching_choices: list[list[_Choice]] = []
+    for choice, part_patterns in zip(chosen, patterns, strict=True):
+        matching_choices.append(_matching_choices(choice, part_patterns))
     return any(combination in allowed for combination in itertools.product(*matching_choices))
 
 

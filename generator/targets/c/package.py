@@ -91,7 +91,7 @@ def _group_frames_by_crc(devices: tuple[Device, ...]) -> Iterator[FramesWithCrc]
     crcs_by_kind: dict[_KindOfFrames, dict[str, Crc]] = {}
     for device in devices:
         for interface, layout in device.layouts():
-            name = _frame_name(device, interface.title, layout)
+            name = _frame_name(device, interface=interface.title, layout=layout)
             for crc, bits in _crcs_and_lengths(device, interface.name, layout):
                 kind_of_frames = _KindOfFrames(crc.width, crc.poly, bits)
                 crcs_by_kind.setdefault(kind_of_frames, {}).setdefault(name, crc)
@@ -124,7 +124,7 @@ def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
         for reporting in reportings(device).values():
             rules = reporting.verdict_rules
             if rules is not None and rules.otherwise is Verdict.UNKNOWN and not rules.worst_first:
-                yield _frame_name(device, reporting.interface.title, reporting.codec.layout)
+                yield _frame_name(device, interface=reporting.interface.title, layout=reporting.codec.layout)
 
 
 def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -133,7 +133,7 @@ def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface, layout in device.layouts():
             has_position = device.sends_position(interface.name, layout)
             if isinstance(interface, Ssi) and has_position and not layout.always_has_crc:
-                yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
+                yield _frame_name(device, interface=interface.title, layout=layout) + _of_some_codes(layout)
 
 
 def _frames_with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -142,7 +142,7 @@ def _frames_with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
         for interface, layout in device.layouts():
             has_only_parity = layout.has_parity and not layout.always_has_crc
             if has_only_parity and device.sends_position(interface.name, layout):
-                yield _frame_name(device, interface.title, layout) + _of_some_codes(layout)
+                yield _frame_name(device, interface=interface.title, layout=layout) + _of_some_codes(layout)
 
 
 def _frames_with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:

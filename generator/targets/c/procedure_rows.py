@@ -12,20 +12,20 @@ ZERO = CNumber(0)
 
 @dataclass(frozen=True, slots=True)
 class StepRow:
-    """A step at index ``at`` of the list: an access to one byte of a register, a wait, or a request.
+    """A step at ``index`` of the list: an access to one byte of a register, a wait, or a request.
 
     ``address`` is an expression with the macro of the register. ``mask`` and ``value`` are the bits of the byte that
-    the step writes, waits for, or compares. ``more`` is True if the byte is accessed together with the byte of the
-    previous step. ``note`` is the comment.
+    the step writes, waits for, or compares. ``continues_previous`` is True if the byte is accessed together with the
+    byte of the previous step. ``note`` is the comment.
     """
 
-    at: int
-    op: PlannedStep
+    index: int
+    operation: PlannedStep
     note: str
     address: str = ""
     mask: int = 0
     value: CExpression = ZERO
-    more: bool = False
+    continues_previous: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +65,12 @@ class WholeRegister:
 class FilledRows:
     """The steps that write all bytes of a filled register, or with the ``kind`` ``verify``, read them back.
 
-    ``at`` is the index of the first step in the list.
+    ``index`` is that of the first step in the list.
     """
 
-    at: int
+    index: int
     kind: str
-    filled: FilledRegister
+    register: FilledRegister
     note: str
 
 

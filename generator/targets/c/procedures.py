@@ -255,7 +255,7 @@ class ProcedureCode:
         for step in self.run.operations:
             note = note_of_step(self.context.device, step)
             if isinstance(step, (WaitTime, SendRequest)):
-                yield StepRow(at=index, op=step, note=note)
+                yield StepRow(index=index, operation=step, note=note)
             else:
                 yield from self._rows_of_register(index, step, note)
             index += _number_of_rows(step)
@@ -274,7 +274,7 @@ class ProcedureCode:
             if isinstance(step, VerifyWrite):
                 yield from self._read_back(first_index, step, filled_register, note)
             else:
-                yield FilledRows(first_index, kind="write", filled=filled_register, note=note)
+                yield FilledRows(first_index, kind="write", register=filled_register, note=note)
             return
         _refuse_unsupported(step)
         for index, bit_slice in enumerate(step.bit_slices):
@@ -287,13 +287,13 @@ class ProcedureCode:
     ) -> StepRow:
         """Return the row for one byte of a register. ``value`` has the bits at their places in the byte."""
         return StepRow(
-            at=index,
-            op=step,
+            index=index,
+            operation=step,
             note=note,
             address=self._address(step.register, bit_slice.byte),
             mask=bit_slice.mask << bit_slice.low_in_byte,
             value=value,
-            more=step.register.is_accessed_whole and bit_slice.byte > 0,
+            continues_previous=step.register.is_accessed_whole and bit_slice.byte > 0,
         )
 
     def _address(self, register: Register, byte: int) -> str:
@@ -310,7 +310,7 @@ class ProcedureCode:
         Otherwise, there is a row for each byte, which compares only some bits.
         """
         if step.bit_slices == step.write.bit_slices:
-            yield FilledRows(first_index, kind="verify", filled=filled_register, note=note)
+            yield FilledRows(first_index, kind="verify", register=filled_register, note=note)
             return
         for index, bit_slice in enumerate(step.bit_slices):
             written_byte = CName(f"{filled_register.bytes}[{bit_slice.byte}]")

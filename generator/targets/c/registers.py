@@ -134,9 +134,9 @@ def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[CMacro]:
     """Yield the macros of an alarm: the mask of its bits, and the supply voltage below which it is raised."""
     bits, note = _alarm_mask(device, alarm)
     if bits:
-        yield CMacro(f"{stem}_MASK", c_number(bits, hexadecimal=True), note)
+        yield CMacro(f"{stem}_MASK", value=c_number(bits, hexadecimal=True), note=note)
     if alarm.below_mv is not None:
-        yield CMacro(f"{stem}_BELOW_MV", c_number(alarm.below_mv), "raised below this, in millivolts")
+        yield CMacro(f"{stem}_BELOW_MV", value=c_number(alarm.below_mv), note="raised below this, in millivolts")
 
 
 def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:

@@ -79,7 +79,9 @@ class FrameReports:
         for report_cause in self.reporting.causes:
             applies_to_code = self._express_code_conditions(report_cause.conditions)
             condition = join_operands("&&", (*applies_to_code, self._is_active(report_cause.by)))
-            yield Conditional(condition, self.family.constant(report_cause.report), CNumber(0))
+            yield Conditional(
+                condition, value_if_true=self.family.constant(report_cause.report), value_if_false=CNumber(0)
+            )
 
     def _express_code_conditions(self, code_conditions: Sequence[CodeCondition]) -> list[CExpression]:
         """Return the conditions on the order code under which a flag exists or counts, as C. Often there are none."""

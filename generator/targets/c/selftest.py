@@ -160,7 +160,7 @@ class SelfTest:
             if word_crc is None:
                 continue
             for vector in vectors_of(word_crc.crc):
-                for work in _word_check(word_crc, vector.data, vector.crc):
+                for work in _word_check(word_crc, covered_bits=vector.data, check=vector.crc):
                     yield f"{word_crc.crc.name}: {vector.title} [{vector.source}]", work
         interface = self.view.context.interface
         data_ids = interface.data_ids if isinstance(interface, Rs485) else ()
@@ -367,7 +367,7 @@ class SelfTest:
         for codec in self.view.interface.codecs:
             word_crc = codec.word_crc
             if word_crc is not None and word_crc.crc.name == example.crc:
-                yield from _word_check(word_crc, covered_bits, example.check)
+                yield from _word_check(word_crc, covered_bits=covered_bits, check=example.check)
 
     def _measure_checks(self, example: MeasureExample) -> Iterator[Work]:
         """Yield the check that converts a position in counts to a length, or nothing for a rotary encoder."""

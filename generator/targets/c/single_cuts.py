@@ -12,6 +12,11 @@ BYTES_LOADED_AT_ONCE = 8
 #: Highest number of bits for which these bytes always contain the whole word and its stop bit.
 _MOST_BITS_LOADED_AT_ONCE = 56
 _RECEIVED_SLOWLY = "(received < 57U) || (bits == 0U) || (bits > 56U)"
+_REFUSAL_OF_SHORT_BUFFER = """\
+    if (received < 57U) { /* the loads below need 8 bytes */
+        return CW_FAULT_LENGTH;
+    }
+"""
 
 
 def loads_biss_at_once(bits: int, buffer_bytes: int) -> bool:
@@ -25,11 +30,7 @@ def cut_biss_receiver(runtime: str, bits: int, buffer_bytes: int) -> str:
     The fast way refuses a buffer of less than 8 bytes, which the slow way would accept.
     """
     if loads_biss_at_once(bits, buffer_bytes):
-        return _replace_block(
-            runtime,
-            _RECEIVED_SLOWLY,
-            "    if (received < 57U) { /* the loads below need 8 bytes */\n        return CW_FAULT_LENGTH;\n    }\n",
-        )
+        return _replace_block(runtime, _RECEIVED_SLOWLY, replacement=_REFUSAL_OF_SHORT_BUFFER)
     if bits > _MOST_BITS_LOADED_AT_ONCE:
         slow_way = _body_of_block(runtime, _RECEIVED_SLOWLY)
         start = runtime.index(f"    if ({_RECEIVED_SLOWLY})")
@@ -48,9 +49,9 @@ def cut_ssi_receiver(runtime: str, bits: int) -> str:
         end = runtime.index("\n}\n", start)
         one_load = _body_of_block(runtime, "last == 3U").rstrip("\n")
         return runtime[:first_line] + "    const uint32_t bits_in_last = (bits % 8U) + 1U;\n" + one_load + runtime[end:]
-    runtime = _replace_block(runtime, "last == 3U", "")
+    runtime = _replace_block(runtime, "last == 3U", replacement="")
     if last_byte < 3:
-        return _replace_block(runtime, "last > 3U", "")
+        return _replace_block(runtime, "last > 3U", replacement="")
     return _replace_initial_values(runtime, "last > 3U")
 
 
@@ -68,7 +69,7 @@ def _replace_initial_values(runtime: str, condition: str) -> str:
         *_, declaration = re.finditer(pattern, code_before, re.MULTILINE)
         code_before = code_before[: declaration.start()] + code_before[declaration.end() :]
         body = body.replace(f"    {variable} = ", f"    {declaration['type']} {variable} = ", 1)
-    return code_before + _replace_block(code_from_block, condition, body)
+    return code_before + _replace_block(code_from_block, condition, replacement=body)
 
 
 def _find_block(c_code: str, condition: str) -> re.Match[str]:
@@ -80,7 +81,7 @@ def _find_block(c_code: str, condition: str) -> re.Match[str]:
     pattern = rf"^    if \({re.escape(condition)}\) \{{\n(?P<body>.*?)^    \}}\n"
     blocks = list(re.finditer(pattern, c_code, re.MULTILINE | re.DOTALL))
     if len(blocks) != 1:
-        raise TargetError(f"the runtime has {len(blocks)} blocks with the condition '{condition}', not 1")
+        raise TargetError(f"the runtime must have one block with the condition '{condition}', and has {len(blocks)}")
     return blocks[0]
 
 

@@ -88,14 +88,14 @@ class HeldValue:
         match self.held_parameter.meaning:
             case ZeroMeans(number):
                 raw_local = CName(f"{self.local}_raw")
-                yield CLocal(type_, raw_local.text, bits)
+                yield CLocal(type_, raw_local.text, initial_value=bits)
                 is_zero = COperation("==", (raw_local, CNumber(0)))
-                value = Conditional(is_zero, CNumber(number), raw_local)
+                value = Conditional(is_zero, value_if_true=CNumber(number), value_if_false=raw_local)
                 type_of_value = unsigned(widest_value(self.held_parameter.field))
-                yield CLocal(type_of_value, self.local, CCast(type_of_value, value))
+                yield CLocal(type_of_value, self.local, initial_value=CCast(type_of_value, value))
             case UnsignedNumber():
                 name = f"{self.local}_code" if self.is_coded else self.local
-                yield CLocal(type_, name, bits)
+                yield CLocal(type_, name, initial_value=bits)
             case meaning:
                 assert_never(meaning)
 
@@ -247,7 +247,7 @@ class VariantCode:
         bit = 1
         for part in self.device.order_code.parts:
             if part.open and part.name not in unknown_names:
-                yield CMacro(self._unlisted_macro(part.name), c_number(bit, hexadecimal=True), part.name)
+                yield CMacro(self._unlisted_macro(part.name), value=c_number(bit, hexadecimal=True), note=part.name)
                 bit <<= 1
 
     def _unlisted_macro(self, part: str) -> str:
@@ -399,13 +399,13 @@ class LengthCode:
         stem = f"{self._prefix}{self.code_of(frame)}"
         whole_frame = channel_frame(self.interface)
         if whole_frame is None:
-            yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in its frame")
-            yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), "number of bytes in its buffer")
+            yield CMacro(f"{stem}_BITS", value=c_number(frame.bits), note="number of bits in its frame")
+            yield CMacro(f"{stem}_RX_BYTES", value=c_number(frame.bytes), note="number of bytes in its buffer")
             return
         bits_of_channels = whole_frame.bits.value(frame.variant.parameters)
-        yield CMacro(f"{stem}_BITS", c_number(frame.bits), "number of bits in this data channel")
+        yield CMacro(f"{stem}_BITS", value=c_number(frame.bits), note="number of bits in this data channel")
         buffer_comment = f"number of bytes in a buffer for all {bits_of_channels} bits of the frame"
-        yield CMacro(f"{stem}_RX_BYTES", c_number(frame.bytes), buffer_comment)
+        yield CMacro(f"{stem}_RX_BYTES", value=c_number(frame.bytes), note=buffer_comment)
 
 
 def _register_access(device: Device, interface: Interface, frames: Sequence[FrameSize]) -> Iterator[str]:
