@@ -234,7 +234,7 @@ def _report_exchanged_lines(
     if valid_count > 1 and are_most_valid:
         name = "the array" if hasattr(source, "dtype") else list_paths(source)[0]
         reason = "the clock and the data line are exchanged: no frame is valid"
-        raise InputError(name, "", f"{reason}, but {valid_count} are if you exchange the two channels")
+        raise InputError(name, f"{reason}, but {valid_count} are if you exchange the two channels")
 
 
 def _decode_capture(

@@ -113,7 +113,7 @@ def _find_replies(
     parts = find_replies(line, name, _find_baud_rate(encoder, probes), kinds)
     first_part = next(parts)
     if not first_part.kind:
-        raise InputError(name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code")
+        raise InputError(name, f"no valid reply of {encoder.code}: check the channel, the baud rate and the code")
     return CaptureFrames(
         parts=_prepend(first_part, parts),
         shape=kinds.replies[first_part.kind],

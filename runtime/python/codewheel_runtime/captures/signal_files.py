@@ -90,9 +90,9 @@ def _open_single_file(
     if head.startswith(b"\x93NUMPY"):
         return read_array_file(file, path, names, rate)
     if not head:
-        raise InputError(path, "", "the file is empty")
+        raise InputError(path, "the file is empty")
     if b"\0" in head:
-        raise InputError(path, "", f"this is not a capture: {HINT}")
+        raise InputError(path, f"this is not a capture: {HINT}")
     # A value change dump begins with a command such as $date or $timescale.
     if head.lstrip().startswith(b"$"):
         return read_vcd_signals(file, path, names)
@@ -122,7 +122,7 @@ def _read_archive(
         archive = stack.enter_context(zipfile.ZipFile(file))
         file_names = archive.namelist()
     except _ERRORS_OF_DAMAGED_ZIP:
-        raise InputError(path, "", "this is not a valid sigrok session") from None
+        raise InputError(path, "this is not a valid sigrok session") from None
     has_arrays = any(file_name.endswith(".npy") for file_name in file_names)
     if has_arrays and "metadata" not in file_names:
         return read_array_archive(archive, path, names, rate, threshold)
@@ -144,11 +144,11 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
         probe_keys = [key for key in device if re.fullmatch(r"probe[0-9]{1,3}", key)]
         probes = {_parse_small_number(key[5:]): device[key] for key in probe_keys}
     except (KeyError, ConfigError, ValueError, *_ERRORS_OF_DAMAGED_ZIP):
-        raise InputError(path, "", "this is not a valid sigrok session") from None
+        raise InputError(path, "this is not a valid sigrok session") from None
     if not stem:
-        raise InputError(path, "", "this sigrok session has no logic signals")
+        raise InputError(path, "this sigrok session has no logic signals")
     if size not in (1, 2, 4, 8):
-        raise InputError(path, "", f"samples of {size} bytes are not supported: expected 1, 2, 4 or 8")
+        raise InputError(path, f"samples of {size} bytes are not supported: expected 1, 2, 4 or 8")
     numbers = [number for number in sorted(probes) if 1 <= number <= 8 * size]
     channels = [probes[number] for number in numbers]
     # The number of a probe is also accepted, although only probes in use have names.
@@ -160,12 +160,12 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
     masks = tuple(1 << (numbers[place] - 1) for place in numbered_names.places(channels, path))
     entries = _list_sample_files(archive, stem, path)
     if not entries:
-        raise InputError(path, "", "this sigrok session has no samples")
+        raise InputError(path, "this sigrok session has no samples")
     sample_rate = rate or parse_rate(device.get("samplerate", ""))
     total = sum(info.file_size for info in entries)
     if total > MOST_UNPACKED:
         sizes = f"{total / 1e9:.1f} GB unpacked, and at most {MOST_UNPACKED / 1e9:.1f} GB are read"
-        raise InputError(path, "", f"the samples have {sizes}: save a shorter session")
+        raise InputError(path, f"the samples have {sizes}: save a shorter session")
     parts = _unpack_samples(archive, entries, size, path)
     seconds = 1 / sample_rate if sample_rate else None
     return Signals(read_samples(parts, masks), seconds=seconds, is_sampled=True, total=total)
@@ -186,7 +186,7 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
     if not is_number or text in probes.values():
         return name
     if int(text) not in numbers:
-        raise InputError(path, "", f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
+        raise InputError(path, f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
     return str(numbers.index(int(text)) + 1)
 
 
@@ -204,7 +204,7 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[z
         parts.append(named[name])
     numbered_names = [file_name for file_name in named if re.fullmatch(re.escape(stem) + "-[0-9]+", file_name)]
     if len(numbered_names) > len(parts):
-        raise InputError(path, "", f"this sigrok session is damaged: its file {name} is missing")
+        raise InputError(path, f"this sigrok session is damaged: its file {name} is missing")
     return parts
 
 
@@ -229,7 +229,7 @@ def _unpack_samples(
                     yield np.frombuffer(data, f"<u{size}", count=sample_count), bytes_read, None
     except _ERRORS_OF_DAMAGED_ZIP as error:
         raise InputError(
-            path, f"offset {bytes_read}", f"the samples are damaged: {error or 'they end early'}"
+            path, f"the samples are damaged: {error or 'they end early'}", place=f"offset {bytes_read}"
         ) from None
 
 

@@ -99,7 +99,7 @@ def _read_frames(encoder: Encoder | BissLayout, options: argparse.Namespace) -> 
     storage = StorageFormat(digits=options.digits, wanted=("time",))
     with open_source(path, storage, shape, _accept_all_frames) as frame_source:
         if "time" not in frame_source.empty_columns:
-            raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
+            raise InputError(path, "no column 'time'; a plot needs the time of each frame in seconds")
         for part in frame_source.parts:
             times.append(read_seconds(part.other_columns["time"], path))
             frames += _list_rows(part.frames) if shape.length else _list_numbers(part.frames)

@@ -64,7 +64,7 @@ class PartitionDecoder(NamedTuple):
             frames = read_arrow(partition.column(names.index(column)), self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
-            raise InputError(_PARTITION_NAME, f"column {column!r}", str(error)) from None
+            raise InputError(_PARTITION_NAME, str(error), place=f"column {column!r}") from None
         decoded_columns = arrow_columns(table, table.names, self.raw)
         kept_columns = {name: partition.column(index) for index, name in enumerate(names) if name != column}
         check_apart(kept_columns, decoded_columns, _PARTITION_NAME)
@@ -80,7 +80,7 @@ class PartitionDecoder(NamedTuple):
             frames = _read_series(partition.iloc[:, column_index], self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
-            raise InputError(_PARTITION_NAME, f"column {column!r}", str(error)) from None
+            raise InputError(_PARTITION_NAME, str(error), place=f"column {column!r}") from None
         decoded_columns = pandas_columns(table, table.names, self.raw)
         # The label of a column in pandas can be another type than text.
         label = partition.columns[column_index]
