@@ -805,7 +805,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder_error(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -819,7 +819,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _SSI)
+        check_encoder(variant, family_class=Variant, interface=_SSI)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
@@ -847,7 +847,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder_error(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 
@@ -974,7 +974,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -994,7 +994,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
@@ -1025,7 +1025,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 
@@ -1537,7 +1537,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(data)
 
@@ -1697,7 +1697,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(data)
 
@@ -2027,7 +2027,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -2054,7 +2054,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, family_class=Variant, interface=_RS485)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
@@ -2091,7 +2091,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(data)
 
@@ -2475,7 +2475,7 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
         TypeError: An answer that the request depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder_error(variant, Variant, _RS485)
+        raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
     decode_frame = cached_decoder(_make_request_decoder, variant, raise_error)
     return decode_frame(data, eeprom_address)
 
@@ -2540,7 +2540,7 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
         TypeError: An answer that the reply depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder_error(variant, Variant, _RS485)
+        raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
     decode_frame = cached_decoder(_make_reply_decoder, variant, raise_error)
     return decode_frame(data, eeprom_address)
 
@@ -2652,7 +2652,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -2666,7 +2666,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
@@ -2692,7 +2692,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 7:
@@ -2717,7 +2717,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
         """Return the lowest and the highest value of ``position`` that may be written."""
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         return 0, (1 << variant.position_bits) - 1
 
 
@@ -3043,7 +3043,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder belongs to a different family.
         InterfaceError: The encoder has a different interface.
     """
-    check_encoder(variant, Variant, _BISS, _PROCEDURES)
+    check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes(
             "preset_setting_enable",
@@ -3093,7 +3093,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder belongs to a different family.
         InterfaceError: The encoder has a different interface.
     """
-    check_encoder(variant, Variant, _BISS, _PROCEDURES)
+    check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes(
             "preset_setting_enable",
@@ -3140,7 +3140,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -3169,7 +3169,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -3205,7 +3205,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_RS485, procedures=_PROCEDURES)
     return (
         Send(b"\xc2", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(microseconds=18_000, meaning="the execution takes at most 18 ms, including the write to the EEPROM"),
@@ -3241,7 +3241,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_RS485, procedures=_PROCEDURES)
     return (
         Send(b"\x62", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(microseconds=2000, meaning="the BUSY flag is set for at most 2 ms"),
@@ -3277,7 +3277,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_RS485, procedures=_PROCEDURES)
     return (
         Send(b"\xba", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(microseconds=2000, meaning="the BUSY flag is set for at most 2 ms"),

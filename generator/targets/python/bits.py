@@ -220,7 +220,8 @@ class BitReader:
             low = Expression(bit_slice.low_in_byte)
         if low.is_constant:
             return PythonOperation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
-        return PythonOperation(shift_value(source, ">>", self.scope.expression_of(low)), "&", number(1))
+        bits_from_low = shift_value(source, ">>", self.scope.expression_of(low))
+        return PythonOperation(bits_from_low, "&", number(1))
 
     def _byte_variable(self, byte: int) -> Atom:
         """Return the name of a byte, such as ``data[2]``."""
@@ -396,7 +397,8 @@ def _are_adjacent_whole_bytes(bit_slices: Sequence[BitSlice]) -> bool:
 
 def _from_slice(bit_slice: BitSlice, byte: str) -> PythonExpression:
     """Return the bits of one slice at their place in the number, such as ``(b1 & 0x3F) << 8``."""
-    bits = shift_value(Atom(byte.format(bit_slice.byte)), ">>", number(bit_slice.low_in_byte))
+    byte_variable = Atom(byte.format(bit_slice.byte))
+    bits = shift_value(byte_variable, ">>", number(bit_slice.low_in_byte))
     # The mask is applied after the shift. It is not needed if no bits are above the slice.
     reaches_top_of_byte = bit_slice.mask == 0xFF >> bit_slice.low_in_byte
     if not reaches_top_of_byte:

@@ -205,14 +205,14 @@ def _read_parts(
         has_whole_lines = block.endswith(b"\n")
         fast_block = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
         if fast_block is not None:
-            lines_read += fast_block.lines
+            lines_read += fast_block.line_count
             bytes_read += len(block)
             cells.seen += len(fast_block.frames)
             if is_first and len(fast_block.frames):
-                _check_first_cells(cells, fast_block.first, csv_file)
+                _check_first_cells(cells, fast_block.first_cells, csv_file)
                 is_first = False
             # The next block can end with an incomplete row, which is compared with this cell.
-            slow_reader.remember_last_cell(fast_block.last)
+            slow_reader.remember_last_cell(fast_block.last_cell)
             yield FrameBatch(fast_block.frames, bytes_read, fast_block.other_columns)
             continue
         # After a quote, a row can continue in the next block.

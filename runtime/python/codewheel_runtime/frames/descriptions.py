@@ -35,7 +35,7 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
         if issubclass(argument_type, Encoder):
             # The type is the class for one interface of a family. Its base is the class for the family.
             family_class = argument_type.__base__ or Encoder
-            raise wrong_encoder_error(argument, family_class, argument_type.interface)
+            raise wrong_encoder_error(argument, family_class=family_class, interface=argument_type.interface)
         # Always raises TypeError here, because the argument is not an answer.
         require_answer(cast(Any, argument_type), cast(Any, argument))
     return make_shape(*arguments)

@@ -84,7 +84,7 @@ class SignalNames(NamedTuple):
         if self.clock is not None:
             choices = [(self.clock, _NAMES_OF_CLOCKS, "--clock"), (self.data, _NAMES_OF_DATA, "--data")]
         if len(channels) < len(choices):
-            raise InputError(file, "", f"expected channels of a clock and a data line, got {listed(list(channels))}")
+            raise InputError(file, f"expected channels of a clock and a data line, got {listed(list(channels))}")
         places: list[int | None] = []
         for name, usual_names, _ in choices:
             place = _find_place(channels, name) if name else _find_usual_place(channels, usual_names)
@@ -99,7 +99,7 @@ class SignalNames(NamedTuple):
         for (name, _, option), place in zip(choices, places, strict=True):
             if place is None:
                 problem = f"no channel {short(name)}" if name else f"choose a channel with {option}"
-                raise InputError(file, "", f"{problem}; the channels are {listed(list(channels))}")
+                raise InputError(file, f"{problem}; the channels are {listed(list(channels))}")
             known_places.append(place)
         if len({*known_places}) < len(known_places):
             raise UsageError("the clock and the data line are the same channel")
