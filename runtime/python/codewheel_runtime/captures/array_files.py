@@ -12,7 +12,7 @@ from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
 from .signal_text import Voltages
-from .signals import MOST_UNPACKED, SAMPLES, SignalNames, Signals, pack_bits, read_array, read_samples
+from .signals import MOST_UNPACKED, SAMPLES, Samples, SignalNames, Signals, pack_bits, read_array, read_samples
 
 np: Any = load("numpy")
 
@@ -68,8 +68,8 @@ def read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float |
 
 def _read_array_parts(
     file: BinaryIO, path: str, form: _ArrayForm, places: Sequence[int]
-) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of some rows as unsigned numbers, the number of bytes read so far, and None instead of times.
+) -> Generator[Samples, None, None]:
+    """Yield the samples of some rows as unsigned numbers. The amount read is the number of bytes so far.
 
     ``places`` are the columns of the signals. If the array has no columns, each number is a sample, and all its bits
     are kept. Raises InputError at the end if samples are missing there.
@@ -84,12 +84,13 @@ def _read_array_parts(
         row_count = len(data) // row_bytes
         samples = np.frombuffer(data, dtype, count=row_count * row_width)
         if channels is not None:
-            yield pack_bits(samples.reshape(-1, row_width)[:, places]), bytes_read, None
+            rows = samples.reshape(-1, row_width)
+            yield Samples(pack_bits(rows[:, places]), done=bytes_read)
             continue
         byte_order = dtype.byteorder if dtype.itemsize > 1 else ""
         # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
         samples = samples.view(f"{byte_order}u{dtype.itemsize}")
-        yield samples.astype(f"u{dtype.itemsize}", copy=False), bytes_read, None
+        yield Samples(samples.astype(f"u{dtype.itemsize}", copy=False), done=bytes_read)
     if bytes_read < form.sample_count * row_bytes:
         reason = f"this NumPy file ends early: it has {bytes_read // row_bytes} of {form.sample_count} samples"
         raise InputError(path, reason)
@@ -155,7 +156,7 @@ def read_array_archive(
     cells = np.stack([arrays[place] for place in places], 1)
     samples = pack_bits(_convert_to_levels(cells, threshold, path))
     masks = tuple(1 << bit for bit in range(len(places)))
-    edges = read_samples([(samples, len(samples), times)], masks)
+    edges = read_samples([Samples(samples, done=len(samples), times=times)], masks)
     if times is None:
         return Signals(edges, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=len(samples))
     if not (np.isfinite(times).all() and (np.diff(times) >= 0).all()):

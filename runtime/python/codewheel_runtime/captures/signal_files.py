@@ -22,7 +22,7 @@ from ..packages import load
 from .array_files import read_array_archive, read_array_file
 from .saleae import SALEAE_HEADER, read_saleae
 from .signal_text import read_table_signals, read_vcd_signals
-from .signals import MOST_UNPACKED, SAMPLES, SignalNames, Signals, read_samples
+from .signals import MOST_UNPACKED, SAMPLES, Samples, SignalNames, Signals, read_samples
 from .table_forms import HEADER, HINT, parse_rate
 
 np: Any = load("numpy")
@@ -237,8 +237,8 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[z
 
 def _unpack_samples(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], size: int, path: str
-) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of a session as numbers, the number of bytes read, and None, because samples have no times.
+) -> Generator[Samples, None, None]:
+    """Yield the samples of a session as numbers. The amount read is the number of bytes so far.
 
     A sample has ``size`` bytes, and can begin in one file and end in the next. An incomplete sample at the end of the
     session is ignored.
@@ -253,7 +253,8 @@ def _unpack_samples(
                     data = remainder + block
                     sample_count = len(data) // size
                     remainder = data[sample_count * size :]
-                    yield np.frombuffer(data, f"<u{size}", count=sample_count), bytes_read, None
+                    samples = np.frombuffer(data, f"<u{size}", count=sample_count)
+                    yield Samples(samples, done=bytes_read)
     except _ERRORS_OF_DAMAGED_ZIP as error:
         raise InputError(
             path, f"the samples are damaged: {error or 'they end early'}", place=f"offset {bytes_read}"

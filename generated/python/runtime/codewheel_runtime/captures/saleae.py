@@ -10,7 +10,7 @@ from typing import Any, BinaryIO, Final
 from ..errors import InputError
 from ..packages import load
 from .signal_text import measure_size
-from .signals import SAMPLES, Signals, merge_edges
+from .signals import SAMPLES, SignalEdges, Signals, merge_edges
 
 np: Any = load("numpy")
 
@@ -70,14 +70,14 @@ class _Saleae:
         self.end = max(self.end, end)
         return int(level), int(count)
 
-    def edges(self) -> Generator[tuple[int, Any, int], None, None]:
-        """Yield the level before some edges, their times, and the number of bytes read so far.
+    def edges(self) -> Generator[SignalEdges, None, None]:
+        """Yield the edges part by part. The amount read is the number of bytes so far.
 
         The first part has no edges, but shows the level at the beginning.
         """
         last_time = -np.inf
         level, _ = self._ready
-        yield level, np.zeros(0), self._file.tell()
+        yield SignalEdges(level, np.zeros(0), done=self._file.tell())
         for chunk_index in range(self.chunks):
             first_level, count = self._ready if chunk_index == 0 else self._read_chunk()
             if self._start < last_time:
@@ -87,11 +87,11 @@ class _Saleae:
                 level_before = level
                 level = first_level
                 last_time = self._start
-                yield level_before, np.array([self._start]), self._file.tell()
+                yield SignalEdges(level_before, np.array([self._start]), done=self._file.tell())
             while count:
                 read_count = min(count, _EDGES_AT_ONCE)
                 edge_times = self._read_edge_times(read_count, last_time)
-                yield level, edge_times, self._file.tell()
+                yield SignalEdges(level, edge_times, done=self._file.tell())
                 count -= read_count
                 last_time = float(edge_times[-1])
                 # An odd number of edges inverts the level.

@@ -11,7 +11,7 @@ from typing import Any, BinaryIO, Final
 from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
-from .signals import Edges, SignalNames, Signals, pack_bits, read_samples
+from .signals import Edges, Samples, SignalNames, Signals, pack_bits, read_samples
 from .table_forms import STAMP, UNITS, TableForm, find_table_form
 
 np: Any = load("numpy")
@@ -86,11 +86,11 @@ def read_table_signals(
 
 def _read_table_parts(
     file: BinaryIO, path: str, form: TableForm, columns: list[int], threshold: float | None
-) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the levels of some rows, the number of bytes read so far, and the times of these rows.
+) -> Generator[Samples, None, None]:
+    """Yield the levels of the rows part by part, with their times if the table has times.
 
-    The times are None if the table has no times. ``columns`` are the indices of the columns of the signals. ``path`` is
-    for errors.
+    The amount read is the number of bytes so far. ``columns`` are the indices of the columns of the signals, and
+    ``path`` is for errors.
 
     Raises:
         InputError: The times are not in ascending order, or a cell is wrong.
@@ -104,7 +104,7 @@ def _read_table_parts(
             if not (last_time <= times[0] and (np.diff(times) >= 0).all()):
                 raise InputError(path, "the times are not in ascending order", place=f"from line {first_line}")
             last_time = float(times[-1])
-        yield levels, bytes_read, times
+        yield Samples(levels, done=bytes_read, times=times)
 
 
 class _RowReader:
