@@ -99,9 +99,8 @@ class SignalNames(NamedTuple):
         known_places: list[int] = []
         for choice, place in zip(choices, places, strict=True):
             if place is None:
-                problem = (
-                    f"no channel {short(choice.name)}" if choice.name else f"choose a channel with {choice.option}"
-                )
+                advice = f"choose a channel with {choice.option}"
+                problem = f"no channel {short(choice.name)}" if choice.name else advice
                 raise InputError(file, f"{problem}; the channels are {listed(list(channels))}")
             known_places.append(place)
         if len({*known_places}) < len(known_places):
