@@ -148,9 +148,9 @@ class FrameReports:
         The value of a flag is 1 while it is active.
         """
         conditions: list[PythonExpression] = []
-        for part, value in match.conditions:
-            attribute = self._read_attribute(part)
-            if not isinstance(part.field.kind, Flag):
+        for decoded_field, value in match.conditions:
+            attribute = self._read_attribute(decoded_field)
+            if not isinstance(decoded_field.field.kind, Flag):
                 conditions.append(Atom(f"{attribute} == {coded(value)}"))
             elif value:
                 conditions.append(attribute)
@@ -171,9 +171,9 @@ class FrameReports:
         are_all = mask_of_fields == mask_of_all
         return differing_bits if are_all else PythonOperation(differing_bits, "&", mask(mask_of_fields))
 
-    def _read_attribute(self, part: FieldToDecode) -> PythonExpression:
+    def _read_attribute(self, decoded_field: FieldToDecode) -> PythonExpression:
         """Return the code that reads the attribute of a field, such as ``self.error``."""
-        return Atom(self._attribute_of(self._names.attribute(part.field.name)))
+        return Atom(self._attribute_of(self._names.attribute(decoded_field.field.name)))
 
 
 def _meaning_while_active(cause: VerdictCause) -> str:
