@@ -159,9 +159,7 @@ class Readme:
         for variant in self.device.variants:
             if variant.code == sample.order_code:
                 example = self._valid_frame(layout_class, variant, sample)
-                if example.has_verdict:
-                    return self._with_error(example, layout_class, variant, sample)
-                return example
+                return self._with_error(example, layout_class, variant, sample) if example.has_verdict else example
         return None
 
     def _valid_frame(self, layout_class: LayoutClass, variant: Variant, sample: Sample) -> ReadmeExample:
