@@ -38,8 +38,8 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
             family_class = argument_type.__base__ or Encoder
             raise wrong_encoder_error(argument, family_class=family_class, interface=argument_type.interface)
         # Any other type is an enumeration of answers. This always raises TypeError, because the argument is no member.
-        answer_class, answer = cast("type[Enum]", argument_type), cast("Enum | None", argument)
-        require_answer(answer_class, answer)
+        answer_class: type[Enum] = cast(Any, argument_type)
+        require_answer(answer_class, cast(Any, argument))
     return make_shape(*arguments)
 
 
@@ -56,7 +56,7 @@ def find_any_shape(frame_class: type, encoder: Encoder) -> Shape:
             arguments.append(encoder)
         else:
             # Any other type is an enumeration of answers.
-            answer_class = cast("type[Enum]", argument_type)
+            answer_class: type[Enum] = cast(Any, argument_type)
             first_answer = next(iter(answer_class))
             arguments.append(first_answer)
     return make_shape(*arguments)
