@@ -37,7 +37,7 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
             # The type is the class for one interface of a family. Its base is the class for the family.
             family_class = argument_type.__base__ or Encoder
             raise wrong_encoder_error(argument, family_class=family_class, interface=argument_type.interface)
-        # Any other type is an enumeration of answers. This always raises TypeError, because the argument is no member.
+        # Any other type is an enumeration of answers. This always raises TypeError, because it is not a member.
         answer_class: type[Enum] = cast(Any, argument_type)
         require_answer(answer_class, cast(Any, argument))
     return make_shape(*arguments)
