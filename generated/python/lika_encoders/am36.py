@@ -643,8 +643,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        variant, multiturn, singleturn = self
-        return multiturn << variant.singleturn_bits | singleturn
+        return self.multiturn << self.variant.singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:
@@ -799,10 +798,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        variant, multiturn, singleturn, unused = self
-        if unused & 0x2:
+        if self.unused & 0x2:
             return None
-        return multiturn << variant.used_singleturn_bits | singleturn
+        return self.multiturn << self.variant.used_singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:

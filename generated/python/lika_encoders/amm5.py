@@ -797,8 +797,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        variant, multiturn, singleturn = self
-        return multiturn << variant.singleturn_bits | singleturn
+        return self.multiturn << self.variant.singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:
@@ -964,10 +963,12 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        variant, multiturn, singleturn, error, warning = self
-        if error or (warning and variant.multiturn_bits and not variant.low_battery_only):
+        if (
+            self.error
+            or (self.warning and self.variant.multiturn_bits and not self.variant.low_battery_only)
+        ):
             return None
-        return multiturn << variant.singleturn_bits | singleturn
+        return self.multiturn << self.variant.singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:
@@ -1997,30 +1998,16 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        (
-            variant,
-            status_st_error,
-            status_other_error,
-            singleturn,
-            _,
-            multiturn,
-            busy,
-            st_error,
-            ps_error,
-            mt_error,
-            battery_alarm,
-            _,
-        ) = self
         if (
-            status_st_error
-            or (status_other_error and not (battery_alarm or mt_error))
-            or busy
-            or st_error
-            or ps_error
-            or (mt_error and variant.multiturn_bits)
+            self.status_st_error
+            or (self.status_other_error and not (self.battery_alarm or self.mt_error))
+            or self.busy
+            or self.st_error
+            or self.ps_error
+            or (self.mt_error and self.variant.multiturn_bits)
         ):
             return None
-        return multiturn << variant.singleturn_bits | singleturn
+        return self.multiturn << self.variant.singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:

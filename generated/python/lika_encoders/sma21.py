@@ -1247,33 +1247,17 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        (
-            _,
-            _,
-            _,
-            status_error,
-            position,
-            overspeed,
-            initialization_error,
-            hardware_error,
-            encoder_inharmonious_error,
-            higher_track_error,
-            low_amplitude_error,
-            _,
-            _,
-            _,
-        ) = self
         if (
-            status_error
-            or overspeed
-            or initialization_error
-            or hardware_error
-            or encoder_inharmonious_error
-            or higher_track_error
-            or low_amplitude_error
+            self.status_error
+            or self.overspeed
+            or self.initialization_error
+            or self.hardware_error
+            or self.encoder_inharmonious_error
+            or self.higher_track_error
+            or self.low_amplitude_error
         ):
             return None
-        return position
+        return self.position
 
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> PositionReply:
@@ -1634,32 +1618,17 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        (
-            _,
-            _,
-            status_error,
-            position,
-            overspeed,
-            initialization_error,
-            hardware_error,
-            encoder_inharmonious_error,
-            higher_track_error,
-            low_amplitude_error,
-            _,
-            _,
-            _,
-        ) = self
         if (
-            status_error
-            or overspeed
-            or initialization_error
-            or hardware_error
-            or encoder_inharmonious_error
-            or higher_track_error
-            or low_amplitude_error
+            self.status_error
+            or self.overspeed
+            or self.initialization_error
+            or self.hardware_error
+            or self.encoder_inharmonious_error
+            or self.higher_track_error
+            or self.low_amplitude_error
         ):
             return None
-        return position
+        return self.position
 
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> IdentificationReply:
