@@ -643,15 +643,14 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        variant, multiturn, singleturn = self
-        return multiturn << variant.singleturn_bits | singleturn
+        return self.multiturn << self.variant.singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder_error(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -665,7 +664,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _SSI)
+        check_encoder(variant, family_class=Variant, interface=_SSI)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
@@ -693,7 +692,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder_error(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 
@@ -799,17 +798,16 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        variant, multiturn, singleturn, unused = self
-        if unused & 0x2:
+        if self.unused & 0x2:
             return None
-        return multiturn << variant.used_singleturn_bits | singleturn
+        return self.multiturn << self.variant.used_singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
         return multiturn << variant.used_singleturn_bits | singleturn
@@ -823,7 +821,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         position = check_width("position", position, variant.used_singleturn_bits + variant.used_multiturn_bits)
         return cls(
             variant,
@@ -853,7 +851,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 
@@ -1343,7 +1341,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 5:
@@ -1360,7 +1358,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
         """Return the lowest and the highest value of ``position`` that may be written."""
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         return 0, variant.used_information * variant.used_revolutions - 1
 
 
@@ -1788,7 +1786,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
     return (
         *write_bytes(
@@ -1826,7 +1824,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder belongs to a different family.
         InterfaceError: The encoder has a different interface.
     """
-    check_encoder(variant, Variant, _BISS, _PROCEDURES)
+    check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         # Mask and value are those of enable_preset.
         Modify(
@@ -1877,7 +1875,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder belongs to a different family.
         InterfaceError: The encoder has a different interface.
     """
-    check_encoder(variant, Variant, _BISS, _PROCEDURES)
+    check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         # Mask and value are those of enable_preset.
         Modify(
@@ -1917,7 +1915,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -1943,7 +1941,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode()),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -1976,7 +1974,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -2023,7 +2021,7 @@ def set_resolution(
         FamilyError: The encoder belongs to a different family.
         InterfaceError: The encoder has a different interface.
     """
-    check_encoder(variant, Variant, _BISS, _PROCEDURES)
+    check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     content = InformationPerRevolution(steps=information_per_revolution).encode()
     before: tuple[Step, ...] = (
         *write_bytes(
@@ -2115,7 +2113,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         Read(Address.MANUFACTURER_ID, length=2, register="manufacturer_id", meaning="Li means Lika Electronic"),
         Read(

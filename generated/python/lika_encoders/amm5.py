@@ -797,15 +797,14 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        variant, multiturn, singleturn = self
-        return multiturn << variant.singleturn_bits | singleturn
+        return self.multiturn << self.variant.singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder_error(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -819,7 +818,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _SSI)
+        check_encoder(variant, family_class=Variant, interface=_SSI)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
@@ -847,7 +846,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder_error(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 
@@ -964,17 +963,19 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        variant, multiturn, singleturn, error, warning = self
-        if error or (warning and variant.multiturn_bits and not variant.low_battery_only):
+        if (
+            self.error
+            or (self.warning and self.variant.multiturn_bits and not self.variant.low_battery_only)
+        ):
             return None
-        return multiturn << variant.singleturn_bits | singleturn
+        return self.multiturn << self.variant.singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -994,7 +995,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
@@ -1025,7 +1026,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 
@@ -1537,7 +1538,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(data)
 
@@ -1697,7 +1698,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(data)
 
@@ -1997,37 +1998,23 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        (
-            variant,
-            status_st_error,
-            status_other_error,
-            singleturn,
-            _,
-            multiturn,
-            busy,
-            st_error,
-            ps_error,
-            mt_error,
-            battery_alarm,
-            _,
-        ) = self
         if (
-            status_st_error
-            or (status_other_error and not (battery_alarm or mt_error))
-            or busy
-            or st_error
-            or ps_error
-            or (mt_error and variant.multiturn_bits)
+            self.status_st_error
+            or (self.status_other_error and not (self.battery_alarm or self.mt_error))
+            or self.busy
+            or self.st_error
+            or self.ps_error
+            or (self.mt_error and self.variant.multiturn_bits)
         ):
             return None
-        return multiturn << variant.singleturn_bits | singleturn
+        return self.multiturn << self.variant.singleturn_bits | self.singleturn
 
     @property
     def position(self) -> int:
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -2054,7 +2041,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _RS485)
+        check_encoder(variant, family_class=Variant, interface=_RS485)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
@@ -2091,7 +2078,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(data)
 
@@ -2475,7 +2462,7 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
         TypeError: An answer that the request depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder_error(variant, Variant, _RS485)
+        raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
     decode_frame = cached_decoder(_make_request_decoder, variant, raise_error)
     return decode_frame(data, eeprom_address)
 
@@ -2540,7 +2527,7 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
         TypeError: An answer that the reply depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder_error(variant, Variant, _RS485)
+        raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
     decode_frame = cached_decoder(_make_reply_decoder, variant, raise_error)
     return decode_frame(data, eeprom_address)
 
@@ -2652,7 +2639,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -2666,7 +2653,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             FamilyError: The encoder belongs to a different family.
             InterfaceError: The encoder has a different interface.
         """
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         position = check_width("position", position, variant.singleturn_bits + variant.multiturn_bits)
         return cls(
             variant,
@@ -2692,7 +2679,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 7:
@@ -2717,7 +2704,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
         """Return the lowest and the highest value of ``position`` that may be written."""
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         return 0, (1 << variant.position_bits) - 1
 
 
@@ -3043,7 +3030,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder belongs to a different family.
         InterfaceError: The encoder has a different interface.
     """
-    check_encoder(variant, Variant, _BISS, _PROCEDURES)
+    check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes(
             "preset_setting_enable",
@@ -3093,7 +3080,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder belongs to a different family.
         InterfaceError: The encoder has a different interface.
     """
-    check_encoder(variant, Variant, _BISS, _PROCEDURES)
+    check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes(
             "preset_setting_enable",
@@ -3140,7 +3127,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -3169,7 +3156,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -3205,7 +3192,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_RS485, procedures=_PROCEDURES)
     return (
         Send(b"\xc2", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(microseconds=18_000, meaning="the execution takes at most 18 ms, including the write to the EEPROM"),
@@ -3241,7 +3228,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_RS485, procedures=_PROCEDURES)
     return (
         Send(b"\x62", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(microseconds=2000, meaning="the BUSY flag is set for at most 2 ms"),
@@ -3277,7 +3264,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_RS485, procedures=_PROCEDURES)
     return (
         Send(b"\xba", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(microseconds=2000, meaning="the BUSY flag is set for at most 2 ms"),

@@ -566,7 +566,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder_error(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 
@@ -686,7 +686,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits, zero_bit=zero_bit)
 
@@ -1192,7 +1192,7 @@ class Position(RegisterOf["BissEncoder"], _Position):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 4:
@@ -1474,7 +1474,7 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.REQUEST_POSITION.encode()),
         # Mask and value are those of position_data_valid.
@@ -1513,7 +1513,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
         # Mask and value are those of internal_data_bus_busy.
@@ -1558,7 +1558,7 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.READ_ABSOLUTE_DATA.encode()),
         # Mask and value are those of absolute_data_valid.
@@ -1594,7 +1594,7 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SOFTWARE_RESET.encode()),
         # Mask and value are those of configuration_completed.
@@ -1634,7 +1634,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.VERIFY_CONFIGURATION.encode()),
         # Mask and value are those of internal_data_bus_busy.
@@ -1664,7 +1664,7 @@ def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SIMULATE_ERROR.encode()),
         Read(Address.STATUS, length=1, register="status", meaning="1 while the error is simulated"),
@@ -1687,7 +1687,7 @@ def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.CLEAR_SIMULATED_ERROR.encode()),
         Read(Address.STATUS, length=1, register="status", meaning="0 after the simulation"),
@@ -1714,7 +1714,7 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         Read(Address.ERROR_REGISTER, length=1, register="error_register", meaning="shows the active messages"),
         Read(
@@ -1753,7 +1753,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         Read(Address.MANUFACTURER_ID, length=2, register="manufacturer_id", meaning="Li means Lika Electronic"),
         Read(Address.DEVICE_ID, length=6, register="device_id", meaning="AS85 and the release"),

@@ -863,7 +863,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder_error(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 
@@ -994,7 +994,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 
@@ -1247,33 +1247,17 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        (
-            _,
-            _,
-            _,
-            status_error,
-            position,
-            overspeed,
-            initialization_error,
-            hardware_error,
-            encoder_inharmonious_error,
-            higher_track_error,
-            low_amplitude_error,
-            _,
-            _,
-            _,
-        ) = self
         if (
-            status_error
-            or overspeed
-            or initialization_error
-            or hardware_error
-            or encoder_inharmonious_error
-            or higher_track_error
-            or low_amplitude_error
+            self.status_error
+            or self.overspeed
+            or self.initialization_error
+            or self.hardware_error
+            or self.encoder_inharmonious_error
+            or self.higher_track_error
+            or self.low_amplitude_error
         ):
             return None
-        return position
+        return self.position
 
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> PositionReply:
@@ -1295,7 +1279,7 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(data)
 
@@ -1634,32 +1618,17 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        (
-            _,
-            _,
-            status_error,
-            position,
-            overspeed,
-            initialization_error,
-            hardware_error,
-            encoder_inharmonious_error,
-            higher_track_error,
-            low_amplitude_error,
-            _,
-            _,
-            _,
-        ) = self
         if (
-            status_error
-            or overspeed
-            or initialization_error
-            or hardware_error
-            or encoder_inharmonious_error
-            or higher_track_error
-            or low_amplitude_error
+            self.status_error
+            or self.overspeed
+            or self.initialization_error
+            or self.hardware_error
+            or self.encoder_inharmonious_error
+            or self.higher_track_error
+            or self.low_amplitude_error
         ):
             return None
-        return position
+        return self.position
 
     @classmethod
     def decode(cls, data: Data, variant: Rs485Encoder) -> IdentificationReply:
@@ -1681,7 +1650,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder_error(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(data)
 
@@ -1767,7 +1736,7 @@ def decode_request(data: Data, variant: Rs485Encoder) -> Request:
         InterfaceError: The encoder has a different interface.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder_error(variant, Variant, _RS485)
+        raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
     decode_frame = cached_decoder(_make_request_decoder, variant, raise_error)
     return decode_frame(data)
 
@@ -1821,7 +1790,7 @@ def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
         InterfaceError: The encoder has a different interface.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder_error(variant, Variant, _RS485)
+        raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
     decode_frame = cached_decoder(_make_reply_decoder, variant, raise_error)
     return decode_frame(data)
 
@@ -1932,7 +1901,7 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 2:
@@ -2156,7 +2125,7 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 1:
@@ -2237,13 +2206,13 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
     @staticmethod
     def preset_limits(variant: BissEncoder) -> tuple[int, int]:
         """Return the lowest and the highest value allowed while the register holds the preset."""
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         return 0, (1 << variant.position_bits) - 1
 
     @staticmethod
     def offset_limits(variant: BissEncoder) -> tuple[int, int]:
         """Return the lowest and the highest value allowed while the register holds the offset."""
-        check_encoder(variant, Variant, _BISS)
+        check_encoder(variant, family_class=Variant, interface=_BISS)
         return 0, (1 << variant.scd_position_bits) - (1 << variant.position_bits)
 
 
@@ -2620,7 +2589,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
     return (
         *write_bytes(
@@ -2655,7 +2624,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         FamilyError: The encoder belongs to a different family.
         InterfaceError: The encoder has a different interface.
     """
-    check_encoder(variant, Variant, _BISS, _PROCEDURES)
+    check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     check_limits("position", position, PresetOffset.preset_limits(variant))
     return (
         *write_bytes(
@@ -2691,7 +2660,7 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         # Mask and value are those of enable_preset_offset.
         Modify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04, value=0x00),
@@ -2731,7 +2700,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
         FamilyError: The encoder belongs to a different family.
         InterfaceError: The encoder has a different interface.
     """
-    check_encoder(variant, Variant, _BISS, _PROCEDURES)
+    check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     check_limits("offset", offset, PresetOffset.offset_limits(variant))
     return (
         # Mask and value are those of enable_preset_offset.
@@ -2794,7 +2763,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -2817,7 +2786,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         *write_bytes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -2843,7 +2812,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _BISS, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
     return (
         Read(Address.MANUFACTURER_ID, length=2, register="manufacturer_id", meaning="4C 69 means Lika"),
         Read(Address.DEVICE_ID, length=6, register="device_id", meaning="the name SM21 and the release"),
@@ -2878,7 +2847,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_RS485, procedures=_PROCEDURES)
     return (
         Send(b"\xda", times=10, every_us=40, in_succession=True, reply_length=7, reply_ends_in_xor=True),
     )
@@ -2913,7 +2882,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         InterfaceError: The encoder has a different interface.
     """
     if variant is not None:
-        check_encoder(variant, Variant, _RS485, _PROCEDURES)
+        check_encoder(variant, family_class=Variant, interface=_RS485, procedures=_PROCEDURES)
     return (
         Send(b"\x7a", times=10, every_us=40, in_succession=True, reply_length=7, reply_ends_in_xor=True),
     )

@@ -32,7 +32,8 @@ from .literals import (
     mask,
     multiply,
     number,
-    shift_value,
+    shift_left,
+    shift_right,
 )
 from .names import ClassNames, byte_order
 
@@ -104,7 +105,7 @@ class BitsEncoder:
         # ``low`` is the position of the field's lowest bit in the joined number.
         for field, low in joined_number.from_low:
             attribute = Atom(expression_of(self.names.attribute(field.name)))
-            shifted_attributes.append(shift_value(attribute, "<<", scope.expression_of(low)))
+            shifted_attributes.append(shift_left(attribute, scope.expression_of(low)))
         # The highest field comes first.
         return join_operands("|", reversed(shifted_attributes))
 
@@ -118,7 +119,7 @@ class BitsEncoder:
         fields_and_bits: list[tuple[Field, PythonExpression]] = []
         # ``low`` is the position of the field's lowest bit in the joined number.
         for field, low in joined_number.from_low:
-            bits = shift_value(variable, ">>", self.scope.expression_of(low))
+            bits = shift_right(variable, self.scope.expression_of(low))
             # No bits are above the highest field, so it needs no mask.
             if field is not highest_field:
                 bits = PythonOperation(bits, "&", self.scope.ones(field.width))
@@ -175,7 +176,7 @@ class BitReader:
         """Return the bits as a number, such as ``word >> 8 & 0x3FF``."""
         if not self.plan.by_word:
             return self.number_from_slices(bits.bit_slices)
-        shifted = shift_value(Atom(self.source), ">>", self.scope.expression_of(bits.low))
+        shifted = shift_right(Atom(self.source), self.scope.expression_of(bits.low))
         # Bits at the top of the word need no mask.
         is_at_top = bits.low + bits.width == self.plan.layout.bits
         return shifted if is_at_top else PythonOperation(shifted, "&", self.scope.ones(bits.width))
@@ -220,7 +221,8 @@ class BitReader:
             low = Expression(bit_slice.low_in_byte)
         if low.is_constant:
             return PythonOperation(source, "&", Atom(f"0x{1 << low.constant:02X}"))
-        return PythonOperation(shift_value(source, ">>", self.scope.expression_of(low)), "&", number(1))
+        bits_from_low = shift_right(source, self.scope.expression_of(low))
+        return PythonOperation(bits_from_low, "&", number(1))
 
     def _byte_variable(self, byte: int) -> Atom:
         """Return the name of a byte, such as ``data[2]``."""
@@ -264,23 +266,23 @@ class BitReader:
         # ``group`` contains the mask and the value at their places in ``unused``, after the shift to the left.
         mask_in_source = group.mask >> left_shift
         value_in_source = group.value >> left_shift
-        differing_bits = shift_value(source, ">>", number(right_shift))
+        differing_bits = shift_right(source, number(right_shift))
         is_whole_byte = group.byte is not None and mask_in_source == 0xFF
         if not is_whole_byte:
             differing_bits = PythonOperation(differing_bits, "&", mask(mask_in_source))
         if group.value:
             differing_bits = PythonOperation(differing_bits, "^", mask(value_in_source))
-        return shift_value(differing_bits, "<<", number(left_shift))
+        return shift_left(differing_bits, number(left_shift))
 
     def _unused_at_moving_place(self, reserved: Reserved) -> PythonExpression:
         """Return the bits of an unused field that differ from the manual, if its place depends on the order code."""
-        bits = shift_value(Atom(self.source), ">>", self.scope.expression_of(reserved.bits.low))
+        bits = shift_right(Atom(self.source), self.scope.expression_of(reserved.bits.low))
         # The value in the manual. XOR with it leaves a 1 in each bit that differs.
         if reserved.value:
             bits = PythonOperation(bits, "^", mask(reserved.value))
         differing_bits = PythonOperation(bits, "&", self.scope.ones(reserved.bits.width))
         # The position of the field in ``unused``.
-        return shift_value(differing_bits, "<<", number(reserved.place))
+        return shift_left(differing_bits, number(reserved.place))
 
     def characters(self, bits: FieldBits) -> str:
         """Return the slice of ``data`` that contains the bytes of a text, such as ``data[2:6]``.
@@ -350,7 +352,7 @@ def mask_without_field(scope: ParameterExpressions, layout_plan: LayoutPlan) -> 
             bits_without_fixed_field &= ~field.mask_in_place
         else:
             mask_at_bit_0, lowest_bit = scope.ones(field.width), scope.expression_of(field.low)
-            masks_of_moving_fields.append(shift_value(mask_at_bit_0, "<<", lowest_bit))
+            masks_of_moving_fields.append(shift_left(mask_at_bit_0, lowest_bit))
     if not masks_of_moving_fields:
         return mask(bits_without_fixed_field)
     moving_bits = join_operands("|", masks_of_moving_fields)
@@ -396,9 +398,10 @@ def _are_adjacent_whole_bytes(bit_slices: Sequence[BitSlice]) -> bool:
 
 def _from_slice(bit_slice: BitSlice, byte: str) -> PythonExpression:
     """Return the bits of one slice at their place in the number, such as ``(b1 & 0x3F) << 8``."""
-    bits = shift_value(Atom(byte.format(bit_slice.byte)), ">>", number(bit_slice.low_in_byte))
+    byte_variable = Atom(byte.format(bit_slice.byte))
+    bits = shift_right(byte_variable, number(bit_slice.low_in_byte))
     # The mask is applied after the shift. It is not needed if no bits are above the slice.
     reaches_top_of_byte = bit_slice.mask == 0xFF >> bit_slice.low_in_byte
     if not reaches_top_of_byte:
         bits = PythonOperation(bits, "&", mask(bit_slice.mask))
-    return shift_value(bits, "<<", number(bit_slice.low_in_number))
+    return shift_left(bits, number(bit_slice.low_in_number))

@@ -32,7 +32,6 @@ from .literals import Atom, ParameterExpressions, PythonExpression, coded, quote
 from .named_values import NamedValues
 from .names import ClassNames, ModuleContext, OpenQuestion, encoder_name, interface_name
 from .reports import FrameReports
-from .usable_position import AttributeReader, UsablePosition, write_usable_position
 
 
 @dataclass(frozen=True)
@@ -305,7 +304,7 @@ class LayoutClass:
         """Return the value that the manual states for a field."""
         match field.equals:
             case Expression() as value:
-                return self._scope_of_attributes(lambda name: f"self.{name}").expression_of(value)
+                return self._scope_of_attributes().expression_of(value)
             case str(characters):
                 return Atom(quoted(characters))
             case value:
@@ -321,46 +320,24 @@ class LayoutClass:
         return self.names.attribute(position_name) if position_name in number_names else ""
 
     @property
-    def usable_position(self) -> UsablePosition:
-        """The code that returns the position if it is usable."""
-        other_names = (attribute_name for attribute_name, _ in self.encoder_and_answers)
-        item_names = [*other_names, *(attribute.name for attribute in self.attributes)]
-        return write_usable_position(item_names, self._not_usable_conditions_with, self._position_with)
-
-    def _not_usable_conditions_with(self, read: AttributeReader) -> list[str]:
-        """Return the conditions under which the position is not usable. ``read`` gives the code for an attribute."""
-        if self.reports is None:
-            return []
-        reports = FrameReports(
-            reporting=self.context.reportings.get(self.layout.name),
-            layout_plan=self.plan,
-            class_names=self.names,
-            parameters=self.context.parameters,
-            attribute_of=read,
-        )
-        return reports.not_usable_conditions
-
-    def _position_with(self, read: AttributeReader) -> str:
-        """Return the code for the position: its attribute, or if several unsigned numbers form it, their bits joined.
-
-        ``read`` gives the code for an attribute.
-        """
-        scope = self._scope_of_attributes(read)
+    def usable_position(self) -> str:
+        """Expression for the position: its attribute, or if several unsigned numbers form it, their bits joined."""
+        scope = self._scope_of_attributes()
         for joined_number in self.plan.joined_numbers:
             is_position = self.names.attribute(joined_number.join.name) == self.position_attribute
             if is_position and all(isinstance(meaning_of(field), UnsignedNumber) for field in joined_number.fields):
-                return str(self.encoding.join_numbers(joined_number, scope, read))
-        return read(self.position_attribute)
+                return str(self.encoding.join_numbers(joined_number, scope, _read_attribute))
+        return _read_attribute(self.position_attribute)
 
-    def _scope_of_attributes(self, read: AttributeReader) -> ParameterExpressions:
-        """Return how parameters are written if ``read`` gives the expression for an attribute of the class.
+    def _scope_of_attributes(self) -> ParameterExpressions:
+        """Return how parameters are written in a method of the class.
 
         A parameter is then an attribute of ``variant``, or of the answer to an open question.
         """
-        code_of_parameter = dict(self.context.scope_of(read("variant")).names)
+        code_of_parameter = dict(self.context.scope_of(_read_attribute("variant")).names)
         for question in self.questions:
             for parameter, member in question.members:
-                code_of_parameter[parameter] = f"{read(question.name)}.{member}"
+                code_of_parameter[parameter] = f"{_read_attribute(question.name)}.{member}"
         return ParameterExpressions(code_of_parameter)
 
     @cached_property
@@ -436,3 +413,8 @@ def _with_trailing_defaults(attributes: Sequence[Attribute]) -> list[Attribute]:
     # The attribute at this index has no default, or all attributes have one.
     required = [replace(attribute, default="") for attribute in attributes[:last_required]]
     return [*required, *attributes[last_required:]]
+
+
+def _read_attribute(name: str) -> str:
+    """Return the code that reads an attribute of a frame: ``self.error`` for ``error``."""
+    return f"self.{name}"

@@ -54,7 +54,7 @@ class Decoder:
         #: True if each byte of the frame has a variable, ``b0`` and so on.
         self.is_unpacked = is_short_frame and layout_plan.in_bytes and not layout_plan.by_word
         self.byte = "b{}" if self.is_unpacked else "data[{}]"
-        self.read = BitReader(scope, layout_plan, self.byte)
+        self.bit_reader = BitReader(scope, layout_plan, self.byte)
         #: The names of the fields whose bits are in a variable at this point of the function.
         self.assigned: set[str] = set()
         self._first_byte = FirstByte(layout_plan, enum)
@@ -196,15 +196,16 @@ class Decoder:
         if self.is_padded(covered):
             return None
         # Fields with data, and those that are checked.
-        read_fields = [part.field for part in self.plan.parts] + [other.field for other in self.plan.checks]
-        is_read = any(field.name == covered.name for field in read_fields)
+        fields_with_data = [decoded_field.field for decoded_field in self.plan.parts]
+        checked_fields = [other_check.field for other_check in self.plan.checks]
+        is_read = any(field.name == covered.name for field in (*fields_with_data, *checked_fields))
         return covered if is_read else None
 
     @property
     def padded_fields(self) -> list[tuple[Field, PythonExpression]]:
         """The fields below bits that are always 0, each with an expression for its bits including these."""
         checks = (check for check in self.plan.checks if isinstance(check, ZerosAbove))
-        return [(check.field, self.read.number_from_slices(check.field.bit_slices)) for check in checks]
+        return [(check.field, self.bit_reader.number_from_slices(check.field.bit_slices)) for check in checks]
 
     @property
     def selectors_by_first_byte(self) -> list[tuple[int, str]]:
@@ -236,22 +237,22 @@ class Decoder:
         if isinstance(check, ZerosAbove):
             # The variable has the bits of the field and all bits above it.
             return f"{self.local(check.field)} >> {self.number(check.bits.width).operand}"
-        bits = self.read.bits(check.bits)
+        bits = self.bit_reader.bits(check.bits)
         if isinstance(check, AlwaysIs) and check.value:
             return f"{bits.operand} != {mask(check.value)}"
         return str(bits)
 
     # -- values
 
-    def bits(self, part: FieldToDecode) -> PythonExpression:
+    def bits(self, decoded_field: FieldToDecode) -> PythonExpression:
         """Return the bits of a field after all checks: its variable, if it has one, or else the expression."""
-        has_variable = part.field.name in self.assigned
-        return Atom(self.local(part.field)) if has_variable else self.read.bits(part.bits)
+        has_variable = decoded_field.field.name in self.assigned
+        return Atom(self.local(decoded_field.field)) if has_variable else self.bit_reader.bits(decoded_field.bits)
 
-    def values(self, part: FieldToDecode) -> list[PythonExpression]:
+    def values(self, decoded_field: FieldToDecode) -> list[PythonExpression]:
         """Return the values of the attributes of a field: one, or for decimal digits one for each digit run."""
-        field = part.field
-        bits = self.bits(part)
+        field = decoded_field.field
+        bits = self.bits(decoded_field)
         is_checked_with_first_byte = self.selects(field) and bool(self.failing_conditions)
         if is_checked_with_first_byte:
             # This variable maps the first byte to the selector.
@@ -264,7 +265,7 @@ class Decoder:
             case ZeroMeans(number_for_zero):
                 return [_replace_zero(bits, number_for_zero)]
             case ActiveFlag(low):
-                return [self._is_active(part, low_is_active=low)]
+                return [self._is_active(decoded_field, low_is_active=low)]
             case NamedChoice() if self.selects(field):
                 return [call(self.enum(field), bits)]
             case NamedChoice():
@@ -273,35 +274,36 @@ class Decoder:
             case DecimalDigits(runs):
                 return [run_value for _, run_value in digit_values(bits, runs)]
             case Latin1Text():
-                return [self._decode_text(part)]
+                return [self._decode_text(decoded_field)]
             case meaning:
                 assert_never(meaning)
 
-    def _decode_text(self, part: FieldToDecode) -> PythonExpression:
+    def _decode_text(self, decoded_field: FieldToDecode) -> PythonExpression:
         """Return the characters of a field, such as ``data[2:6].decode("latin-1")``."""
-        adjacent_bytes = self.read.characters(part.bits)
+        adjacent_bytes = self.bit_reader.characters(decoded_field.bits)
         if adjacent_bytes:
             return Atom(f'{adjacent_bytes}.decode("latin-1")')
-        return _text_of_number(part.field, self.bits(part))
+        return _text_of_number(decoded_field.field, self.bits(decoded_field))
 
-    def _is_active(self, part: FieldToDecode, *, low_is_active: bool) -> PythonExpression:
+    def _is_active(self, decoded_field: FieldToDecode, *, low_is_active: bool) -> PythonExpression:
         """Return the condition that a flag is active. If the order code does not have the flag, it is inactive.
 
         The width of a flag that only some order codes have is 1 or 0. With a width of 0, its bits are 0.
         """
-        width = part.field.width
+        width = decoded_field.field.width
         if not width.is_constant:
             # The inactive bits of an active-low flag equal its width: 1, or 0 without the flag.
             inactive = self.number(width) if low_is_active else number(0)
-            return Atom(f"{self.bits(part).operand} != {inactive.operand}")
-        return _is_flag_active(self.read.bit(part.bits, self._shorter_number(part)), low_is_active=low_is_active)
+            return Atom(f"{self.bits(decoded_field).operand} != {inactive.operand}")
+        flag_bit = self.bit_reader.bit(decoded_field.bits, self._shorter_number(decoded_field))
+        return _is_flag_active(flag_bit, low_is_active=low_is_active)
 
-    def _shorter_number(self, part: FieldToDecode) -> str:
+    def _shorter_number(self, decoded_field: FieldToDecode) -> str:
         """Return ``low``, the variable with the lowest bits of a word, if it exists and contains the flag.
 
         Otherwise, the result is an empty string. The variable exists if tables compute the CRC.
         """
-        low_bit = part.bits.low
+        low_bit = decoded_field.bits.low
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
         return "low" if self.tables and not self.plan.is_converted and is_in_low_table else ""
 
@@ -311,43 +313,44 @@ class Decoder:
         Each has a comment, which is empty for a variable with the name of the attribute.
         """
         decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])
-        for part in self.plan.parts:
-            self._add_values(part, decoded)
+        for decoded_field in self.plan.parts:
+            self._add_values(decoded_field, decoded)
         if self.plan.reserved:
-            differing_bits = str(self.read.differing_unused_bits())
+            differing_bits = str(self.bit_reader.differing_unused_bits())
             decoded.values.append((differing_bits, "unused, 1 where a bit differs from the manual"))
         elif self.plan.keeps_others:
-            other_bits = str(self.read.bits_without_field())
+            other_bits = str(self.bit_reader.bits_without_field())
             decoded.values.append((other_bits, "unused, all other bits"))
         return decoded
 
-    def _add_values(self, part: FieldToDecode, decoded: DecodedValues) -> None:
+    def _add_values(self, decoded_field: FieldToDecode, decoded: DecodedValues) -> None:
         """Add the values of a field to ``decoded``.
 
         If several values are computed from the field, a statement first assigns its bits to a variable.
         """
-        runs = part.field.runs
-        if len(runs) > 1 and part.field.name not in self.assigned:
-            decoded.statements.append(self.assign(part.field, self.read.bits(part.bits)))
-        attributes: Sequence[Field | Digits] = runs or (part.field,)
-        for attribute, expression in zip(attributes, self.values(part), strict=True):
+        runs = decoded_field.field.runs
+        if len(runs) > 1 and decoded_field.field.name not in self.assigned:
+            decoded.statements.append(self.assign(decoded_field.field, self.bit_reader.bits(decoded_field.bits)))
+        attributes: Sequence[Field | Digits] = runs or (decoded_field.field,)
+        for attribute, expression in zip(attributes, self.values(decoded_field), strict=True):
             code = str(expression)
             shows_its_name = code == self.local(attribute)
-            decoded.values.append((code, "" if shows_its_name else self._place_comment(part, attribute)))
+            decoded.values.append((code, "" if shows_its_name else self._place_comment(decoded_field, attribute)))
 
-    def _place_comment(self, part: FieldToDecode, attribute: Field | Digits) -> str:
+    def _place_comment(self, decoded_field: FieldToDecode, attribute: Field | Digits) -> str:
         """Return the comment on a value: the name of its attribute, and the place of its bits if they are read there.
 
         An example is ``warning, bit 6, active low``.
         """
         name = self.names.attribute(attribute.name)
-        has_variable = part.field.name in self.assigned
+        has_variable = decoded_field.field.name in self.assigned
         if has_variable or isinstance(attribute, Digits):
             return name
-        meaning = meaning_of(part.field)
+        meaning = meaning_of(decoded_field.field)
         is_active_low = isinstance(meaning, ActiveFlag) and meaning.low
         level = "active low" if is_active_low else ""
-        return ", ".join(filter(None, [name, self.read.place(part.bits), level]))
+        place = self.bit_reader.place(decoded_field.bits)
+        return ", ".join(text for text in (name, place, level) if text)
 
 
 class DecodedValues:

@@ -117,12 +117,14 @@ _END_OF_SENTENCE = re.compile(r"(?<=[.:?!]) (?=[A-Z])")
 def describe_module(device: Device, contents: Iterable[tuple[str, str]], example: Iterable[Block]) -> str:
     """Return the docstring of the module. ``contents`` are its public names, in groups with titles."""
     manual = device.manual
-    revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
+    date = f" of {manual.date}" if manual.date else ""
+    revision = f"revision {manual.revision}{date} ({manual.language})"
+    title = as_sentence(f"{device.title}, by {device.manufacturer.title}")
     return docstring(
-        as_sentence(f"{device.title}, by {device.manufacturer.title}"),
+        title,
         "Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in"
         " Python end in an underscore.",
-        ("Contents", [group for group in contents if group[1]]),
+        ("Contents", [(group_title, names) for group_title, names in contents if names]),
         *example,
         f"Version {device.manufacturer.version}, generated from the manual “{text_on_one_line(manual.title)}”,"
         f" {text_on_one_line(revision)}."
@@ -259,7 +261,8 @@ def describe_layout(device: Device, interface: Interface, frame: Layout) -> tupl
     The last one lists the titles of errata that affect a group of fields in the frame but not the frame itself. It is
     empty if there are none.
     """
-    summary = DOCSTRING_STYLE.sentence(say_layout.head(interface, frame, heading(frame.name), device.alternatives))
+    title = heading(frame.name)
+    summary = DOCSTRING_STYLE.sentence(say_layout.head(interface, frame, title, device.alternatives))
     group_names = dict.fromkeys(field.group for field in frame.fields if field.group)
     # These are paths in the spec of the device, where errata refer to them.
     group_paths = [f"field_groups.{name}" for name in group_names]

@@ -137,9 +137,14 @@ def multiply(value: PythonExpression, factor: int) -> PythonExpression:
     return value if factor == 1 else PythonOperation(value, "*", number(factor))
 
 
-def shift_value(value: PythonExpression, operator: str, by: PythonExpression) -> PythonExpression:
-    """Return ``value`` shifted by a distance, where ``operator`` is ``<<`` or ``>>``, or unchanged for 0."""
-    return value if by == Atom("0") else PythonOperation(value, operator, by)
+def shift_left(value: PythonExpression, distance: PythonExpression) -> PythonExpression:
+    """Return ``value << distance``, or the value unchanged for the distance 0."""
+    return value if distance == Atom("0") else PythonOperation(value, "<<", distance)
+
+
+def shift_right(value: PythonExpression, distance: PythonExpression) -> PythonExpression:
+    """Return ``value >> distance``, or the value unchanged for the distance 0."""
+    return value if distance == Atom("0") else PythonOperation(value, ">>", distance)
 
 
 def _sign_of(value: int) -> int:

@@ -135,17 +135,16 @@ class Module:
         self.name = self.context.module
         self.sections = [self._interface_section(interface) for interface in device.interfaces]
         self.registers = [self._register_class(register) for register in device.registers]
-        layout_classes = {
-            layout_class.register.name: layout_class
-            for layout_class in self.registers
-            if isinstance(layout_class, LayoutClass) and layout_class.register
+        self.class_by_register = {
+            register_class.register.name: register_class
+            for register_class in self.registers
+            if isinstance(register_class, LayoutClass) and register_class.register
         }
-        self.class_by_register = layout_classes
         self.procedures = [
-            ProcedureFunction(self.context, layout_classes, procedure) for procedure in device.procedures
+            ProcedureFunction(self.context, self.class_by_register, procedure) for procedure in device.procedures
         ]
         frames = tuple(layout_class for section in self.sections for layout_class in section.layout_classes)
-        self.layout_classes = (*frames, *layout_classes.values())
+        self.layout_classes = (*frames, *self.class_by_register.values())
         kinds = tuple(self._frame_kinds())
         self.codes = VariantTable(self.context, kinds, frames)
         procedures_by_interface: dict[str, tuple[str, ...]] = {}
@@ -154,7 +153,7 @@ class Module:
             procedures_by_interface[function.interface] = (*earlier_names, function.name)
         self.procedures_by_interface = procedures_by_interface
         function_by_procedure = {function.procedure.name: function for function in self.procedures}
-        self.readme = Readme(self.context, kinds, layout_classes, function_by_procedure)
+        self.readme = Readme(self.context, kinds, self.class_by_register, function_by_procedure)
         self.identities = list(identities(device))
         self.family = facts.family(device)
         self.manual = record_of("Manual", device.manual)

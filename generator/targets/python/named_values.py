@@ -53,39 +53,44 @@ class NamedValues(ParameterExpressions):
         self.values_by_name[name] = code
         return Atom(name)
 
-    def prefer(self, name: str, kind: str, value: Expression, comment: str = "") -> None:
-        """Prefer ``name`` for the variable of a value, unless another name is already preferred for it."""
-        if value.is_constant:
-            return
+    def prefer_for_size(self, name: str, size: Expression, comment: str = "") -> None:
+        """Prefer ``name`` for the variable of a number, such as a place or a width. ``comment`` explains its code."""
         # A plain scope returns the expression itself rather than a variable.
-        scope = ParameterExpressions(self.names)
-        expression = scope.expression_of(value) if kind == "size" else scope.ones(value)
-        preferred_name = self.preferred.setdefault((kind, str(expression)), name)
-        # The comment belongs to the first value with this expression.
-        if comment and preferred_name == name:
+        code = str(ParameterExpressions(self.names).expression_of(size))
+        if self._prefer("size", size, code, name) and comment:
             self.comments[name] = comment
+
+    def prefer_for_mask(self, name: str, width: Expression) -> None:
+        """Prefer ``name`` for the variable of a mask of ``width`` 1 bits."""
+        self._prefer("ones", width, str(ParameterExpressions(self.names).ones(width)), name)
+
+    def _prefer(self, kind: str, value: Expression, code: str, name: str) -> bool:
+        """Prefer a name for the variable of a value with this code, and return whether it is the preferred one.
+
+        Another name that is already preferred for equal code stays. A constant needs no variable.
+        """
+        return not value.is_constant and self.preferred.setdefault((kind, code), name) == name
 
 
 def prefer_names_of_fields(scope: NamedValues, layout_plan: LayoutPlan, class_names: ClassNames) -> None:
     """Prefer names of fields for places, widths, masks and limits that depend on the order code: ``position_bits``."""
     unused_name = _LocalNames(layout_plan, class_names).unused_name
-    scope.prefer(
-        "frame_bits", "size", layout_plan.layout.bits, comment_on_constant(layout_plan, layout_plan.layout.bits)
-    )
+    frame_bits = layout_plan.layout.bits
+    scope.prefer_for_size("frame_bits", frame_bits, comment_on_constant(layout_plan, frame_bits))
     for field in layout_plan.layout.fields:
-        scope.prefer(unused_name(f"{field.name}_bits"), "size", field.width)
         low_comment = comment_on_constant(layout_plan, field.low)
-        scope.prefer(unused_name(f"{field.name}_low"), "size", field.low, low_comment)
-        scope.prefer(unused_name(f"{field.name}_mask"), "ones", field.width)
+        scope.prefer_for_size(unused_name(f"{field.name}_bits"), field.width)
+        scope.prefer_for_size(unused_name(f"{field.name}_low"), field.low, low_comment)
+        scope.prefer_for_mask(unused_name(f"{field.name}_mask"), field.width)
     for check in layout_plan.checks:
         if isinstance(check, (NotAbove, IsBetween)):
-            scope.prefer(unused_name(f"highest_{check.field.name}"), "size", check.highest)
+            scope.prefer_for_size(unused_name(f"highest_{check.field.name}"), check.highest)
         if isinstance(check, IsBetween):
-            scope.prefer(unused_name(f"lowest_{check.field.name}"), "size", check.lowest)
+            scope.prefer_for_size(unused_name(f"lowest_{check.field.name}"), check.lowest)
     if layout_plan.gray is not None:
-        scope.prefer(unused_name("gray_low"), "size", layout_plan.gray.low)
-        scope.prefer(unused_name("gray_bits"), "size", layout_plan.gray.width)
-        scope.prefer(unused_name("gray_excess"), "size", layout_plan.gray.excess)
+        scope.prefer_for_size(unused_name("gray_low"), layout_plan.gray.low)
+        scope.prefer_for_size(unused_name("gray_bits"), layout_plan.gray.width)
+        scope.prefer_for_size(unused_name("gray_excess"), layout_plan.gray.excess)
 
 
 class _LocalNames:

@@ -28,7 +28,7 @@ from .codec import LayoutClass
 from .decode import digit_values
 from .docstrings import Block
 from .limits import limit_expressions, limits_depend
-from .literals import Atom, PythonExpression, shift_value
+from .literals import Atom, PythonExpression, shift_left
 from .names import PROCEDURE_NAMES, ModuleContext, attribute, encoder_name, interface_name, meaning_limits
 
 
@@ -156,7 +156,7 @@ class ProcedureFunction:
         """Return the mask of a field at its position in the register."""
         if field.is_fixed:
             return Atom(f"0x{field.mask_in_place:02X}")
-        return shift_value(self.scope.ones(field.width), "<<", self.scope.expression_of(field.low))
+        return shift_left(self.scope.ones(field.width), self.scope.expression_of(field.low))
 
     def verified_mask(self, op: VerifyWrite) -> PythonExpression:
         """Return the mask of the bits of a register that a step reads back and compares.
@@ -173,7 +173,7 @@ class ProcedureFunction:
         """Return a number or an argument, shifted to the position of the field."""
         if isinstance(value, int) and field.low.is_constant:
             return Atom(f"0x{value << field.low.constant:02X}")
-        return shift_value(Atom(str(value)), "<<", self.scope.expression_of(field.low))
+        return shift_left(Atom(str(value)), self.scope.expression_of(field.low))
 
     def members(self, member_value: AsMember, register: Register) -> list[tuple[str, PythonExpression]]:
         """Return the attributes of a register's class that an argument sets, each with its value.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from ...model import Field, Flag, Verdict, first_or_raise
 from ...model.expressions import Expression
@@ -16,8 +16,7 @@ from .names import ClassNames
 class FrameReports:
     """The reports of a frame, and its verdict, which says whether the position is usable.
 
-    ``reporting`` is None if the frame has no reports. ``attribute_of`` returns the code that reads an attribute of the
-    frame, by default ``self.error`` for ``error``. ``parameters`` contains the attribute of the variant for each
+    ``reporting`` is None if the frame has no reports. ``parameters`` contains the attribute of the variant for each
     parameter of the order code.
     """
 
@@ -27,15 +26,12 @@ class FrameReports:
         layout_plan: LayoutPlan,
         class_names: ClassNames,
         parameters: Mapping[str, str],
-        attribute_of: Callable[[str], str] = "self.{}".format,
     ) -> None:
         self._report_causes = reporting.causes if reporting is not None else ()
         self._verdict_rules = reporting.verdict_rules if reporting is not None else None
         self._reserved = layout_plan.reserved
         self._names = class_names
-        self._variant = attribute_of("variant")
         self._variant_attributes = parameters
-        self._attribute_of = attribute_of
 
     @property
     def _causes_by_verdict(self) -> Sequence[tuple[Verdict, Sequence[VerdictCause]]]:
@@ -95,7 +91,7 @@ class FrameReports:
         ``judging_bits`` is the number of such bits. An example is ``self.variant.has_flags == 0``.
         """
         attributes = self._variant_attributes.items()
-        code_of_parameter = {parameter: f"{self._variant}.{attribute}" for parameter, attribute in attributes}
+        code_of_parameter = {parameter: f"self.variant.{attribute}" for parameter, attribute in attributes}
         return f"{ParameterExpressions(code_of_parameter).expression_of(judging_bits).operand} == 0"
 
     # -- reports
@@ -135,7 +131,7 @@ class FrameReports:
         else:
             conditions = [self._read_attribute(flag_or_match)]
         for code_condition in cause.conditions:
-            parameter = f"{self._variant}.{self._variant_attributes[code_condition.parameter]}"
+            parameter = f"self.variant.{self._variant_attributes[code_condition.parameter]}"
             conditions.append(condition_on_parameter(code_condition, parameter))
         if cause.unless:
             combined_flags = [self._read_attribute(flag) for flag in cause.unless]
@@ -148,9 +144,9 @@ class FrameReports:
         The value of a flag is 1 while it is active.
         """
         conditions: list[PythonExpression] = []
-        for part, value in match.conditions:
-            attribute = self._read_attribute(part)
-            if not isinstance(part.field.kind, Flag):
+        for decoded_field, value in match.conditions:
+            attribute = self._read_attribute(decoded_field)
+            if not isinstance(decoded_field.field.kind, Flag):
                 conditions.append(Atom(f"{attribute} == {coded(value)}"))
             elif value:
                 conditions.append(attribute)
@@ -164,16 +160,16 @@ class FrameReports:
         If they are all unused fields of the frame, the condition is ``self.unused``.
         """
         # The attribute is a mask of the differing bits: the decoder already compared them with the manual.
-        differing_bits = Atom(self._attribute_of("unused"))
+        differing_bits = Atom("self.unused")
         # No two masks have a bit in common, so that their sum has the bits of all.
         mask_of_all = sum(unused_field.mask for unused_field in self._reserved)
         mask_of_fields = sum(unused_field.mask for unused_field in reserved)
         are_all = mask_of_fields == mask_of_all
         return differing_bits if are_all else PythonOperation(differing_bits, "&", mask(mask_of_fields))
 
-    def _read_attribute(self, part: FieldToDecode) -> PythonExpression:
+    def _read_attribute(self, decoded_field: FieldToDecode) -> PythonExpression:
         """Return the code that reads the attribute of a field, such as ``self.error``."""
-        return Atom(self._attribute_of(self._names.attribute(part.field.name)))
+        return Atom(f"self.{self._names.attribute(decoded_field.field.name)}")
 
 
 def _meaning_while_active(cause: VerdictCause) -> str:

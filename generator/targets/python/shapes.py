@@ -188,7 +188,8 @@ class ShapeLiteral:
         for crc in crcs:
             width = str(self.layout_class.number(crc.field.width))
             crcs_of_encoder.append(ConditionalItem(self._crc_call(crc), width))
-        return literal_call("next", literal_call("iter", tuple(crcs_of_encoder)), SourceText("None"))
+        iterator = literal_call("iter", tuple(crcs_of_encoder))
+        return literal_call("next", iterator, SourceText("None"))
 
     def _crc_call(self, frame_crc: FrameCrc) -> CallLiteral:
         """Return the call that describes a CRC: the function that checks one frame, and the steps for many frames."""

@@ -276,7 +276,8 @@ class VariantTable:
         highest = self._highest_signed(position_range)
         if measurement.highest is not None and modulus is not None:
             # From lowest to highest there are ``modulus`` positions.
-            lowest = PythonOperation(PythonOperation(highest, "-", modulus), "+", number(1))
+            below_lowest = PythonOperation(highest, "-", modulus)
+            lowest = PythonOperation(below_lowest, "+", number(1))
             return lowest, highest, modulus
         width = position_range.signed_field.width
         if width.is_constant:
@@ -313,7 +314,8 @@ class VariantTable:
             return self._scope.expression_of(stated_highest)
         if field.width.is_constant:
             return number((1 << (field.widest - 1)) - 1)
-        return PythonOperation(self._power_of_two(field.width - Expression(1)), "-", number(1))
+        width_without_sign = field.width - Expression(1)
+        return PythonOperation(self._power_of_two(width_without_sign), "-", number(1))
 
     @cached_property
     def lowest(self) -> ByInterface[PythonExpression] | None:
@@ -338,7 +340,8 @@ class VariantTable:
                 return self._highest_signed(position_range)
             return self._code_of(position_range.measurement.highest)
 
-        return self._ends_by_interface(highest_of, PythonOperation(Atom("self.modulus"), "-", number(1)))
+        default = PythonOperation(Atom("self.modulus"), "-", number(1))
+        return self._ends_by_interface(highest_of, default)
 
     @property
     def is_shifted(self) -> bool:

@@ -409,35 +409,36 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
 
 def wrong_encoder_error(
     variant: object,
-    kind: type[Encoder],
+    family_class: type[Encoder],
     interface: Interface,
     procedures: _Procedures = _NO_PROCEDURES,
 ) -> Exception:
     """Return the error for an encoder that belongs to a different family or does not have the interface ``interface``.
 
-    ``kind`` is the class of all encoders of the family. ``procedures`` lists the procedures for each interface, which
-    the message suggests. The error is a TypeError if ``variant`` is not an encoder.
+    ``family_class`` is the class of all encoders of the family. ``procedures`` lists the procedures for each interface,
+    which the message suggests. The error is a TypeError if ``variant`` is not an encoder.
     """
-    if isinstance(variant, kind):
+    if isinstance(variant, family_class):
         variant_interface = variant.interface
         suggestion = ""
         if variant_interface in procedures:
             suggestion = f". Procedures over {variant_interface.title}: {', '.join(procedures[variant_interface])}"
         return InterfaceError(variant.code, variant_interface, interface, suggestion)
     if isinstance(variant, Encoder):
-        return FamilyError(variant.code, variant.family.name, kind.family.name)
+        return FamilyError(variant.code, variant.family.name, family_class.family.name)
     return TypeError(f"expected an encoder, got {shorten(variant)}; lookup() returns one for an order code")
 
 
 def check_encoder(
     variant: object,
-    kind: type[Encoder],
+    family_class: type[Encoder],
     interface: Interface,
     procedures: _Procedures = _NO_PROCEDURES,
 ) -> None:
-    """Raise an error if the encoder does not belong to the family of the class ``kind``, or has a different interface.
+    """Raise an error if the encoder belongs to a different family or does not have the interface ``interface``.
 
-    ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
+    ``family_class`` is the class of all encoders of the family. ``procedures`` lists the procedures for each interface.
+    The message suggests them to callers of a procedure.
     """
-    if not isinstance(variant, kind) or variant.interface is not interface:
-        raise wrong_encoder_error(variant, kind, interface, procedures)
+    if not isinstance(variant, family_class) or variant.interface is not interface:
+        raise wrong_encoder_error(variant, family_class, interface, procedures)

@@ -168,15 +168,15 @@ class InputError(ValueError):
 
     Attributes:
         file: Name of the file.
+        message: Description of the error.
         place: Offset, line, row or column. Empty if the error concerns the whole file.
-        message: What is wrong.
     """
 
-    def __init__(self, file: str, place: str, message: str) -> None:
-        super().__init__(file, place, message)
+    def __init__(self, file: str, message: str, place: str = "") -> None:
+        super().__init__(file, message, place)
         self.file = file
-        self.place = place
         self.message = message
+        self.place = place
 
     def __str__(self) -> str:
         return f"{self.file}{', ' if self.place else ''}{self.place}: {self.message}"

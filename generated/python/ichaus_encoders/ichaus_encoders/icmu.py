@@ -431,7 +431,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             InterfaceError: The encoder has a different interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder_error(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
         return decode_frame(word, bits)
 

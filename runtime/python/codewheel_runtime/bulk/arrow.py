@@ -41,7 +41,7 @@ def read_column(column: Any, shape: Shape) -> Any:
         return read_arrow(column, shape)
     except NoFrame as error:
         reason = "frames as text need 0x in front: convert the column to integers"
-        raise InputError("the frames", f"row {error.row + 1}", reason) from None
+        raise InputError("the frames", reason, place=f"row {error.row + 1}") from None
 
 
 def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, rows_before: int = 0) -> Any:

@@ -21,6 +21,19 @@ class QuickChecks(NamedTuple):
     remaining: tuple[Check, ...]
 
 
+class _FixedBits:
+    """Bits of a frame that must have certain values."""
+
+    def __init__(self) -> None:
+        self.mask = 0
+        self.values = 0
+
+    def require(self, low: int, mask: int, values: int) -> None:
+        """Require that the bits in ``mask`` have these values. Bit 0 of both is bit ``low`` of the frame."""
+        self.mask |= mask << low
+        self.values |= (values & mask) << low
+
+
 @lru_cache(maxsize=256)
 def find_quick_checks(shape: Shape) -> QuickChecks:
     """Return the checks of a frame in the form in which they take the least time for many frames.
@@ -28,12 +41,13 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
     Checks are combined into a single comparison of all constant bits, and into the allowed values of single bytes. If
     the four lowest bits of a frame must be 1010, the result is ``fixed=((0xF, 0xA),)``.
     """
-    fixed_mask = fixed_bits = 0
+    fixed_bits = _FixedBits()
     remaining: list[Check] = []
     checks_by_byte: dict[int, list[Check]] = {}
     for check in shape.checks:
-        is_always_met = not check.width and not check.parity_of and holds(0, check)
-        if is_always_met:
+        # The value of a field without bits is 0.
+        has_no_bits = not check.width and not check.parity_of
+        if has_no_bits and holds(0, check):
             continue
         covers_unconverted_bits = bool(check.parity_of) and (shape.gray is not None or bool(shape.digit_codings))
         byte_indices = _find_bytes_of(check)
@@ -43,24 +57,20 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
         elif len(byte_indices) == 1:
             checks_by_byte.setdefault(byte_indices.pop(), []).append(check)
         elif len(possible_values) == 1:
-            fixed_mask |= ((1 << check.width) - 1) << check.low
-            fixed_bits |= possible_values[0] << check.low
+            fixed_bits.require(check.low, mask=(1 << check.width) - 1, values=possible_values[0])
         else:
             remaining.append(check)
     byte_values: list[tuple[int, tuple[int, ...]]] = []
-    for index, checks in checks_by_byte.items():
-        allowed = [byte for byte in range(256) if _are_all_met(byte << (8 * index), checks)]
+    for byte_index, checks in checks_by_byte.items():
+        allowed = [byte for byte in range(256) if _are_all_met(byte << (8 * byte_index), checks)]
         constant_mask = _find_constant_bits(allowed)
-        free_bits = 8 - constant_mask.bit_count()
-        # If the other bits can have any value, the constant bits are the whole condition.
-        if allowed and len(allowed) == 1 << free_bits:
-            fixed_mask |= constant_mask << (8 * index)
-            fixed_bits |= (allowed[0] & constant_mask) << (8 * index)
+        if allowed and _has_all_values(allowed, constant_mask):
+            fixed_bits.require(8 * byte_index, constant_mask, allowed[0])
         elif len(allowed) <= _MOST_COMPARED_VALUES:
-            byte_values.append((index, tuple(allowed)))
+            byte_values.append((byte_index, tuple(allowed)))
         else:
             remaining += checks
-    fixed = _split_into_words(fixed_mask, fixed_bits, shape.bits)
+    fixed = _split_into_words(fixed_bits.mask, fixed_bits.values, shape.bits)
     return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
 
 
@@ -74,6 +84,15 @@ def _find_constant_bits(values: list[int]) -> int:
     for value in values:
         constant_mask &= ~(value ^ values[0])
     return constant_mask
+
+
+def _has_all_values(values: list[int], constant_mask: int) -> bool:
+    """Return whether these values of a byte are all values with the same constant bits.
+
+    The constant bits are then the whole condition.
+    """
+    free_bits = 8 - constant_mask.bit_count()
+    return len(values) == 1 << free_bits
 
 
 def _split_into_words(mask: int, required_bits: int, bits: int) -> tuple[tuple[int, int], ...]:

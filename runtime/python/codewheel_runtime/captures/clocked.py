@@ -87,7 +87,7 @@ def find_clocked_frames(
         if stretch is not None:
             yield stretch
     if not finder.is_clocked:
-        raise InputError(name, "", "the clock never changes: choose another channel with --clock")
+        raise InputError(name, "the clock never changes: choose another channel with --clock")
     yield finder.finish()
 
 
@@ -133,7 +133,7 @@ class _CycleFinder:
         if len(ends):
             return self._take_cycles(ends)
         if count > _EDGES_WITHOUT_PAUSE:
-            raise InputError(name, "", "the clock never rests: choose another channel with --clock")
+            raise InputError(name, "the clock never rests: choose another channel with --clock")
         return None
 
     def _append(self, part: Edges) -> None:

@@ -14,7 +14,7 @@ from collections.abc import Generator, Sequence
 from configparser import ConfigParser
 from configparser import Error as ConfigError
 from contextlib import ExitStack, contextmanager
-from typing import Any, BinaryIO, Final
+from typing import Any, BinaryIO, Final, NamedTuple
 
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
@@ -22,7 +22,7 @@ from ..packages import load
 from .array_files import read_array_archive, read_array_file
 from .saleae import SALEAE_HEADER, read_saleae
 from .signal_text import read_table_signals, read_vcd_signals
-from .signals import MOST_UNPACKED, SAMPLES, SignalNames, Signals, read_samples
+from .signals import MOST_UNPACKED, SAMPLES, Samples, SignalNames, Signals, read_samples
 from .table_forms import HEADER, HINT, parse_rate
 
 np: Any = load("numpy")
@@ -90,9 +90,9 @@ def _open_single_file(
     if head.startswith(b"\x93NUMPY"):
         return read_array_file(file, path, names, rate)
     if not head:
-        raise InputError(path, "", "the file is empty")
+        raise InputError(path, "the file is empty")
     if b"\0" in head:
-        raise InputError(path, "", f"this is not a capture: {HINT}")
+        raise InputError(path, f"this is not a capture: {HINT}")
     # A value change dump begins with a command such as $date or $timescale.
     if head.lstrip().startswith(b"$"):
         return read_vcd_signals(file, path, names)
@@ -122,15 +122,31 @@ def _read_archive(
         archive = stack.enter_context(zipfile.ZipFile(file))
         file_names = archive.namelist()
     except _ERRORS_OF_DAMAGED_ZIP:
-        raise InputError(path, "", "this is not a valid sigrok session") from None
+        raise InputError(path, "this is not a valid sigrok session") from None
     has_arrays = any(file_name.endswith(".npy") for file_name in file_names)
     if has_arrays and "metadata" not in file_names:
         return read_array_archive(archive, path, names, rate, threshold)
     return _read_session(archive, path, names, rate)
 
 
-def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate: float | None) -> Signals:
-    """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
+class _SessionMetadata(NamedTuple):
+    """Metadata of a sigrok session.
+
+    Attributes:
+        sample_bytes: Number of bytes of a sample.
+        file_stem: Name of the files of samples, without their numbers. Empty if there are no logic signals.
+        probes: Names of the probes in use, by number. The lowest bit of a sample is probe 1.
+        rate: Sample rate in Hz, or None if it is not known.
+    """
+
+    sample_bytes: int
+    file_stem: str
+    probes: dict[int, str]
+    rate: float | None
+
+
+def _read_session_metadata(archive: zipfile.ZipFile, path: str) -> _SessionMetadata:
+    """Return the metadata of a session, which is a file in the format INI. Raises InputError if it is damaged."""
     try:
         with archive.open("metadata") as metadata:
             text = metadata.read(HEADER).decode("utf-8", "replace")
@@ -138,37 +154,48 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
         config.read_string(text)
         devices = [dict(config[name]) for name in config.sections() if "capturefile" in config[name]]
         device: dict[str, str] = devices[0] if devices else {}
-        # Number of bytes of a sample, and the name of the files of samples without their numbers.
-        size, stem = _parse_small_number(device.get("unitsize", "1")), device.get("capturefile", "")
+        sample_bytes = _parse_small_number(device.get("unitsize", "1"))
         # The names of the channels are the values of the keys probe1, probe2 and so on.
         probe_keys = [key for key in device if re.fullmatch(r"probe[0-9]{1,3}", key)]
-        probes = {_parse_small_number(key[5:]): device[key] for key in probe_keys}
+        probes = {_parse_small_number(key.removeprefix("probe")): device[key] for key in probe_keys}
     except (KeyError, ConfigError, ValueError, *_ERRORS_OF_DAMAGED_ZIP):
-        raise InputError(path, "", "this is not a valid sigrok session") from None
-    if not stem:
-        raise InputError(path, "", "this sigrok session has no logic signals")
-    if size not in (1, 2, 4, 8):
-        raise InputError(path, "", f"samples of {size} bytes are not supported: expected 1, 2, 4 or 8")
-    numbers = [number for number in sorted(probes) if 1 <= number <= 8 * size]
+        raise InputError(path, "this is not a valid sigrok session") from None
+    return _SessionMetadata(
+        sample_bytes=sample_bytes,
+        file_stem=device.get("capturefile", ""),
+        probes=probes,
+        rate=parse_rate(device.get("samplerate", "")),
+    )
+
+
+def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate: float | None) -> Signals:
+    """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
+    metadata = _read_session_metadata(archive, path)
+    sample_bytes, probes = metadata.sample_bytes, metadata.probes
+    if not metadata.file_stem:
+        raise InputError(path, "this sigrok session has no logic signals")
+    if sample_bytes not in (1, 2, 4, 8):
+        raise InputError(path, f"samples of {sample_bytes} bytes are not supported: expected 1, 2, 4 or 8")
+    numbers = [number for number in sorted(probes) if 1 <= number <= 8 * sample_bytes]
     channels = [probes[number] for number in numbers]
     # The number of a probe is also accepted, although only probes in use have names.
     numbered_names = names._replace(
         clock=_find_numbered_probe(names.clock, probes, numbers, path),
         data=_find_numbered_probe(names.data, probes, numbers, path),
     )
-    # Places are indices in ``channels``. The lowest bit is probe 1.
-    masks = tuple(1 << (numbers[place] - 1) for place in numbered_names.places(channels, path))
-    entries = _list_sample_files(archive, stem, path)
+    chosen_probes = [numbers[index] for index in numbered_names.places(channels, path)]
+    # The lowest bit of a sample is probe 1.
+    masks = tuple(1 << (number - 1) for number in chosen_probes)
+    entries = _list_sample_files(archive, metadata.file_stem, path)
     if not entries:
-        raise InputError(path, "", "this sigrok session has no samples")
-    sample_rate = rate or parse_rate(device.get("samplerate", ""))
+        raise InputError(path, "this sigrok session has no samples")
     total = sum(info.file_size for info in entries)
     if total > MOST_UNPACKED:
         sizes = f"{total / 1e9:.1f} GB unpacked, and at most {MOST_UNPACKED / 1e9:.1f} GB are read"
-        raise InputError(path, "", f"the samples have {sizes}: save a shorter session")
-    parts = _unpack_samples(archive, entries, size, path)
-    seconds = 1 / sample_rate if sample_rate else None
-    return Signals(read_samples(parts, masks), seconds=seconds, is_sampled=True, total=total)
+        raise InputError(path, f"the samples have {sizes}: save a shorter session")
+    samples = read_samples(_unpack_samples(archive, entries, sample_bytes, path), masks)
+    sample_rate = rate or metadata.rate
+    return Signals(samples, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=total)
 
 
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
@@ -186,7 +213,7 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
     if not is_number or text in probes.values():
         return name
     if int(text) not in numbers:
-        raise InputError(path, "", f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
+        raise InputError(path, f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
     return str(numbers.index(int(text)) + 1)
 
 
@@ -204,14 +231,14 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[z
         parts.append(named[name])
     numbered_names = [file_name for file_name in named if re.fullmatch(re.escape(stem) + "-[0-9]+", file_name)]
     if len(numbered_names) > len(parts):
-        raise InputError(path, "", f"this sigrok session is damaged: its file {name} is missing")
+        raise InputError(path, f"this sigrok session is damaged: its file {name} is missing")
     return parts
 
 
 def _unpack_samples(
     archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], size: int, path: str
-) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of a session as numbers, the number of bytes read, and None, because samples have no times.
+) -> Generator[Samples, None, None]:
+    """Yield the samples of a session as numbers. The amount read is the number of bytes so far.
 
     A sample has ``size`` bytes, and can begin in one file and end in the next. An incomplete sample at the end of the
     session is ignored.
@@ -226,10 +253,11 @@ def _unpack_samples(
                     data = remainder + block
                     sample_count = len(data) // size
                     remainder = data[sample_count * size :]
-                    yield np.frombuffer(data, f"<u{size}", count=sample_count), bytes_read, None
+                    samples = np.frombuffer(data, f"<u{size}", count=sample_count)
+                    yield Samples(samples, done=bytes_read)
     except _ERRORS_OF_DAMAGED_ZIP as error:
         raise InputError(
-            path, f"offset {bytes_read}", f"the samples are damaged: {error or 'they end early'}"
+            path, f"the samples are damaged: {error or 'they end early'}", place=f"offset {bytes_read}"
         ) from None
 
 

@@ -11,7 +11,7 @@ from typing import Any, BinaryIO, Final
 from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
-from .signals import Edges, SignalNames, Signals, pack_bits, read_samples
+from .signals import Edges, Samples, SignalNames, Signals, pack_bits, read_samples
 from .table_forms import STAMP, UNITS, TableForm, find_table_form
 
 np: Any = load("numpy")
@@ -47,7 +47,7 @@ def _read_blocks(file: BinaryIO, path: str, file_format: str) -> Generator[tuple
         end = data.rfind(b"\n") + 1
         if not end and len(data) > _BLOCK:
             raise InputError(
-                path, f"offset {bytes_read - len(data)}", f"a line is too long: this is not a {file_format} file"
+                path, f"a line is too long: this is not a {file_format} file", place=f"offset {bytes_read - len(data)}"
             )
         remainder = data[end:]
         if end:
@@ -86,11 +86,11 @@ def read_table_signals(
 
 def _read_table_parts(
     file: BinaryIO, path: str, form: TableForm, columns: list[int], threshold: float | None
-) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the levels of some rows, the number of bytes read so far, and the times of these rows.
+) -> Generator[Samples, None, None]:
+    """Yield the levels of the rows part by part, with their times if the table has times.
 
-    The times are None if the table has no times. ``columns`` are the indices of the columns of the signals. ``path`` is
-    for errors.
+    The amount read is the number of bytes so far. ``columns`` are the indices of the columns of the signals, and
+    ``path`` is for errors.
 
     Raises:
         InputError: The times are not in ascending order, or a cell is wrong.
@@ -102,9 +102,9 @@ def _read_table_parts(
         times, levels = reader.read(block, first_line)
         if times is not None:
             if not (last_time <= times[0] and (np.diff(times) >= 0).all()):
-                raise InputError(path, f"from line {first_line}", "the times are not in ascending order")
+                raise InputError(path, "the times are not in ascending order", place=f"from line {first_line}")
             last_time = float(times[-1])
-        yield levels, bytes_read, times
+        yield Samples(levels, done=bytes_read, times=times)
 
 
 class _RowReader:
@@ -170,7 +170,7 @@ class _RowReader:
             reason = str(error).splitlines()[0]
             if b"X" in block:
                 reason = "X means that a channel was off for some time: export a part in which all channels are on"
-            raise InputError(self._path, f"from line {line}", reason) from None
+            raise InputError(self._path, reason, place=f"from line {line}") from None
 
     def read(self, block: bytes, line: int) -> tuple[Any, Any]:
         """Return the times and the levels of some rows. The times are None if there are none, or if they are not used.
@@ -186,7 +186,7 @@ class _RowReader:
             stamps, block = self._split_off_stamps(block, line)
         table = self._read_numbers(block, line, [0, *self._columns])
         if not np.isfinite(table[:, 0]).all():
-            raise InputError(self._path, f"from line {line}", "expected times in the first column")
+            raise InputError(self._path, "expected times in the first column", place=f"from line {line}")
         times = np.ascontiguousarray(table[:, 0]) if stamps is None else stamps
         return times, self._convert_to_levels(table[:, 1:], line)
 
@@ -210,7 +210,7 @@ class _RowReader:
             return pack_bits(self._voltages.levels(cells))
         are_levels = (cells == 0) | (cells == 1)
         if not are_levels.all():
-            raise InputError(self._path, f"from line {line}", "expected columns of 0 and 1, or of voltages")
+            raise InputError(self._path, "expected columns of 0 and 1, or of voltages", place=f"from line {line}")
         return pack_bits(cells)
 
     def _split_off_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
@@ -227,14 +227,14 @@ class _RowReader:
             first_cell, _, following_cells = row.partition(delimiter)
             stamp = STAMP.match(first_cell.strip(b' "'))
             if stamp is None:
-                raise InputError(self._path, f"from line {line}", "expected a time stamp in the first column")
+                raise InputError(self._path, "expected a time stamp in the first column", place=f"from line {line}")
             stamp_texts.append(stamp[0].decode().replace(" ", "T"))
             rows_without_stamps.append(b"0" + delimiter + following_cells)
         try:
             times = np.array(stamp_texts, "datetime64[ns]")
         except ValueError as error:
             # Not every text in the form of a time stamp is a time stamp, such as a 13th month.
-            raise InputError(self._path, f"from line {line}", str(error)) from None
+            raise InputError(self._path, str(error), place=f"from line {line}") from None
         if self._first_stamp is None:
             self._first_stamp = times[0]
         # The differences are in nanoseconds.
@@ -316,7 +316,7 @@ def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
     header = head[: header_end.start()].decode("ascii", "replace") if header_end is not None else ""
     scale = _TIMESCALE.search(header)
     if header_end is None or scale is None:
-        raise InputError(path, "", "this is not a valid VCD file: the header has no time scale or no end")
+        raise InputError(path, "this is not a valid VCD file: the header has no time scale or no end")
     time_unit = int(scale[1]) * UNITS[scale[2]]
     file.seek(header_end.end())
     codes: list[bytes] = []
@@ -392,9 +392,9 @@ class _ValueChanges:
         """
         digits = token[1:]
         if not digits.isdigit() or len(digits) > _MAX_TIME_DIGITS:
-            raise InputError(self._path, "", f"the time {_format_token(token)} is not a number of at most 18 digits")
+            raise InputError(self._path, f"the time {_format_token(token)} is not a number of at most 18 digits")
         if int(digits) < self._now:
-            raise InputError(self._path, "", f"the time {_format_token(token)} is out of order")
+            raise InputError(self._path, f"the time {_format_token(token)} is out of order")
         self._now = int(digits)
         if self._begin == _NO_TIME:
             self._begin = self._now

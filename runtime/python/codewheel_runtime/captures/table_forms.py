@@ -99,12 +99,12 @@ def find_table_form(path: str, head: bytes) -> TableForm:
         InputError: The file is not a table.
     """
     if len(head) == HEADER and b"\n" not in head:
-        raise InputError(path, "", "a line is too long: this is not a capture")
+        raise InputError(path, "a line is too long: this is not a capture")
     lines = head.decode("utf-8-sig", "replace").splitlines()
     comments = [line.lstrip("; #") for line in lines if line.startswith(_COMMENT_MARKS)]
     table_lines = [line for line in lines if line.strip() and not line.startswith(_COMMENT_MARKS)]
     if not table_lines:
-        raise InputError(path, "", f"this is not a capture: {HINT}")
+        raise InputError(path, f"this is not a capture: {HINT}")
     delimiter = _find_delimiter(table_lines)
     has_decimal_commas = delimiter != "," and any(map(_DECIMAL_COMMA.search, table_lines))
     if has_decimal_commas:
@@ -112,7 +112,7 @@ def find_table_form(path: str, head: bytes) -> TableForm:
     cells_by_line = [_split_cells(line, delimiter) for line in table_lines]
     headers = _find_headers(cells_by_line)
     if headers is None:
-        raise InputError(path, "", f"this is not a capture: {HINT}")
+        raise InputError(path, f"this is not a capture: {HINT}")
     first_rows = cells_by_line[headers.line_count :][:_FIRST_ROWS]
     is_stamped = bool(first_rows and first_rows[0]) and _is_stamp(first_rows[0][0])
     unit = 1.0 if is_stamped else _find_time_unit(headers, first_rows)

@@ -100,7 +100,7 @@ def watch(
     Args:
         reader: The link.
         encoder: The encoder.
-        place: Name of the port.
+        port: Name of the port.
         count: Number of readings. By default, until interrupted.
         interval_s: Time in seconds from the start of a reading to the start of the next one.
         out: File to write to. The default is standard output.
@@ -114,14 +114,14 @@ def watch(
         RuntimeError: The encoder never answered. This is the error that ``reader`` raised.
     """
     screen = _Screen(encoder, port, out or sys.stdout, recorder, is_shown)
-    # Number of readings so far, and the time at which the next one starts.
-    done, due = 0, 0.0
+    readings_done = 0
+    next_start_s = 0.0
     try:
-        while count is None or done < count:
+        while count is None or readings_done < count:
             if interval_s:
-                due = _wait_until(due) + interval_s
+                next_start_s = _wait_until(next_start_s) + interval_s
             screen.show_reading_of(reader)
-            done += 1
+            readings_done += 1
     except KeyboardInterrupt:
         pass
     finally:
@@ -138,6 +138,13 @@ def _wait_until(due: float) -> float:
     return max(due, monotonic())
 
 
+class _RecentReading(NamedTuple):
+    """Time and unwrapped position of a reading. The position is None if it is not usable."""
+
+    time: float
+    position: int | None
+
+
 class _Screen:
     """Last readings of an encoder, and the lines on the terminal that show them."""
 
@@ -151,8 +158,8 @@ class _Screen:
         #: Last unwrapped position, and the range with which it was unwrapped.
         self._count: int | None = None
         self._range: PositionRange | None = None
-        #: Time and unwrapped position of each reading in the last half second, or None instead of a position.
-        self._recent: deque[tuple[float, int | None]] = deque()
+        #: Readings in the last half second.
+        self._recent: deque[_RecentReading] = deque()
         #: Number of failures by kind, such as "no reply".
         self._errors: Counter[str] = Counter()
         #: Time of the last drawing, number of its lines, and text of the last error.
@@ -181,12 +188,16 @@ class _Screen:
         if position is not None:
             self._count = self._unwrap(frame.__class__, position)
         if self._recorder is not None:
-            reports = " ".join(report.name for report in frame.reports)
-            self._recorder.write(RecordedReading(now - self._began, position, frame.verdict.value, reports, ""))
+            reading = RecordedReading(
+                time=now - self._began,
+                position=position,
+                verdict=frame.verdict.value,
+                reports=" ".join(report.name for report in frame.reports),
+            )
+            self._recorder.write(reading)
         usable_count = None if position is None else self._count
-        self._recent.append((now, usable_count))
-        # The first item of each reading is its time.
-        while self._recent and now - self._recent[0][0] > _SPAN_S:
+        self._recent.append(_RecentReading(now, usable_count))
+        while self._recent and now - self._recent[0].time > _SPAN_S:
             self._recent.popleft()
         self._update(now)
 
@@ -198,7 +209,7 @@ class _Screen:
         self._errors[kind] += 1
         self._last_error = str(error)
         if self._recorder is not None:
-            self._recorder.write(RecordedReading(now - self._began, None, "", "", kind))
+            self._recorder.write(RecordedReading(time=now - self._began, error=kind))
         self._update(now)
 
     def end(self) -> None:
@@ -252,10 +263,10 @@ class _Screen:
         if frame is None:
             return [("position", "-"), ("angle", "-"), ("speed", "-"), ("verdict", "-")]
         usable_position = frame.usable_position
-        name, value = _convert_to_unit(self._encoder, usable_position)
+        quantity, quantity_text = _convert_to_unit(self._encoder, usable_position)
         return [
             ("position", "-" if usable_position is None else f"{usable_position} counts"),
-            (name, value),
+            (quantity, quantity_text),
             ("speed", self._measure_speed()),
             ("verdict", frame.verdict.value.replace("_", " ")),
         ]
@@ -264,7 +275,7 @@ class _Screen:
         """Return the rows about alarms, rate and errors: labels and texts."""
         reports = self._frame.reports if self._frame is not None else ()
         # Times of all frames in the last half second, also of those without a usable position.
-        times = [time for time, _ in self._recent]
+        times = [reading.time for reading in self._recent]
         span = times[-1] - times[0] if times else 0.0
         # Between n times there are n - 1 readings.
         rate = (len(times) - 1) / span if span > 0 else 0.0
@@ -284,7 +295,7 @@ class _Screen:
 
     def _measure_speed(self) -> str:
         """Return the speed over the last half second with its unit, or ``-`` with fewer than two usable positions."""
-        timed_counts = [(time, count) for time, count in self._recent if count is not None]
+        timed_counts = [(reading.time, reading.position) for reading in self._recent if reading.position is not None]
         if len(timed_counts) < 2:
             return "-"
         first_time, first_count = timed_counts[0]

@@ -41,10 +41,10 @@ class RecordedReading(NamedTuple):
     """
 
     time: float
-    position: int | None
-    verdict: str
-    reports: str
-    error: str
+    position: int | None = None
+    verdict: str = ""
+    reports: str = ""
+    error: str = ""
 
 
 class Recorder(Protocol):

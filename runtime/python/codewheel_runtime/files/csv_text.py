@@ -51,7 +51,7 @@ def read_csv_rows(
     blocks = split_into_blocks(b"", file)
     head = next(blocks, b"")
     if head.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
-        raise InputError(name, "", "the text is UTF-16: save the file as UTF-8")
+        raise InputError(name, "the text is UTF-16: save the file as UTF-8")
     lines = _Lines(_open_text([head]), name)
     delimiter, rows = _open_rows(lines)
     # The first row decides about the header and the columns. Then the rows are read again from its block.
@@ -205,14 +205,14 @@ def _read_parts(
         has_whole_lines = block.endswith(b"\n")
         fast_block = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
         if fast_block is not None:
-            lines_read += fast_block.lines
+            lines_read += fast_block.line_count
             bytes_read += len(block)
             cells.seen += len(fast_block.frames)
             if is_first and len(fast_block.frames):
-                _check_first_cells(cells, fast_block.first, csv_file)
+                _check_first_cells(cells, fast_block.first_cells, csv_file)
                 is_first = False
             # The next block can end with an incomplete row, which is compared with this cell.
-            slow_reader.remember_last_cell(fast_block.last)
+            slow_reader.remember_last_cell(fast_block.last_cell)
             yield FrameBatch(fast_block.frames, bytes_read, fast_block.other_columns)
             continue
         # After a quote, a row can continue in the next block.
@@ -240,7 +240,7 @@ def _check_first_cells(cells: TextCells, texts: list[str], csv_file: _CsvFile) -
     name, storage, shape, find_valid_fraction = csv_file
     has_bits = not shape.length
     if cells.are_mostly_unread:
-        raise InputError(name, f"line {cells.place}", cells.error)
+        raise InputError(name, cells.error, place=f"line {cells.place}")
     if storage.digits is not None and has_bits:
         other_base: DigitKind = "hex" if storage.digits == "decimal" else "decimal"
         chosen_frames = _read_frames(texts, shape, storage.digits)
@@ -281,7 +281,7 @@ class _Lines:
 
     def make_error(self, message: str) -> InputError:
         """Return an error in the current line."""
-        return InputError(self.name, f"line {self.number}", message)
+        return InputError(self.name, message, place=f"line {self.number}")
 
 
 def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[str]]]:
@@ -343,13 +343,17 @@ def _find_frame_column(first_row: list[str], file_name: str, storage: StorageFor
         # -1 is the index of no column.
         column_index = int(requested) - 1 if is_number else -1
         if not 0 <= column_index < len(names):
-            raise InputError(file_name, "line 1", f"no column {short(requested)}; the columns are {listed(names)}")
+            raise InputError(
+                file_name, f"no column {short(requested)}; the columns are {listed(names)}", place="line 1"
+            )
     elif len(names) == 1:
         column_index = 0
     else:
         usual_index = find_usual_column(names)
         if usual_index is None:
-            raise InputError(file_name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
+            raise InputError(
+                file_name, f"choose the column with the frames; the columns are {listed(names)}", place="line 1"
+            )
         return _FrameColumn(usual_index, has_header=True)
     # An empty cell is a missing frame, not a header.
     first_cell = first_row[column_index]

@@ -29,16 +29,16 @@ class Block(NamedTuple):
     Attributes:
         frames: The frames.
         other_columns: Cells of the other columns, by name.
-        first: Cells of the first frames, at most 1000.
-        last: Cell of the last frame, or an empty string if there is none.
-        lines: Number of lines.
+        first_cells: Cells of the first frames, at most 1000.
+        last_cell: Cell of the last frame, or an empty string if there is none.
+        line_count: Number of lines.
     """
 
     frames: Any
     other_columns: dict[str, Any]
-    first: list[str]
-    last: str
-    lines: int
+    first_cells: list[str]
+    last_cell: str
+    line_count: int
 
 
 def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:

@@ -110,10 +110,10 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
         if names.count(wanted) == 1:
             return wanted
         problem = "several columns" if wanted in names else "no column"
-        raise InputError(file, "", f"{problem} {short(wanted)}; the columns are {listed(names)}")
+        raise InputError(file, f"{problem} {short(wanted)}; the columns are {listed(names)}")
     index = find_usual_column(names)
     if index is None:
-        raise InputError(file, "", f"choose the column with the frames; the columns are {listed(names)}")
+        raise InputError(file, f"choose the column with the frames; the columns are {listed(names)}")
     return names[index]
 
 
@@ -151,7 +151,7 @@ def check_form(
         other_fraction = find_valid_fraction(frames)
         if other_fraction >= 0.95:
             problem = f"{1 - valid_fraction:.0%} of the first {len(chosen_frames)} frames have an error"
-            raise InputError(name, "", f"{problem}; with {option}, {other_fraction:.0%} are valid")
+            raise InputError(name, f"{problem}; with {option}, {other_fraction:.0%} are valid")
 
 
 def read_seconds(cells: Any, source: str) -> Any:
@@ -176,6 +176,6 @@ def read_seconds(cells: Any, source: str) -> Any:
         # Python also reads digits with underscores between them, and bools.
         if np.isinf(time) or isinstance(cell, bool) or "_" in str(cell):
             reason = f"expected numbers in seconds with a decimal point, got {shorten(cell)}"
-            raise InputError(source, "column 'time'", reason)
+            raise InputError(source, reason, place="column 'time'")
         seconds.append(time)
     return np.array(seconds, np.float64)

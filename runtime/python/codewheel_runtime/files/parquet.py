@@ -66,9 +66,11 @@ def _read_batches(
         try:
             frames = read_arrow(batch.column(column), shape, storage.digits, rows_read)
         except NoFrame as error:
-            raise InputError(name, f"row {rows_read + error.row + 1} of column {short(column)}", str(error)) from None
+            raise InputError(
+                name, str(error), place=f"row {rows_read + error.row + 1} of column {short(column)}"
+            ) from None
         except TypeError as error:
-            raise InputError(name, f"column {short(column)}", str(error)) from None
+            raise InputError(name, str(error), place=f"column {short(column)}") from None
         rows_read += len(batch)
         yield FrameBatch(frames, rows_read, {column_name: batch.column(column_name) for column_name in kept_names})
 
@@ -84,4 +86,4 @@ def _convert_errors(name: str) -> Generator[None, None, None]:
     except (arrow_error, OSError, ValueError, MemoryError) as error:
         # The first line of the message, or the type of an error without a message.
         reason = next(iter(str(error).splitlines()), type(error).__name__)
-        raise InputError(name, "", f"this is not a valid Parquet file: {reason}") from None
+        raise InputError(name, f"this is not a valid Parquet file: {reason}") from None

@@ -146,7 +146,7 @@ def _read_binary(
     while data := _read(file, frame_bytes * inputs.CHUNK):
         is_first_block = not bytes_read
         if is_first_block and data.startswith(_ARROW_MARK):
-            raise InputError(name, "", "Arrow files cannot be decoded: save the table as Parquet")
+            raise InputError(name, "Arrow files cannot be decoded: save the table as Parquet")
         if is_first_block and not has_bytes:
             _check_first_words(data, name, storage.words, shape, find_valid_fraction)
         # If the size is known, an incomplete frame is reported before any frame is decoded.
@@ -183,7 +183,7 @@ def _incomplete_frame_error(name: str, size: int, frame_bytes: int) -> InputErro
     extra_text = "1 more byte follows" if extra_bytes == 1 else f"{extra_bytes} more bytes follow"
     problem = f"{whole_frames} complete frames of {frame_bytes} bytes end here, and {extra_text}"
     return InputError(
-        name, f"offset {whole_frames * frame_bytes}", f"{problem}; ignore the rest with --cut, or cut=True"
+        name, f"{problem}; ignore the rest with --cut, or cut=True", place=f"offset {whole_frames * frame_bytes}"
     )
 
 

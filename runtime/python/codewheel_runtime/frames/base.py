@@ -78,7 +78,10 @@ class Coded:
 
     def _arguments(self) -> tuple[Any, ...]:
         """Return the first fields of the frame: the encoder and the answers that its description needs."""
-        _, argument_types = find_description(cast(Any, type(self)))
+        # mypy takes the method __hash__ of the class for one of the type, so that it would not be hashable.
+        frame_class: Any = type(self)
+        _, argument_types = find_description(frame_class)
+        # Frames are NamedTuples, which type checkers do not see here.
         fields = cast("tuple[Any, ...]", self)
         return fields[: len(argument_types)]
 
@@ -104,6 +107,7 @@ class ForEncoder(Coded):
 
         The encoder keeps these functions in its attribute ``_encoders``, by the class of the frame.
         """
+        # Frames are NamedTuples, which type checkers do not see here.
         fields: Any = self
         try:
             encode: Encode = fields[0].__dict__["_encoders"][self.__class__]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, cast
 
 from ..codec import make_crc_tables
 from ..encoder import Encoder
-from .descriptions import find_description, shape_of
+from .descriptions import field_names, find_description, shape_of
 from .encode import compute_crc, encode_number
 
 if TYPE_CHECKING:
@@ -70,11 +70,10 @@ def make_encoder(frame_class: type, arguments: tuple[Any, ...]) -> Encode:
         number = encode_number(frame, shape, arguments)
         return number.to_bytes(shape.length, shape.order) if shape.length else number
 
-    fields = cast("tuple[str, ...]", cast(Any, frame_class)._fields)
     has_slow_fields = any(_describe_usual_bits(column) is None for column in shape.columns)
     if shape.limited is not None or shape.digit_codings or has_slow_fields:
         return encode_any
-    source = _FunctionText(shape, fields)
+    source = _FunctionText(shape, field_names(frame_class))
     source.names["encode_any"] = encode_any
     # Like the methods of a dataclass, the function is compiled from text, which contains only names from here.
     exec(source.text(), source.names)

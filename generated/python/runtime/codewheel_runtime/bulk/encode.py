@@ -58,7 +58,8 @@ def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstErro
     Each array has an element for each frame. ``arrays`` contains the values of each field by name. A value that does
     not fit is recorded in ``first_error``.
     """
-    row_count = len(next(iter(arrays.values())))
+    first_array = next(iter(arrays.values()))
+    row_count = len(first_array)
     words = _make_words_of_constants(shape, row_count)
     if "fault" in arrays:
         faults = arrays["fault"]

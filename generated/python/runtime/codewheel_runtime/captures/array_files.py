@@ -12,7 +12,7 @@ from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
 from .signal_text import Voltages
-from .signals import MOST_UNPACKED, SAMPLES, SignalNames, Signals, pack_bits, read_array, read_samples
+from .signals import MOST_UNPACKED, SAMPLES, Samples, SignalNames, Signals, pack_bits, read_array, read_samples
 
 np: Any = load("numpy")
 
@@ -40,16 +40,16 @@ def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
         read_header = numpy_format.read_array_header_1_0 if is_first_version else numpy_format.read_array_header_2_0
         shape, is_fortran, dtype = read_header(file)
     except Exception:  # The parser of the header raises many types.
-        raise InputError(path, "", "this is not a valid NumPy file") from None
+        raise InputError(path, "this is not a valid NumPy file") from None
     has_rows = len(shape) == 2
     are_integers = dtype.kind in "uib" and dtype.itemsize <= 8
     if is_fortran and has_rows:
         reason = "the samples of a channel follow each other: save numpy.ascontiguousarray(samples)"
-        raise InputError(path, "", reason)
+        raise InputError(path, reason)
     if not are_integers or len(shape) not in (1, 2):
-        raise InputError(path, "", f"expected whole numbers, one row per sample, got {dtype} {shape}")
+        raise InputError(path, f"expected whole numbers, one row per sample, got {dtype} {shape}")
     if has_rows and not 0 < shape[1] <= 1024:
-        raise InputError(path, "", f"expected 1 to 1024 channels, got {shape[1]}")
+        raise InputError(path, f"expected 1 to 1024 channels, got {shape[1]}")
     return _ArrayForm(dtype, shape[1] if has_rows else None, shape[0])
 
 
@@ -68,8 +68,8 @@ def read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float |
 
 def _read_array_parts(
     file: BinaryIO, path: str, form: _ArrayForm, places: Sequence[int]
-) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples of some rows as unsigned numbers, the number of bytes read so far, and None instead of times.
+) -> Generator[Samples, None, None]:
+    """Yield the samples of some rows as unsigned numbers. The amount read is the number of bytes so far.
 
     ``places`` are the columns of the signals. If the array has no columns, each number is a sample, and all its bits
     are kept. Raises InputError at the end if samples are missing there.
@@ -84,15 +84,16 @@ def _read_array_parts(
         row_count = len(data) // row_bytes
         samples = np.frombuffer(data, dtype, count=row_count * row_width)
         if channels is not None:
-            yield pack_bits(samples.reshape(-1, row_width)[:, places]), bytes_read, None
+            rows = samples.reshape(-1, row_width)
+            yield Samples(pack_bits(rows[:, places]), done=bytes_read)
             continue
         byte_order = dtype.byteorder if dtype.itemsize > 1 else ""
         # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
         samples = samples.view(f"{byte_order}u{dtype.itemsize}")
-        yield samples.astype(f"u{dtype.itemsize}", copy=False), bytes_read, None
+        yield Samples(samples.astype(f"u{dtype.itemsize}", copy=False), done=bytes_read)
     if bytes_read < form.sample_count * row_bytes:
         reason = f"this NumPy file ends early: it has {bytes_read // row_bytes} of {form.sample_count} samples"
-        raise InputError(path, "", reason)
+        raise InputError(path, reason)
 
 
 class _Arrays(NamedTuple):
@@ -115,7 +116,7 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
         name = file_name.removesuffix(".npy")
         array = _read_array_in(archive, file_name, path)
         if array.dtype.kind not in "uibf":
-            raise InputError(path, "", f"expected numbers in {short(name)}, got {array.dtype}")
+            raise InputError(path, f"expected numbers in {short(name)}, got {array.dtype}")
         if array.ndim == 1 and name.lower() in _NAMES_OF_TIMES:
             times = array.astype(np.float64)
         elif array.ndim:
@@ -123,7 +124,7 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
         elif name.lower() in _NAMES_OF_RATES:
             # An array without dimensions is a single number. If there are several rates, the first one counts.
             if not 0 < array < np.inf:
-                raise InputError(path, "", f"expected a sample rate above 0 in {short(name)}, got {array}")
+                raise InputError(path, f"expected a sample rate above 0 in {short(name)}, got {array}")
             rate = rate or float(array)
     return _Arrays(channels, times, rate)
 
@@ -138,7 +139,7 @@ def read_array_archive(
     """
     total = sum(info.file_size for info in archive.infolist())
     if total > MOST_UNPACKED:
-        raise InputError(path, "", f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
+        raise InputError(path, f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
     channels, times, rate_in_file = _load_arrays(archive, path)
     sample_rate = rate or rate_in_file
     arrays = list(channels.values())
@@ -146,22 +147,20 @@ def read_array_archive(
         try:
             return read_array(arrays[0], names, sample_rate)
         except TypeError as error:
-            raise InputError(path, "", str(error)) from None
+            raise InputError(path, str(error)) from None
     columns = arrays if times is None else [times, *arrays]
     shapes = {column.shape for column in columns}
     if len(shapes) != 1 or any(column.ndim != 1 for column in columns):
-        raise InputError(
-            path, "", "expected one array of samples, or an array of 0 and 1 of the same length per channel"
-        )
+        raise InputError(path, "expected one array of samples, or an array of 0 and 1 of the same length per channel")
     places = names.places([*channels], path)
     cells = np.stack([arrays[place] for place in places], 1)
     samples = pack_bits(_convert_to_levels(cells, threshold, path))
     masks = tuple(1 << bit for bit in range(len(places)))
-    edges = read_samples([(samples, len(samples), times)], masks)
+    edges = read_samples([Samples(samples, done=len(samples), times=times)], masks)
     if times is None:
         return Signals(edges, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=len(samples))
     if not (np.isfinite(times).all() and (np.diff(times) >= 0).all()):
-        raise InputError(path, "", "the times are not finite numbers in ascending order")
+        raise InputError(path, "the times are not finite numbers in ascending order")
     return Signals(edges, seconds=1.0, is_sampled=False, total=len(samples))
 
 
@@ -174,7 +173,7 @@ def _convert_to_levels(cells: Any, threshold: float | None, path: str) -> Any:
     if threshold is None and ((cells == 0) | (cells == 1)).all():
         return cells
     if not np.isfinite(cells).all():
-        raise InputError(path, "", "expected finite voltages: remove the samples that are infinite or NaN")
+        raise InputError(path, "expected finite voltages: remove the samples that are infinite or NaN")
     return Voltages(cells.min(axis=0), cells.max(axis=0), threshold).levels(cells)
 
 
@@ -183,7 +182,7 @@ def _read_array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
     try:
         return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
     except Exception:  # The parser of the header raises many types.
-        raise InputError(path, "", f"{short(name)} is not a valid NumPy array") from None
+        raise InputError(path, f"{short(name)} is not a valid NumPy array") from None
 
 
 #: Names of a sample rate in Hz next to the arrays of a file.

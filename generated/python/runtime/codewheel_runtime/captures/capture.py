@@ -5,9 +5,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import AbstractContextManager, suppress
+from contextlib import suppress
 from enum import Enum
-from functools import partial
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple, Protocol
@@ -30,7 +29,7 @@ from ..packages import load
 from ..reports import Interface
 from .accesses import Access
 from .any_biss import BissLayout
-from .capture_frames import Captured, CaptureFrames, list_paths, open_capture, open_captured_signals
+from .capture_frames import Captured, CaptureFrames, CaptureInput, list_paths, open_capture, open_captured_signals
 from .captured_frames import Lost
 from .clocked import find_clocked_frames
 from .contents import Capture, CaptureSummary, ChannelCapture, Log
@@ -99,9 +98,8 @@ class Captures(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
             OSError: A file cannot be read.
         """
-        return _read_capture(
-            self._find_encoder(encoder), source, Probes(clock, data, rate, rest, baud, threshold), layout, answers
-        )
+        probes = Probes(clock, data, rate, rest, baud, threshold)
+        return _read_capture(CaptureInput(self._find_encoder(encoder), source, probes, layout, answers))
 
     def decode_capture(
         self,
@@ -139,13 +137,10 @@ class Captures(NamedTuple):
         Raises:
             InputError, UsageError, OSError: See ``read_capture``.
         """
-        chosen_encoder = self._find_encoder(encoder)
         output = Output(os.fspath(target), find_target_format(target, to), columns, raw, force, si)
-        sources = list_paths(source)
         probes = Probes(clock, data, rate, rest, baud, threshold)
-        opening = open_capture(chosen_encoder, source, probes, layout, answers)
-        report = partial(_report_exchanged_lines, chosen_encoder, source, probes, layout, answers)
-        return _decode_capture(opening, chosen_encoder, sources, output, limit, progress, report)
+        capture_input = CaptureInput(self._find_encoder(encoder), source, probes, layout, answers)
+        return _decode_capture(capture_input, output, limit, progress)
 
     def _find_encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
         """Return the encoder for a label. Other arguments are returned unchanged."""
@@ -168,7 +163,7 @@ def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) ->
     """Decode a capture of BiSS frames with several data channels. ``source`` is its files, or an array of samples."""
     probes.check()
     names = probes.names(is_serial=False)
-    log = Log(None)
+    log = Log(limit=None)
     frames: list[Any] = []
     times: list[Any] = []
     with open_captured_signals(source, names, probes) as (signals, name):
@@ -178,21 +173,19 @@ def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) ->
             times.append(_round_times(part.times))
     log.finish()
     table = layout.decode_many(np.concatenate(frames))
-    return ChannelCapture(table, np.concatenate(times), tuple(log.lost), tuple(log.accesses))
+    return ChannelCapture(table=table, times=np.concatenate(times), lost=tuple(log.lost), accesses=tuple(log.accesses))
 
 
-def _read_capture(
-    encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
-) -> Capture:
+def _read_capture(capture_input: CaptureInput) -> Capture:
     """Decode a capture into one table.
 
     Raises InputError if the source is not a capture, and if no frame is valid because the clock and the data line are
     exchanged.
     """
-    log = Log(None)
+    log = Log(limit=None)
     frames: list[Any] = []
     times: list[Any] = []
-    with open_capture(encoder, source, probes, layout, answers) as capture_frames:
+    with open_capture(capture_input) as capture_frames:
         # If no frame is found, or none is valid, the lines may be exchanged. If so, that error is raised instead.
         try:
             for part in capture_frames.parts:
@@ -200,30 +193,30 @@ def _read_capture(
                 frames.append(part.frames)
                 times.append(_round_times(part.times))
         except InputError:
-            _report_exchanged_lines(encoder, source, probes, layout, answers)
+            _report_exchanged_lines(capture_input)
             raise
     log.finish()
-    table = decode_many(np.concatenate(frames), capture_frames.shape, encoder)
+    table = decode_many(np.concatenate(frames), capture_frames.shape, capture_input.encoder)
     if not table.ok.any():
-        _report_exchanged_lines(encoder, source, probes, layout, answers)
+        _report_exchanged_lines(capture_input)
     table = table.with_columns(**{capture_frames.time_column: np.concatenate(times)})
-    return Capture(table, tuple(log.lost), tuple(log.accesses), log.others)
+    return Capture(table=table, lost=tuple(log.lost), accesses=tuple(log.accesses), others=log.others)
 
 
-def _report_exchanged_lines(
-    encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
-) -> None:
+def _report_exchanged_lines(capture_input: CaptureInput) -> None:
     """Raise InputError if a capture has valid frames with the clock and the data line exchanged, otherwise do nothing.
 
     The caller has found no valid frames. With the lines exchanged, more than nine in ten of the first cycles must be
     valid.
     """
+    encoder = capture_input.encoder
     if isinstance(encoder, Encoder) and encoder.interface not in (Interface.BISS, Interface.SSI):
         return
     frame_count = valid_count = lost_count = 0
-    with suppress(InputError), open_capture(encoder, source, probes, layout, answers, swap_lines=True) as swapped:
+    with suppress(InputError), open_capture(capture_input._replace(swap_lines=True)) as swapped:
         for part in swapped.parts:
-            valid_count += int(decode_many(part.frames, swapped.shape, encoder).ok.sum())
+            table = decode_many(part.frames, swapped.shape, encoder)
+            valid_count += int(table.ok.sum())
             frame_count += len(part.frames)
             lost_count += len(part.lost)
             if frame_count > _MOST_LISTED:
@@ -232,29 +225,27 @@ def _report_exchanged_lines(
     are_most_valid = valid_count > 9 * invalid_count
     # One frame can be valid by chance.
     if valid_count > 1 and are_most_valid:
-        name = "the array" if hasattr(source, "dtype") else list_paths(source)[0]
+        name = "the array" if capture_input.is_array else list_paths(capture_input.source)[0]
         reason = "the clock and the data line are exchanged: no frame is valid"
-        raise InputError(name, "", f"{reason}, but {valid_count} are if you exchange the two channels")
+        raise InputError(name, f"{reason}, but {valid_count} are if you exchange the two channels")
 
 
 def _decode_capture(
-    opening: AbstractContextManager[CaptureFrames],
-    encoder: Encoder | BissLayout,
-    sources: list[str],
+    capture_input: CaptureInput,
     output: Output,
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
-    report_exchanged_lines: Callable[[], None],
 ) -> CaptureSummary:
     """Decode a capture into a file of columns, in bounded memory, and return the counts.
 
-    ``opening`` opens the capture, and ``sources`` are its files. ``limit`` is the maximum number of frames, and
-    ``progress`` is called from time to time with the amount read, the total if known, and the number of frames. If no
-    frame is valid, ``report_exchanged_lines`` can raise InputError. Raises UsageError if the frames have a field with
-    the name of the column of times.
+    ``limit`` is the maximum number of frames, and ``progress`` is called from time to time with the amount read, the
+    total if known, and the number of frames. Raises UsageError if the frames have a field with the name of the column
+    of times, and InputError if no frame is valid because the clock and the data line are exchanged.
     """
-    log = Log(_MOST_LISTED)
-    with opening as capture_frames, open_for_writing(output.target, sources, output.force) as file:
+    log = Log(limit=_MOST_LISTED)
+    encoder = capture_input.encoder
+    paths = list_paths(capture_input.source)
+    with open_capture(capture_input) as capture_frames, open_for_writing(output.target, paths, output.force) as file:
         time_column = capture_frames.time_column
         time_columns = {time_column: np.zeros(0)}
         # A table without frames, which shows the columns of the result.
@@ -262,20 +253,20 @@ def _decode_capture(
         if time_column in empty_table:
             raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
         empty_table = empty_table.with_columns(**time_columns)
-        add_columns = SpeedColumns(time_column, sources[0]) if output.si else None
+        add_columns = SpeedColumns(time_column, paths[0]) if output.si else None
         if add_columns is not None:
             empty_table = add_columns.check(empty_table)
         frame_source = Source(_make_batches(capture_frames, log), capture_frames.total, (time_column,), time_columns)
-        plan = make_plan(empty_table, frame_source, output.columns, sources[0], output.raw)
+        plan = make_plan(empty_table, frame_source, output.columns, paths[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
                 frames = decode_parts(frame_source, capture_frames.shape, encoder, sink, limit, progress, add_columns)
             except InputError:
-                report_exchanged_lines()
+                _report_exchanged_lines(capture_input)
                 raise
         has_no_valid_frame = frames.frames == sum(frames.faults.values())
         if has_no_valid_frame:
-            report_exchanged_lines()
+            _report_exchanged_lines(capture_input)
     log.finish()
     return CaptureSummary(
         frames=frames,

@@ -43,40 +43,51 @@ class CaptureFrames(NamedTuple):
     total: int | None
 
 
-@contextmanager
-def open_capture(
-    encoder: Encoder | BissLayout,
-    source: Captured,
-    probes: Probes,
-    layout: str,
-    answers: Mapping[str, Any],
-    swap_lines: bool = False,
-) -> Generator[CaptureFrames, None, None]:
-    """Open a capture, and yield its frames. With ``swap_lines``, the clock and the data line are exchanged.
+class CaptureInput(NamedTuple):
+    """Capture to decode, and how.
 
-    Args:
+    Attributes:
         encoder: The encoder, or a layout of BiSS frames.
         source: Files, or an array of samples.
         probes: Arguments about the connection and the timing.
         layout: Kind of the replies on a serial line, or empty for the most frequent one with a position.
         answers: Answers to the questions that the manual leaves open, by name.
         swap_lines: Use the clock as the data line and the data line as the clock.
+    """
+
+    encoder: Encoder | BissLayout
+    source: Captured
+    probes: Probes
+    layout: str
+    answers: Mapping[str, Any]
+    swap_lines: bool = False
+
+    @property
+    def is_array(self) -> bool:
+        """True if the source is an array of samples."""
+        return hasattr(self.source, "dtype")
+
+
+@contextmanager
+def open_capture(capture_input: CaptureInput) -> Generator[CaptureFrames, None, None]:
+    """Open a capture, and yield its frames.
 
     Raises:
         UsageError: Captures are not supported for this encoder, or an argument is invalid.
         InputError: The source is not a capture, or has no such signals.
     """
+    encoder, source, probes, layout, answers, swap_lines = capture_input
     interface = encoder.interface if isinstance(encoder, Encoder) else Interface.BISS
     if interface is Interface.SPI:
-        how = "let the analyzer's own SPI decoder export the words, and decode them as a file of frames"
-        raise UsageError(f"{encoder.code} has the interface SPI, whose captures are not supported: {how}")
+        advice = "let the analyzer's own SPI decoder export the words, and decode them as a file of frames"
+        raise UsageError(f"{encoder.code} has the interface SPI, whose captures are not supported: {advice}")
     if isinstance(encoder, Encoder) and encoder.exchanges():
-        how = "let the analyzer's own serial decoder export the bytes, and decode the replies as a file of frames"
-        raise UsageError(f"the replies of {encoder.code} have no data ID, so they are not found in captures: {how}")
+        advice = "let the analyzer's own serial decoder export the bytes, and decode the replies as a file of frames"
+        reason = f"the replies of {encoder.code} have no data ID, so they are not found in captures"
+        raise UsageError(f"{reason}: {advice}")
     probes.check()
     is_serial = interface is Interface.RS485
-    is_array = hasattr(source, "dtype")
-    if isinstance(encoder, Encoder) and is_serial and not is_array:
+    if isinstance(encoder, Encoder) and is_serial and not capture_input.is_array:
         paths = list_paths(source)
         columns = _find_exported_columns(paths)
         if columns is not None:
@@ -113,7 +124,7 @@ def _find_replies(
     parts = find_replies(line, name, _find_baud_rate(encoder, probes), kinds)
     first_part = next(parts)
     if not first_part.kind:
-        raise InputError(name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code")
+        raise InputError(name, f"no valid reply of {encoder.code}: check the channel, the baud rate and the code")
     return CaptureFrames(
         parts=_prepend(first_part, parts),
         shape=kinds.replies[first_part.kind],
@@ -149,7 +160,7 @@ def _find_frames(
     if shape.bits > 64:
         raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
     parts = find_clocked_frames(signals, name, interface_name, shape.bits, probes.rest)
-    return CaptureFrames(parts, shape, time_column, total=signals.total)
+    return CaptureFrames(parts=parts, shape=shape, time_column=time_column, total=signals.total)
 
 
 def _prepend(

@@ -10,7 +10,7 @@ from typing import Any, BinaryIO, Final
 from ..errors import InputError
 from ..packages import load
 from .signal_text import measure_size
-from .signals import SAMPLES, Signals, merge_edges
+from .signals import SAMPLES, SignalEdges, Signals, merge_edges
 
 np: Any = load("numpy")
 
@@ -34,9 +34,9 @@ class _Saleae:
         # Eight bytes of identification, then two numbers. Kind 0 is a digital channel.
         version, channel_kind = struct.unpack("<8xii", self._read_exactly(16))
         if channel_kind != 0:
-            raise InputError(path, "", "this Saleae file has analog values: export the digital channels")
+            raise InputError(path, "this Saleae file has analog values: export the digital channels")
         if version not in (0, 1):
-            raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")
+            raise InputError(path, f"Saleae's binary format {version} is not supported: export as CSV")
         self._has_rate = version == 1
         self.chunks = 1
         if self._has_rate:
@@ -51,7 +51,7 @@ class _Saleae:
         """Return the next ``size`` bytes. Raises InputError if there are fewer bytes."""
         data = self._file.read(size)
         if len(data) != size:
-            raise InputError(self._path, "", "this Saleae file ends early")
+            raise InputError(self._path, "this Saleae file ends early")
         return data
 
     def _read_chunk(self) -> tuple[int, int]:
@@ -65,39 +65,39 @@ class _Saleae:
         # The sample rate is not used, because times are in seconds.
         level, *_, begin, end, count = header.unpack(self._read_exactly(header.size))
         if not (np.isfinite(begin) and np.isfinite(end)) or level > 1:
-            raise InputError(self._path, "", "this Saleae file is damaged")
+            raise InputError(self._path, "this Saleae file is damaged")
         self._start = begin
         self.end = max(self.end, end)
         return int(level), int(count)
 
-    def edges(self) -> Generator[tuple[int, Any, int], None, None]:
-        """Yield the level before some edges, their times, and the number of bytes read so far.
+    def edges(self) -> Generator[SignalEdges, None, None]:
+        """Yield the edges part by part. The amount read is the number of bytes so far.
 
         The first part has no edges, but shows the level at the beginning.
         """
         last_time = -np.inf
         level, _ = self._ready
-        yield level, np.zeros(0), self._file.tell()
+        yield SignalEdges(level, np.zeros(0), done=self._file.tell())
         for chunk_index in range(self.chunks):
             first_level, count = self._ready if chunk_index == 0 else self._read_chunk()
             if self._start < last_time:
-                raise InputError(self._path, "", "the parts of this Saleae file are not in ascending order")
+                raise InputError(self._path, "the parts of this Saleae file are not in ascending order")
             if first_level != level:
                 # The signal changed in the gap before this chunk, which is reported as an edge at its start.
                 level_before = level
                 level = first_level
                 last_time = self._start
-                yield level_before, np.array([self._start]), self._file.tell()
+                yield SignalEdges(level_before, np.array([self._start]), done=self._file.tell())
             while count:
                 read_count = min(count, _EDGES_AT_ONCE)
                 edge_times = self._read_edge_times(read_count, last_time)
-                yield level, edge_times, self._file.tell()
+                yield SignalEdges(level, edge_times, done=self._file.tell())
                 count -= read_count
                 last_time = float(edge_times[-1])
                 # An odd number of edges inverts the level.
                 level ^= read_count & 1
         if self._file.read(1):
-            raise InputError(self._path, "", "this Saleae file is damaged: more bytes follow its last edge")
+            raise InputError(self._path, "this Saleae file is damaged: more bytes follow its last edge")
 
     def _read_edge_times(self, count: int, last_time: float) -> Any:
         """Return the next ``count`` edge times. Raises InputError unless they ascend from ``last_time``."""
@@ -105,7 +105,7 @@ class _Saleae:
         edge_times = np.frombuffer(self._read_exactly(8 * count), "<f8")
         are_finite = np.isfinite(edge_times).all()
         if not are_finite or edge_times[0] < last_time or (np.diff(edge_times) < 0).any():
-            raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
+            raise InputError(self._path, "the times of this Saleae file are not in ascending order")
         return edge_times
 
 

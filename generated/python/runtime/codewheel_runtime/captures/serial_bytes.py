@@ -144,13 +144,13 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
         has_stop_bits = np.ones(len(numbered_rows), bool)
         for index, (line, row) in enumerate(numbered_rows):
             if len(row) <= max(time_column, byte_column):
-                raise InputError(path, f"line {line}", "the row ends early")
+                raise InputError(path, "the row ends early", place=f"line {line}")
             values[index] = _read_byte(row[byte_column], path, line)
             try:
                 times[index] = float(row[time_column])
             except ValueError:
                 reason = f"{short(row[time_column])} is not a time in seconds: export without time stamps of ISO 8601"
-                raise InputError(path, f"line {line}", reason) from None
+                raise InputError(path, reason, place=f"line {line}") from None
             # A byte without a stop bit has a cell that names a framing error.
             has_stop_bits[index] = not any("framing" in cell.lower() for cell in row)
         yield Bytes(values, times, has_stop_bits, line)
@@ -168,7 +168,7 @@ def _read_byte(cell: str, path: str, line: int) -> int:
         if number <= 255:
             return number
     reason = f"{short(cell)} is not a byte: export with hexadecimal numbers"
-    raise InputError(path, f"line {line}", reason)
+    raise InputError(path, reason, place=f"line {line}")
 
 
 def _add_end_mark(signals: Signals) -> Iterator[Any]:

@@ -80,30 +80,50 @@ class SignalNames(NamedTuple):
         missing, and there are as many channels as signals, they are taken in order. If only one of two signals has a
         channel, the other gets the remaining one of two channels. Raises the errors of ``places``.
         """
-        choices: list[_SignalChoice] = [(self.data, _NAMES_OF_SERIAL_LINES, "--data")]
-        if self.clock is not None:
-            choices = [(self.clock, _NAMES_OF_CLOCKS, "--clock"), (self.data, _NAMES_OF_DATA, "--data")]
+        if self.clock is None:
+            choices = [_SignalChoice(self.data, _NAMES_OF_SERIAL_LINES, "--data")]
+        else:
+            choices = [
+                _SignalChoice(self.clock, _NAMES_OF_CLOCKS, "--clock"),
+                _SignalChoice(self.data, _NAMES_OF_DATA, "--data"),
+            ]
         if len(channels) < len(choices):
-            raise InputError(file, "", f"expected channels of a clock and a data line, got {listed(list(channels))}")
-        places: list[int | None] = []
-        for name, usual_names, _ in choices:
-            place = _find_place(channels, name) if name else _find_usual_place(channels, usual_names)
-            places.append(place)
-        has_chosen_name = any(name for name, _, _ in choices)
+            raise InputError(file, f"expected channels of a clock and a data line, got {listed(list(channels))}")
+        places = [choice.find_place(channels) for choice in choices]
+        has_chosen_name = any(choice.name for choice in choices)
         if None in places and not has_chosen_name and len(channels) == len(choices):
             # Of two channels with other names, the first one is the clock.
             return tuple(range(len(choices)))
         if len(choices) == len(channels) == 2:
             places = _add_remaining_channel(choices, places)
         known_places: list[int] = []
-        for (name, _, option), place in zip(choices, places, strict=True):
+        for choice, place in zip(choices, places, strict=True):
             if place is None:
-                problem = f"no channel {short(name)}" if name else f"choose a channel with {option}"
-                raise InputError(file, "", f"{problem}; the channels are {listed(list(channels))}")
+                advice = f"choose a channel with {choice.option}"
+                problem = f"no channel {short(choice.name)}" if choice.name else advice
+                raise InputError(file, f"{problem}; the channels are {listed(list(channels))}")
             known_places.append(place)
         if len({*known_places}) < len(known_places):
             raise UsageError("the clock and the data line are the same channel")
         return tuple(known_places)
+
+
+class _SignalChoice(NamedTuple):
+    """Choice of the channel of one signal.
+
+    Attributes:
+        name: Name or number that the user chose, or empty.
+        usual_names: Usual names of the signal, in lower case.
+        option: Option of the command line that chooses the channel.
+    """
+
+    name: str
+    usual_names: tuple[str, ...]
+    option: str
+
+    def find_place(self, channels: Sequence[str]) -> int | None:
+        """Return the index of the chosen channel, or of the one with a usual name. None if there is no such channel."""
+        return _find_place(channels, self.name) if self.name else _find_usual_place(channels, self.usual_names)
 
 
 def _add_remaining_channel(choices: Sequence[_SignalChoice], places: list[int | None]) -> list[int | None]:
@@ -112,16 +132,13 @@ def _add_remaining_channel(choices: Sequence[_SignalChoice], places: list[int | 
     A place is None if it is not known. It stays None if the chosen name of the signal does not exist.
     """
     known = [place for place in places if place is not None]
-    has_unknown_name = any(name and place is None for (name, _, _), place in zip(choices, places, strict=True))
+    has_unknown_name = any(choice.name and place is None for choice, place in zip(choices, places, strict=True))
     if len(known) != 1 or has_unknown_name:
         return places
     # The places are 0 and 1.
     remaining = 1 - known[0]
     return [remaining if place is None else place for place in places]
 
-
-#: Chosen name of a signal, its usual names, and the option that chooses it.
-_SignalChoice = tuple[str, tuple[str, ...], str]
 
 _NAMES_OF_CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
 _NAMES_OF_DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")
@@ -159,12 +176,22 @@ def _find_usual_place(channels: Sequence[str], usual_names: Iterable[str]) -> in
 # Samples
 
 
-def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) -> Generator[Edges, None, None]:
-    """Yield the edges of the signals in samples.
+class Samples(NamedTuple):
+    """Samples in one stretch of a capture.
 
-    Each part has one number per sample, the amount read so far, and the time of each sample. If the times are None,
-    samples are numbered from 0. ``masks`` contains the bit of each signal in a sample.
+    Attributes:
+        values: One number per sample, whose bits are the levels of the channels.
+        done: Amount of the file that has been read so far.
+        times: Time of each sample. If it is None, samples are numbered from 0.
     """
+
+    values: Any
+    done: int
+    times: Any = None
+
+
+def read_samples(parts: Iterable[Samples], masks: tuple[int, ...]) -> Generator[Edges, None, None]:
+    """Yield the edges of the signals in samples. ``masks`` contains the bit of each signal in a sample."""
     signals_mask = sum(masks)
     # The number of the first sample of a part, and the last sample of the previous part.
     first_number = 0
@@ -187,7 +214,7 @@ def read_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) 
         first_number += len(samples)
         last_sample = int(samples[-1])
         first_levels = tuple(int(levels_before & mask != 0) for mask in masks)
-        yield Edges(first_levels, tuple(edge_times), begin, end, done)
+        yield Edges(levels=first_levels, times=tuple(edge_times), begin=begin, end=end, done=done)
 
 
 def _find_changes(samples: Any, sample_before: int, mask: int) -> tuple[Any, Any]:
@@ -249,8 +276,8 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
     return Signals(edges, seconds=1 / rate if rate else None, is_sampled=True, total=len(array))
 
 
-def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:
-    """Yield the samples part by part: numbers, the number of samples so far, and None instead of their times.
+def _split_array(array: Any, places: tuple[int, ...]) -> Generator[Samples, None, None]:
+    """Yield the samples part by part. The amount read is the number of samples so far.
 
     ``places`` are the columns of the signals. If the array has rows, only these columns are kept, as bits of a number.
     """
@@ -260,43 +287,59 @@ def _split_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, in
             part = pack_bits(part[:, places])
         elif part.dtype.kind != "u":
             part = part.astype(f"u{part.dtype.itemsize}")
-        yield part, start + len(part), None
+        yield Samples(part, done=start + len(part))
 
 
 # Edges of signals that are stored separately
 
 
+class SignalEdges(NamedTuple):
+    """Some edges of one signal that is stored separately.
+
+    Attributes:
+        level: Level before the edges.
+        times: Times of the edges.
+        done: Amount of the file that has been read so far.
+    """
+
+    level: int
+    times: Any
+    done: int
+
+
 def merge_edges(
-    signals: Sequence[Generator[tuple[int, Any, int], None, None]], end: Callable[[], float]
+    signals: Sequence[Generator[SignalEdges, None, None]], end: Callable[[], float]
 ) -> Generator[Edges, None, None]:
     """Yield the edges of signals that are stored separately, one stretch of the capture after another.
 
-    Each generator yields the level before some edges, their times, and the amount read so far, at least once. ``end``
-    returns the end of the capture once all of them are exhausted. Edges that were read are kept in ``pending_times``
-    until the other signals have been read up to the same time.
+    Each generator yields at least one part, which has no edges but shows the first level. ``end`` returns the end of
+    the capture once all of them are exhausted. Edges that were read are kept in ``pending_times`` until the other
+    signals have been read up to the same time.
     """
     first_parts = [next(signal) for signal in signals]
-    levels = [level for level, _, _ in first_parts]
-    pending_times = [times for _, times, _ in first_parts]
-    amounts_read = [amount for _, _, amount in first_parts]
-    unfinished = set(range(len(signals)))
+    levels = [part.level for part in first_parts]
+    pending_times = [part.times for part in first_parts]
+    amounts_read = [part.done for part in first_parts]
+    unfinished = {*range(len(signals))}
     begin = -np.inf
     while unfinished:
         # Continue with the signal whose edges end first.
-        index = min(sorted(unfinished), key=lambda signal_index: _find_last_time(pending_times[signal_index]))
-        part = next(signals[index], None)
+        last_times = {index: _find_last_time(pending_times[index]) for index in sorted(unfinished)}
+        earliest = min(last_times, key=last_times.__getitem__)
+        part = next(signals[earliest], None)
         if part is None:
             # All edges of this signal have been read.
-            unfinished.remove(index)
+            unfinished.remove(earliest)
+            del last_times[earliest]
         else:
-            _, times, amounts_read[index] = part
-            pending_times[index] = np.concatenate([pending_times[index], times])
+            amounts_read[earliest] = part.done
+            pending_times[earliest] = np.concatenate([pending_times[earliest], part.times])
+            last_times[earliest] = _find_last_time(pending_times[earliest])
         # The edges of all signals are known up to the earliest of their last edges.
-        last_times = [_find_last_time(pending_times[signal_index]) for signal_index in unfinished]
-        known_until = min(last_times) if last_times else end()
+        known_until = min(last_times.values()) if last_times else end()
         counts = [int(np.searchsorted(times, known_until, "right")) for times in pending_times]
         edge_times = tuple(times[:count] for times, count in zip(pending_times, counts, strict=True))
-        yield Edges(tuple(levels), edge_times, begin, known_until, sum(amounts_read))
+        yield Edges(levels=tuple(levels), times=edge_times, begin=begin, end=known_until, done=sum(amounts_read))
         begin = known_until
         # An odd number of edges inverts the level.
         levels = [level ^ (count & 1) for level, count in zip(levels, counts, strict=True)]

@@ -65,7 +65,7 @@ def find_replies(
             yield from map(finder.with_kind, waiting_frames)
             waiting_frames.clear()
     if is_silent:
-        raise InputError(name, "", "no byte was sent: choose another channel with --data")
+        raise InputError(name, "no byte was sent: choose another channel with --data")
     yield from map(finder.with_kind, [*waiting_frames, finder.finish()])
 
 

@@ -99,11 +99,14 @@ def _read_frames(encoder: Encoder | BissLayout, options: argparse.Namespace) -> 
     storage = StorageFormat(digits=options.digits, wanted=("time",))
     with open_source(path, storage, shape, _accept_all_frames) as frame_source:
         if "time" not in frame_source.empty_columns:
-            raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
+            raise InputError(path, "no column 'time'; a plot needs the time of each frame in seconds")
         for part in frame_source.parts:
             times.append(read_seconds(part.other_columns["time"], path))
             frames += _list_rows(part.frames) if shape.length else _list_numbers(part.frames)
-    return decode_many(frames, shape, encoder).with_columns(time=np.concatenate([np.zeros(0), *times]))
+    # Without the empty array, a file without frames would have nothing to join.
+    all_times = np.concatenate([np.zeros(0), *times])
+    table = decode_many(frames, shape, encoder)
+    return table.with_columns(time=all_times)
 
 
 def _accept_all_frames(_frames: Any) -> float:

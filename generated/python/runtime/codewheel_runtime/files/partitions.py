@@ -61,10 +61,11 @@ class PartitionDecoder(NamedTuple):
         names = list(partition.schema.names)
         column = find_column(names, self.column, _PARTITION_NAME)
         try:
-            frames = read_arrow(partition.column(names.index(column)), self.shape, self.digits)
+            frame_column = partition.column(names.index(column))
+            frames = read_arrow(frame_column, self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
-            raise InputError(_PARTITION_NAME, f"column {column!r}", str(error)) from None
+            raise InputError(_PARTITION_NAME, str(error), place=f"column {column!r}") from None
         decoded_columns = arrow_columns(table, table.names, self.raw)
         kept_columns = {name: partition.column(index) for index, name in enumerate(names) if name != column}
         check_apart(kept_columns, decoded_columns, _PARTITION_NAME)
@@ -73,19 +74,20 @@ class PartitionDecoder(NamedTuple):
 
     def _decode_pandas(self, partition: Any) -> Any:
         """Return a pandas DataFrame: the columns except the column of frames, then the decoded columns."""
-        names = list(map(str, partition.columns))
+        names = [str(label) for label in partition.columns]
         column = find_column(names, self.column, _PARTITION_NAME)
         column_index = names.index(column)
         try:
             frames = _read_series(partition.iloc[:, column_index], self.shape, self.digits)
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
-            raise InputError(_PARTITION_NAME, f"column {column!r}", str(error)) from None
+            raise InputError(_PARTITION_NAME, str(error), place=f"column {column!r}") from None
         decoded_columns = pandas_columns(table, table.names, self.raw)
         # The label of a column in pandas can be another type than text.
         label = partition.columns[column_index]
         kept_part = partition.drop(columns=[label])
-        check_apart(list(map(str, kept_part.columns)), decoded_columns, _PARTITION_NAME)
+        kept_names = [str(label) for label in kept_part.columns]
+        check_apart(kept_names, decoded_columns, _PARTITION_NAME)
         return kept_part.assign(**decoded_columns)
 
 

@@ -404,7 +404,8 @@ class _Counts:
         """
         all_verdicts = [*Verdict]
         verdicts = {all_verdicts[index]: count for index, count in self._verdicts.items() if count}
-        return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost_cells)
+        faults = dict(sorted(self._faults.items()))
+        return Summary(frames=self.frames, faults=faults, verdicts=verdicts, lost=lost_cells)
 
 
 def make_plan(empty_result: Table, frame_source: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from enum import Enum
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast, get_type_hints
@@ -35,9 +36,10 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
         if issubclass(argument_type, Encoder):
             # The type is the class for one interface of a family. Its base is the class for the family.
             family_class = argument_type.__base__ or Encoder
-            raise wrong_encoder_error(argument, family_class, argument_type.interface)
-        # Always raises TypeError here, because the argument is not an answer.
-        require_answer(cast(Any, argument_type), cast(Any, argument))
+            raise wrong_encoder_error(argument, family_class=family_class, interface=argument_type.interface)
+        # Any other type is an enumeration of answers. This always raises TypeError, because it is not a member.
+        answer_class: type[Enum] = cast(Any, argument_type)
+        require_answer(answer_class, cast(Any, argument))
     return make_shape(*arguments)
 
 
@@ -53,8 +55,9 @@ def find_any_shape(frame_class: type, encoder: Encoder) -> Shape:
         if issubclass(argument_type, Encoder):
             arguments.append(encoder)
         else:
-            # The type is an enumeration of answers.
-            first_answer = next(iter(cast(Any, argument_type)))
+            # Any other type is an enumeration of answers.
+            answer_class: type[Enum] = cast(Any, argument_type)
+            first_answer = next(iter(answer_class))
             arguments.append(first_answer)
     return make_shape(*arguments)
 
@@ -92,13 +95,20 @@ def module_of(frame_class: type, folder: str) -> Any:
     return import_module(f"{package}.{folder}.{family}")
 
 
+def field_names(frame_class: type) -> tuple[str, ...]:
+    """Return the names of the fields of a class of frames, which is a NamedTuple."""
+    named_tuple: Any = frame_class
+    names: tuple[str, ...] = named_tuple._fields
+    return names
+
+
 def decoding_arguments(frame_class: type, /, **arguments: object) -> tuple[object, ...]:
     """Return those ``arguments`` that the description of a class of frames needs, in the order of its first fields.
 
     They are ``variant``, which is the encoder, and the answers to open questions by name. Other arguments are ignored.
     Raises KeyError if one that the class needs is missing.
     """
-    fields: tuple[str, ...] = cast(Any, frame_class)._fields
+    _, argument_types = find_description(frame_class)
     # The first fields of a class are the arguments of the function for its description.
-    needed_fields = fields[: len(find_description(frame_class)[1])]
+    needed_fields = field_names(frame_class)[: len(argument_types)]
     return tuple(arguments[name] for name in needed_fields)
