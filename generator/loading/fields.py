@@ -144,7 +144,7 @@ def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int |
 
 
 def zero_field(
-    name: str, constant: Constant, low: Expression, width: Expression, site: LayoutSite, source: Sources
+    *, name: str, constant: Constant, low: Expression, width: Expression, site: LayoutSite, source: Sources
 ) -> Field:
     """Return a field whose bits are always 0, such as padding or a gap. ``constant`` is its kind."""
     return Field(
