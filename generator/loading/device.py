@@ -131,9 +131,10 @@ def _build_context(
     alternatives: Sequence[Alternative],
 ) -> LayoutContext:
     """Return the definitions in a spec that layouts may refer to: field groups, CRCs, data IDs and parameters."""
+    raw_groups = raw_spec.get("field_groups", ())
     return LayoutContext(
         report=report,
-        groups=_field_groups(raw_spec),
+        groups={group["name"]: (group, ("field_groups", index)) for index, group in enumerate(raw_groups)},
         definitions=definitions,
         parameter_sets=parameter_sets(raw_spec, definitions, variants, alternatives),
         crcs={crc["name"]: build_part(Crc, crc) for crc in raw_spec.get("crcs", ())},
@@ -150,14 +151,6 @@ def _check_interfaces(raw_spec: Raw, device: Device, report: DocumentReport) -> 
     check_spi_registers(device, report)
     check_frame_kinds(device, report)
     check_settings_of_crcs(device, report)
-
-
-def _field_groups(raw_spec: Raw) -> dict[str, tuple[Raw, Path]]:
-    """Return the groups of fields that layouts can use, by name, each with its path in the spec."""
-    groups: dict[str, tuple[Raw, Path]] = {}
-    for index, group in enumerate(raw_spec.get("field_groups", ())):
-        groups[group["name"]] = (group, ("field_groups", index))
-    return groups
 
 
 def _build_device_without_procedures(

@@ -80,8 +80,7 @@ def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) ->
     fields = _with_gap_fields(items, bits, gaps, site)
     if fields is None:
         return None
-    is_interface_of_bits = INTERFACES[site.interface].carried_as == "bits" if is_frame else False
-    if is_interface_of_bits and byte_order == "high_byte_first":
+    if byte_order == "high_byte_first" and is_frame and INTERFACES[site.interface].carried_as == "bits":
         # The interface sends bits, but the frame is carried as bytes, so zeros fill its first byte.
         fields, bits = in_whole_bytes(fields, bits)
     if byte_order:
@@ -107,8 +106,7 @@ def _build_layout(
     ``gaps`` is the content of the bits that belong to no field: ``zero``, ``unspecified`` or "".
     """
     gray = raw_layout.get("gray", {})
-    selector = ""
-    selects = ()
+    selector, selects = "", ()
     # ``when`` has at most one entry: the field that identifies the layout, and the values that select it.
     for name, values in raw_layout.get("when", {}).items():
         selector, selects = name, tuple(values)
