@@ -226,22 +226,25 @@ def _data_member(name: str, unresolved: Shape) -> DataMember:
     """Return a member with its form in XML. ``unresolved`` is its schema, which may be a reference to a named one."""
     shape, type_name = resolve_reference(unresolved)
     if type_name == "text":
-        return DataMember(name, Kind.TEXT, shape)
+        return DataMember(name, Kind.TEXT, shape=shape)
     if shape.get("type") == "array":
         value_shape, value_type = resolve_reference(shape["items"])
-        return DataMember(name, _kind_of_list(value_shape, value_type), value_shape, value_type)
+        list_kind = _kind_of_list(value_shape, value_type)
+        return DataMember(name, list_kind, shape=value_shape, type_name=value_type)
     if "properties" in shape:
-        return DataMember(name, Kind.OBJECT, shape, type_name)
+        return DataMember(name, Kind.OBJECT, shape=shape, type_name=type_name)
     if "additionalProperties" in shape:
         # With ``x-key``, the values are objects, and the keys of the map are a member of them.
         if "x-key" in shape:
             value_shape, value_type = resolve_reference(shape["additionalProperties"])
-            return DataMember(name, Kind.KEYED, {**value_shape, "x-key": shape["x-key"]}, value_type)
-        return DataMember(name, Kind.MAP, shape["additionalProperties"])
-    return DataMember(name, Kind.ATTRIBUTE, shape, type_name)
+            shape_with_key = {**value_shape, "x-key": shape["x-key"]}
+            return DataMember(name, Kind.KEYED, shape=shape_with_key, type_name=value_type)
+        return DataMember(name, Kind.MAP, shape=shape["additionalProperties"])
+    return DataMember(name, Kind.ATTRIBUTE, shape=shape, type_name=type_name)
 
 
 def _kind_of_list(value_shape: Shape, value_type: str) -> Kind:
+    """Return the form of a list in XML: texts, objects, or words in an attribute."""
     if value_type == "text":
         return Kind.TEXTS
     return Kind.OBJECTS if "properties" in value_shape else Kind.LIST

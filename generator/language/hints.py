@@ -27,9 +27,7 @@ _LIKELY_KILO = 50
 #: Forms of keys with a value other than true or false.
 _FORMS_OF_KEYS = {"gray": "{of: position}"}
 #: Alternatives for a value that does not fit the smallest supported unit.
-_ALTERNATIVES_TO_UNIT = {
-    "step_nm": ": write the length of several counts, and their number in 'per_counts'",
-}
+_ALTERNATIVES_TO_UNIT = {"step_nm": ": write the length of several counts, and their number in 'per_counts'"}
 #: Hints for a list under a key that takes a single map.
 _INSTEAD_OF_LIST = {
     "gray": "; a layout has one number in Gray code: join numbers that are converted together, or convert the others in"
@@ -37,21 +35,29 @@ _INSTEAD_OF_LIST = {
 }
 _UNIT_NAMES = {"hz": "Hz", "khz": "kHz", "mhz": "MHz", "ghz": "GHz", "us": "µs", "um": "µm", "mv": "mV", "v": "V"}
 
+#: ``48h``, ``0X48``, ``$48``, ``#48`` or ``&H48``.
 _HEX_NUMBER = re.compile(
     r"(?P<negative>-?)(?:(?P<suffixed>[0-9A-Fa-f]+)[hH]|(?:0X|\$|#|&[hH])(?P<prefixed>[0-9A-Fa-f]+))"
 )
-_BINARY_NUMBER = re.compile(r"(?:0[bB])([01]+)")
-_GROUPED_DIGITS = re.compile(r"-?[0-9]{1,3}(?:([_' ,])[0-9]{3})(?:\1[0-9]{3})*")
+#: ``0b0101``.
+_BINARY_NUMBER = re.compile(r"0[bB](?P<digits>[01]+)")
+#: ``1,000,000``, with the same separator each time.
+_GROUPED_DIGITS = re.compile(r"-?[0-9]{1,3}(?:(?P<separator>[_' ,])[0-9]{3})(?:(?P=separator)[0-9]{3})*")
 _PLAIN_NUMBER = re.compile(r"-?(?:0x[0-9A-Fa-f]+|[0-9]+)")
+#: ``10 MHz`` or ``2.5 Mbit/s``.
 _WITH_UNIT = re.compile(
     r"(?P<number>[0-9]+(?:\.[0-9]+)?)\s*(?P<unit>[kKMG]?[hH]z|[kKM]?(?:[bB]aud|bps|bit/s)|[pnuµm]?s|[nuµmc]?m|m?V)"
 )
+#: ``x^6 + x + 1``.
 POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0-9]+)?|1))+", re.IGNORECASE)
+#: ``1D`` or ``FF``, but not ``ff``, which may be a word.
 _BARE_HEX_DIGITS = re.compile(r"[0-9][0-9A-Fa-f]*|[0-9A-F]{2,}")
+#: ``4C 69 6B``.
 _HEX_BYTES = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
 #: A number, or a power of two with a number, before or after ``*``.
 _NUMBER_OR_POWER = r"\b(?:2\s*\^\s*)?(?:0x[0-9A-Fa-f]+|[0-9]+)\b"
 _FACTOR_OF_PRODUCT = re.compile(rf"{_NUMBER_OR_POWER}(?=\s*\*)|(?:(?<=\*)|(?<=\* )){_NUMBER_OR_POWER}(?!\s*\^)")
+#: ``1 << bits`` or ``(1 << bits)``.
 _SHIFTED_ONE = re.compile(r"\(?1\s*<<\s*(\w+)\)?")
 #: Keys of other tools, each with the keys that may have the same meaning here.
 _KEYS_OF_OTHER_TOOLS = {
@@ -92,6 +98,7 @@ _YES_OR_NO = {
     **dict.fromkeys(("yes", "y", "on", "true", "1"), "true"),
     **dict.fromkeys(("no", "n", "off", "false", "0"), "false"),
 }
+#: ``uint16_t``, ``int16`` or ``u16``.
 _TYPE_BITS = re.compile(r"u?int_?([0-9]{1,2})(?:_t)?|[ui]([0-9]{1,2})")
 #: Hints for missing keys that most older specs lack.
 TO_ADD = {
@@ -148,12 +155,13 @@ def _text_hint(key: str, number_text: str) -> str:
     if match := _HEX_NUMBER.fullmatch(number_text):
         return f"; write {match['negative']}0x{(match['suffixed'] or match['prefixed']).upper()}"
     if match := _BINARY_NUMBER.fullmatch(number_text):
-        return f"; write {int(match[1], 2):#x}"
+        return f"; write {int(match['digits'], 2):#x}"
     if match := _GROUPED_DIGITS.fullmatch(number_text):
-        return f"; write {number_text.replace(match[1], '')}"
+        return f"; write {number_text.replace(match['separator'], '')}"
     if match := _WITH_UNIT.fullmatch(number_text):
-        converted = _convert_number(Fraction(match["number"]), match["unit"].lower(), _unit_of_key(key))
-        return f"; write {converted}, in {_name_unit(_unit_of_key(key))}" if converted is not None else ""
+        unit_of_key = _unit_of_key(key)
+        converted = _convert_number(Fraction(match["number"]), match["unit"].lower(), unit_of_key)
+        return f"; write {converted}, in {_name_unit(unit_of_key)}" if converted is not None else ""
     if key == "poly" and POLYNOMIAL.fullmatch(number_text):
         return _polynomial_hint(number_text)
     return f"; write 0x{number_text.upper()}" if _BARE_HEX_DIGITS.fullmatch(number_text) else ""

@@ -160,20 +160,33 @@ def _with_block(
     block of the key before it: for ``["manual", "editions"]``, the block ``editions`` in ``manual`` is replaced.
     ``format_value`` returns the text of the new value, from its opening brace, for a given indentation.
     """
-    first_line = line_before
-    last_line = len(lines)
-    indentation = 0
+    block = range(line_before, len(lines))
     for key in keys:
-        start_of_block = f'"{key}": {{'
-        possible_lines = range(first_line + 1, last_line)
-        first_line = next(number for number in possible_lines if lines[number].strip() == start_of_block)
-        indentation = len(lines[first_line]) - len(lines[first_line].lstrip())
-        closing_brace = " " * indentation + "}"
-        possible_lines = range(first_line, last_line)
-        last_line = next(number for number in possible_lines if lines[number].startswith(closing_brace))
+        block = _find_block(lines, key, possible_lines=block[1:])
+    first_line, last_line = block[0], block[-1]
+    indentation = _indentation_of(lines[first_line])
     comma = "," if lines[last_line].endswith(",") else ""
     new_block = f'{" " * indentation}"{keys[-1]}": {format_value(indentation)}{comma}'
     return [*lines[:first_line], *new_block.splitlines(), *lines[last_line + 1 :]]
+
+
+def _find_block(lines: Sequence[str], key: str, *, possible_lines: range) -> range:
+    """Return the numbers of the lines from ``"key": {`` to its closing brace, which has the same indentation."""
+    first_line = _find_line(lines, possible_lines, lambda line: line.strip() == f'"{key}": {{')
+    closing_brace = " " * _indentation_of(lines[first_line]) + "}"
+    lines_below = range(first_line, possible_lines.stop)
+    last_line = _find_line(lines, lines_below, lambda line: line.startswith(closing_brace))
+    return range(first_line, last_line + 1)
+
+
+def _find_line(lines: Sequence[str], possible_lines: range, is_wanted: Callable[[str], bool]) -> int:
+    """Return the number of the first of the possible lines that is wanted. There must be one."""
+    return next(number for number in possible_lines if is_wanted(lines[number]))
+
+
+def _indentation_of(line: str) -> int:
+    """Return the number of spaces at the start of a line."""
+    return len(line) - len(line.lstrip())
 
 
 def _format_schema(schema: JsonSchema, indent: int) -> str:

@@ -343,14 +343,18 @@ def _copy_without(node: Any, cut: Collection[Path], path: Path, kept_indices: di
 
     For each list that loses elements, the original indices of the others are added to ``kept_indices``.
     """
+
+    def copy_child(step: str | int) -> Any:
+        return _copy_without(node[step], cut, (*path, step), kept_indices)
+
     if isinstance(node, dict):
         remaining_keys = [key for key in node if (*path, key) not in cut]
-        return {key: _copy_without(node[key], cut, (*path, key), kept_indices) for key in remaining_keys}
+        return {key: copy_child(key) for key in remaining_keys}
     if isinstance(node, list):
         remaining_indices = tuple(index for index in range(len(node)) if (*path, index) not in cut)
         if len(remaining_indices) < len(node):
             kept_indices[path] = remaining_indices
-        return [_copy_without(node[index], cut, (*path, index), kept_indices) for index in remaining_indices]
+        return [copy_child(index) for index in remaining_indices]
     return node
 
 

@@ -39,7 +39,9 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
     """
     for place in places:
         steps = place.split(".")
-        with_interface = [document for document in documents if mapping(document.data, *steps[:_STEPS_OF_INTERFACE])]
+        # For interfaces.ssi.cable_lengths, the interface is interfaces.ssi.
+        steps_of_interface = steps[:_STEPS_OF_INTERFACE]
+        with_interface = [document for document in documents if mapping(document.data, *steps_of_interface)]
         with_interface.sort(key=lambda document: document.file)
         facts_by_file = {document.file: _facts_at(document, steps) for document in with_interface}
         counts = Counter(frozenset(facts.items()) for facts in facts_by_file.values())
@@ -238,8 +240,14 @@ def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_L
     interfaces = connector.get("interfaces") or [""]  # A connector that lists no interface is for all of them.
     contacts: list[tuple[_Line, _Contact]] = []
     for contact_path, contact in maps_in_list(connector, "contacts"):
-        place = _Contact(str(contact["contact"]), str(connector["name"]), document, (*path, *contact_path))
-        contacts += [(line, place) for line in _lines_of_signal(str(contact["signal"]), interfaces)]
+        place = _Contact(
+            name=str(contact["contact"]),
+            connector=str(connector["name"]),
+            document=document,
+            path=(*path, *contact_path),
+        )
+        lines = _lines_of_signal(str(contact["signal"]), interfaces)
+        contacts += [(line, place) for line in lines]
     counts = Counter(line for line, _ in contacts)
     return {line: contact for line, contact in contacts if counts[line] == 1}
 

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from ..language.document import Path
 from ..language.problems import DocumentReport, join_words, quoted
-from ..model import Biss, DataChannels, Device, Layout, Number, member_named
+from ..model import Biss, DataChannels, Device, Field, Layout, Number, member_named
 from .gaps import values_text
 from .valid_parts import valid_parts_so_far
 
 _CHANNELS_RULE = "data-channels"
-#: Keys below ``channels`` that lead to a problem, and the message about it.
-_Problem = tuple[Path, str]
+
+
+class _Problem(NamedTuple):
+    """A problem with data channels: the path of its key below ``channels``, such as ``("order", 0)``, and a message."""
+
+    path: Path
+    message: str
 
 
 def check_channels(device: Device, report: DocumentReport) -> None:
@@ -45,8 +51,8 @@ def check_channels(device: Device, report: DocumentReport) -> None:
         *_comparison_problems(device, biss.channels, layouts),
     )
     if problems:
-        keys, message = problems[0]
-        report.add(_CHANNELS_RULE, (*place, *keys), message)
+        first_problem = problems[0]
+        report.add(_CHANNELS_RULE, (*place, *first_problem.path), first_problem.message)
 
 
 def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]:
@@ -56,26 +62,31 @@ def _order_problems(biss: Biss, layouts: Sequence[Layout]) -> Iterator[_Problem]
     listed once, has a number of its own, and is not carried as bytes.
     """
     if len(layouts) < 2:
-        yield ("order",), "a frame with several channels has at least two; list all of them, or remove 'channels'"
+        yield _Problem(
+            ("order",), "a frame with several channels has at least two; list all of them, or remove 'channels'"
+        )
     first_layout = biss.layouts[0]
     if layouts[0] is not first_layout:
         name = quoted(layouts[0].name)
         first_name = quoted(first_layout.name)
         message = f"{name} is the first channel of the frame, but the first layout is {first_name}"
-        yield ("order", 0), f"{message}; correct one of them"
+        yield _Problem(("order", 0), f"{message}; correct one of them")
     names_by_number: dict[int | None, str] = {}
     for index, layout in enumerate(layouts):
         path: Path = ("order", index)
         name = quoted(layout.name)
         other_name = names_by_number.setdefault(layout.channel, layout.name)
-        if layout.name in [earlier.name for earlier in layouts[:index]]:
-            yield path, f"{name} is listed twice; list each channel once"
+        is_listed_before = layout in layouts[:index]
+        if is_listed_before:
+            yield _Problem(path, f"{name} is listed twice; list each channel once")
         elif layout.channel is None:
-            yield path, f"{name} has no 'channel'; give each channel of the frame its number"
+            yield _Problem(path, f"{name} has no 'channel'; give each channel of the frame its number")
         elif other_name != layout.name:
-            yield path, f"{quoted(other_name)} and {name} have the same 'channel' {layout.channel}; correct one of them"
+            yield _Problem(
+                path, f"{quoted(other_name)} and {name} have the same 'channel' {layout.channel}; correct one of them"
+            )
         elif layout.in_bytes:
-            yield path, f"{name} is carried as bytes, but a channel of a frame is one word of at most 64 bits"
+            yield _Problem(path, f"{name} is carried as bytes, but a channel of a frame is one word of at most 64 bits")
 
 
 def _question_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
@@ -84,17 +95,19 @@ def _question_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_P
         for alternative in device.alternatives_of(layout):
             name = quoted(layout.name)
             message = f"{name} depends on the question {quoted(alternative.name)}, which decoders of a whole frame"
-            yield ("order", index), f"{message} do not ask; remove 'channels', and decode each channel separately"
+            yield _Problem(
+                ("order", index), f"{message} do not ask; remove 'channels', and decode each channel separately"
+            )
 
 
 def _position_problems(device: Device, layouts: Sequence[Layout]) -> Iterator[_Problem]:
     """Yield a problem if none or several of the data channels contain the position."""
     names = [quoted(layout.name) for layout in layouts if device.sends_position(Biss.name, layout)]
     if not names:
-        yield ("order",), "no channel of the frame contains the position; list the one that does"
+        yield _Problem(("order",), "no channel of the frame contains the position; list the one that does")
     if len(names) > 1:
         message = f"{join_words(names)} contain the position; name its fields differently in all but one of them"
-        yield ("order",), f"{message}, and list the fields in 'compared'"
+        yield _Problem(("order",), f"{message}, and list the fields in 'compared'")
 
 
 def _comparison_problems(device: Device, channels: DataChannels, layouts: Mapping[str, Layout]) -> Iterator[_Problem]:
@@ -106,20 +119,28 @@ def _comparison_problems(device: Device, channels: DataChannels, layouts: Mappin
     has_fields = bool(channels.compared)
     has_bits = channels.compared_bits is not None
     if has_fields != has_bits:
-        yield (), "'compared' and 'compared_bits' need each other; give both or none"
+        yield _Problem((), "'compared' and 'compared_bits' need each other; give both or none")
     if len(channels.compared) == 1:
-        yield ("compared",), "one field cannot be compared; list the field of each channel"
+        yield _Problem(("compared",), "one field cannot be compared; list the field of each channel")
     for layout_name, field_name in channels.compared.items():
         path: Path = ("compared", layout_name)
         field = layouts[layout_name].find_field(field_name)
         if layout_name not in channels.order:
-            yield path, f"{quoted(layout_name)} is not in 'order'; add it, or leave it out here"
+            yield _Problem(path, f"{quoted(layout_name)} is not in 'order'; add it, or leave it out here")
         elif field is None:
-            yield path, f"{quoted(layout_name)} has no field {quoted(field_name)}"
-        elif not isinstance(field.kind, Number) or field.kind.signed or field.kind.zero_means:
-            yield path, f"{quoted(field_name)} is not an unsigned number, so its highest bits cannot be compared"
+            yield _Problem(path, f"{quoted(layout_name)} has no field {quoted(field_name)}")
+        elif not _is_plain_number(field):
+            yield _Problem(
+                path, f"{quoted(field_name)} is not an unsigned number, so its highest bits cannot be compared"
+            )
         else:
             yield from _width_problems(device, channels, layouts[layout_name], field_name)
+
+
+def _is_plain_number(field: Field) -> bool:
+    """Return whether the bits of a field are an unsigned number. The bits 0 must represent 0."""
+    kind = field.kind
+    return isinstance(kind, Number) and not kind.signed and not kind.zero_means
 
 
 def _width_problems(device: Device, channels: DataChannels, layout: Layout, field_name: str) -> Iterator[_Problem]:
@@ -136,11 +157,11 @@ def _width_problems(device: Device, channels: DataChannels, layout: Layout, fiel
         field_bits = width.value(variant.parameters)
         if not 1 <= bits <= field_bits:
             message = f"{bits} bits cannot be compared, because {quoted(field_name)} has {field_bits}{condition}"
-            yield ("compared_bits",), message
+            yield _Problem(("compared_bits",), message)
             return
         # Numbers wrap around, so two numbers differ by at most half of their range.
         all_numbers_agree = 2 * channels.tolerance >= (1 << bits) - 1
         if all_numbers_agree:
             message = f"with a tolerance of {channels.tolerance}, any two numbers of {bits} bits agree{condition}"
-            yield ("tolerance",), message
+            yield _Problem(("tolerance",), message)
             return

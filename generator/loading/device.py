@@ -84,20 +84,22 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
         default_answers |= alternative.answers[0].sets  # The first answer applies by default.
     default_values = {**held_in_registers(raw_spec, report), **default_answers}
     variants = _list_variants(order_code, definitions, default_values)
-    context = _build_context(raw_spec, report, definitions, variants, alternatives)
+    context = _build_context(raw_spec, report, definitions=definitions, variants=variants, alternatives=alternatives)
     if too_much_work(raw_spec, context):
         return None
     if variants and not check_reach(raw_spec, context, variants):
         return None
     check_only(raw_spec, variants, report)
     check_alarms(raw_spec, report)
-    device = _build_device_without_procedures(raw_spec, manufacturer, order_code, variants, alternatives, context)
-    check_control_bytes(device, report)
-    check_requests(device, report)
-    check_facts_by_code(raw_spec, device, report)
-    check_spi_registers(device, report)
-    check_frame_kinds(device, report)
-    check_settings_of_crcs(device, report)
+    device = _build_device_without_procedures(
+        raw_spec,
+        context,
+        manufacturer=manufacturer,
+        order_code=order_code,
+        variants=variants,
+        alternatives=alternatives,
+    )
+    _check_interfaces(raw_spec, device, report)
     device = replace(device, procedures=build_procedures(raw_spec, device))
     check_limits_in_procedures(device, report)
     check_measurements(device, report)
@@ -123,54 +125,64 @@ def _content_hash(raw_spec: Raw) -> str:
 def _build_context(
     raw_spec: Raw,
     report: DocumentReport,
+    *,
     definitions: Mapping[str, Expression],
     variants: Sequence[Variant],
     alternatives: Sequence[Alternative],
 ) -> LayoutContext:
     """Return the definitions in a spec that layouts may refer to: field groups, CRCs, data IDs and parameters."""
-    groups = {}
-    for index, group in enumerate(raw_spec.get("field_groups", ())):
-        groups[group["name"]] = (group, ("field_groups", index))
-    crcs = {crc["name"]: build_part(Crc, crc) for crc in raw_spec.get("crcs", ())}
-    data_ids = {kind: records(DataId, interface, "data_ids") for kind, interface in raw_spec["interfaces"].items()}
+    raw_groups = raw_spec.get("field_groups", ())
     return LayoutContext(
         report=report,
-        groups=MappingProxyType(groups),
+        groups={group["name"]: (group, ("field_groups", index)) for index, group in enumerate(raw_groups)},
         definitions=definitions,
         parameter_sets=parameter_sets(raw_spec, definitions, variants, alternatives),
-        crcs=MappingProxyType(crcs),
-        data_ids=MappingProxyType(data_ids),
+        crcs={crc["name"]: build_part(Crc, crc) for crc in raw_spec.get("crcs", ())},
+        data_ids={name: records(DataId, interface, "data_ids") for name, interface in raw_spec["interfaces"].items()},
         only_while=lambda only: only_while(only, variants, set_parameters(raw_spec)),
     )
 
 
+def _check_interfaces(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
+    """Check the frames and requests of a device, its CRCs, and the facts that apply to only some order codes."""
+    check_control_bytes(device, report)
+    check_requests(device, report)
+    check_facts_by_code(raw_spec, device, report)
+    check_spi_registers(device, report)
+    check_frame_kinds(device, report)
+    check_settings_of_crcs(device, report)
+
+
 def _build_device_without_procedures(
     raw_spec: Raw,
+    context: LayoutContext,
+    *,
     manufacturer: Manufacturer,
     order_code: OrderCode,
     variants: tuple[Variant, ...],
     alternatives: tuple[Alternative, ...],
-    context: LayoutContext,
 ) -> Device:
     """Return the device without its procedures, which can only be built when the rest of the device is complete."""
     # Interfaces are built before registers, so that their problems are reported first.
-    interfaces, registers = build_interfaces(raw_spec, context), _build_registers(raw_spec, context)
-    parameters = raw_spec["parameters"].items()
+    interfaces = build_interfaces(raw_spec, context)
+    registers = _build_registers(raw_spec, context)
+    parameters = [_build_parameter(name, parameter, context) for name, parameter in raw_spec["parameters"].items()]
+    documents = [build_part(Document, document, key=key) for key, document in raw_spec.get("documents", {}).items()]
+    # An encoder implements its alarms unless the spec says otherwise.
+    raw_alarms = [{"implemented": True, **raw_alarm} for raw_alarm in raw_spec.get("alarms", ())]
     return build_part(
         Device,
         raw_spec,
         name=raw_spec["device"],
         manufacturer=manufacturer,
-        documents=tuple(
-            build_part(Document, document, key=key) for key, document in raw_spec.get("documents", {}).items()
-        ),
-        parameters=tuple(_build_parameter(name, parameter, context) for name, parameter in parameters),
+        documents=tuple(documents),
+        parameters=tuple(parameters),
         order_code=order_code,
         variants=variants,
         crcs=tuple(context.crcs.values()),
         interfaces=interfaces,
         registers=registers,
-        alarms=tuple(build_part(Alarm, {"implemented": True, **alarm}) for alarm in raw_spec.get("alarms", ())),
+        alarms=tuple(build_part(Alarm, raw_alarm) for raw_alarm in raw_alarms),
         procedures=(),
         examples=build_examples(raw_spec),
         measurement=build_measurement(raw_spec, context),

@@ -170,10 +170,12 @@ def errata_of_other_editions(raw_spec: Raw) -> Iterator[Erratum]:
                 kinds = [kind for kind in CHANGE_KINDS if kind in change]
                 # A change without exactly one kind is reported when it is applied.
                 if len(kinds) == 1:
-                    yield _edition_erratum(raw_spec, change, name, number, kinds[0])
+                    yield _edition_erratum(
+                        raw_spec, change, revision=name, change_number=number, kind_of_change=kinds[0]
+                    )
 
 
-def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: int, kind_of_change: str) -> Erratum:
+def _edition_erratum(raw_spec: Raw, change: Raw, *, revision: str, change_number: int, kind_of_change: str) -> Erratum:
     """Return a change of an edition as an erratum.
 
     Args:
@@ -195,15 +197,16 @@ def _edition_erratum(raw_spec: Raw, change: Raw, revision: str, change_number: i
         used = NOT_KNOWN
     else:
         used = _value_in_words(change.get("to", change.get("value")))
-    stated = {key: change[key] for key in ("why", "source", "severity") if key in change}
+    stated_facts = {key: change[key] for key in ("why", "source", "severity") if key in change}
+    # For example before_1_4.
+    name_of_edition = re.sub("[^a-z0-9]+", "_", revision.lower())
+    short_texts = [path_text.removeprefix("registers.") for path_text in affected_texts]
     return build_part(
         Erratum,
-        {"severity": "wrong_data", **stated},
-        name=f"edition_{re.sub('[^a-z0-9]+', '_', revision.lower())}_{change_number}",
+        {"severity": "wrong_data", **stated_facts},
+        name=f"edition_{name_of_edition}_{change_number}",
         title=change_title(layer_in_words("", revision), without_examples(affected_texts)),
-        printed=join_shortened(
-            without_examples([path_text.removeprefix("registers.") for path_text in affected_texts])
-        ),
+        printed=join_shortened(without_examples(short_texts)),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
         affects=tuple(dict.fromkeys(path for path in affected_paths if path)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations, compress
+from itertools import combinations
 from typing import Protocol
 
 from ..language.problems import DocumentReport, Path, quoted
@@ -51,10 +51,13 @@ def _all_exclusive_facts(raw_spec: Raw, device: Device, report: DocumentReport) 
     """Yield the facts of the interfaces and of the device, grouped by kind and name."""
     all_codes = _codes_of(device.variants)
     for interface in device.interfaces:
+        raw_interface = raw_spec["interfaces"][interface.name]
         codes = _codes_of(device.variants_over(interface.name))
-        yield from _facts_of_interface(raw_spec["interfaces"][interface.name], interface, codes, report)
-    yield from _group_by_name(("timings",), "a timing", device.timings, all_codes)
-    yield from _group_by_name(("characteristics",), "a characteristic", device.characteristics, all_codes)
+        yield from _facts_of_interface(raw_interface, interface, codes, report)
+    yield from _group_by_name(device.timings, noun="a timing", path=("timings",), codes=all_codes)
+    yield from _group_by_name(
+        device.characteristics, noun="a characteristic", path=("characteristics",), codes=all_codes
+    )
 
 
 def _codes_of(variants: Sequence[Variant]) -> list[str]:
@@ -89,14 +92,16 @@ def _facts_of_interface(
         )
     if isinstance(interface, Ssi):
         rows = _with_paths(raw_interface, (*path, "cable_lengths"), interface.cable_lengths)
-        for length in dict.fromkeys(row.shorter_than_m for row in interface.cable_lengths):
-            have_length = [row.shorter_than_m == length for row in interface.cable_lengths]
-            rows_of_length = list(compress(rows, have_length))
+        # The rows of a cable length, each with its path. Usually there is one.
+        rows_by_length: dict[int, list[tuple[Path, Restricted]]] = {}
+        for path_and_row, row in zip(rows, interface.cable_lengths, strict=True):
+            rows_by_length.setdefault(row.shorter_than_m, []).append(path_and_row)
+        for length, rows_of_length in rows_by_length.items():
             noun = f"a clock for cables shorter than {length} m"
             yield ExclusiveFacts(
                 noun=noun, facts=rows_of_length, codes=codes, interface=interface.short, other_rules=True
             )
-    yield from _group_by_name((*path, "timings"), "a timing", interface.timings, codes)
+    yield from _group_by_name(interface.timings, noun="a timing", path=(*path, "timings"), codes=codes)
 
 
 def _with_paths(raw: Raw, path: tuple[str, ...], facts: Sequence[Restricted]) -> list[tuple[Path, Restricted]]:
@@ -115,14 +120,19 @@ class _Named(Restricted, Protocol):
     def name(self) -> str: ...
 
 
-def _group_by_name(path: Path, noun: str, facts: Sequence[_Named], codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
-    """Yield the facts that share a name, for each such name. An order code has at most one of them."""
+def _group_by_name(facts: Sequence[_Named], *, noun: str, path: Path, codes: Sequence[str]) -> Iterator[ExclusiveFacts]:
+    """Yield the facts that share a name, for each such name. An order code has at most one of them.
+
+    ``path`` is the path of the list of facts, and ``noun`` is ``a timing`` or the like.
+    """
     facts_by_name: dict[str, list[tuple[Path, Restricted]]] = {}
     for index, fact in enumerate(facts):
-        facts_by_name.setdefault(fact.name, []).append(((*path, index), fact))
-    for name, named_facts in facts_by_name.items():
-        if len(named_facts) > 1:
-            yield ExclusiveFacts(f"{noun} {quoted(name)}", named_facts, codes, other_rules=True)
+        path_and_fact = ((*path, index), fact)
+        facts_by_name.setdefault(fact.name, []).append(path_and_fact)
+    for name, facts_with_name in facts_by_name.items():
+        if len(facts_with_name) > 1:
+            named_noun = f"{noun} {quoted(name)}"
+            yield ExclusiveFacts(noun=named_noun, facts=facts_with_name, codes=codes, other_rules=True)
 
 
 def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:

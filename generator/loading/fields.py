@@ -121,14 +121,19 @@ def bit_range(bits_text: int | str) -> tuple[int, int] | None:
     Return None for any other text and for a reversed range.
     """
     high_text, _, low_text = str(bits_text).partition(":")
-    # A number with more than four digits is a typo, and would lead to a huge field.
-    is_high_valid = high_text.isdecimal() and len(high_text) <= 4
-    is_low_valid = not low_text or (low_text.isdecimal() and len(low_text) <= 4)
-    if not is_high_valid or not is_low_valid:
+    high = _bit_number(high_text)
+    low = _bit_number(low_text) if low_text else high
+    if high is None or low is None or high < low:
         return None
-    high = int(high_text)
-    low = int(low_text) if low_text else high
-    return (high, low) if high >= low else None
+    return high, low
+
+
+def _bit_number(text: str) -> int | None:
+    """Return the number of a bit, or None if the text is not a number.
+
+    A number with more than four digits is a typo, and would lead to a huge field.
+    """
+    return int(text) if text.isdecimal() and len(text) <= 4 else None
 
 
 def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int | str | None:
@@ -144,7 +149,7 @@ def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int |
 
 
 def zero_field(
-    name: str, constant: Constant, low: Expression, width: Expression, site: LayoutSite, source: Sources
+    *, name: str, constant: Constant, low: Expression, width: Expression, site: LayoutSite, source: Sources
 ) -> Field:
     """Return a field whose bits are always 0, such as padding or a gap. ``constant`` is its kind."""
     return Field(
@@ -163,21 +168,24 @@ def kind_of(raw_field: Raw, context: LayoutContext, interface: str, width: Expre
     if "constant" in raw_field:
         return Constant(raw_field["constant"])
     if "unused" in raw_field:
-        return Unused(raw_field["unused"], Verdict(raw_field.get("makes_position", "usable_with_warning")))
+        verdict = Verdict(raw_field.get("makes_position", "usable_with_warning"))
+        return Unused(raw_field["unused"], verdict)
     if "active" in raw_field:
         return _build_flag(raw_field, context, interface)
     if "values" in raw_field:
         return Choice(_named_values(raw_field, width))
     if "values_of" in raw_field:
-        return Choice(tuple(map(_value_of_data_id, context.data_ids.get(interface, ()))))
+        data_ids = context.data_ids.get(interface, ())
+        return Choice(tuple(map(_value_of_data_id, data_ids)))
     if "crc" in raw_field:
-        return CrcValue(raw_field["crc"], tuple(raw_field.get("crc_of", ())))
+        covered_fields = tuple(raw_field.get("crc_of", ()))
+        return CrcValue(raw_field["crc"], covered_fields)
     if "parity_of" in raw_field:
         one_or_more_names = raw_field["parity_of"]
         # One field is a text in the spec, several are a list.
         covered_names = (one_or_more_names,) if isinstance(one_or_more_names, str) else tuple(one_or_more_names)
         is_odd = raw_field.get("parity") == "odd"
-        return Parity(covered_names, is_odd, raw_field.get("over", ""))
+        return Parity(of=covered_names, odd=is_odd, over=raw_field.get("over", ""))
     if "digits" in raw_field:
         return Decimal(_digit_runs(raw_field["digits"]))
     if "text" in raw_field:
@@ -341,9 +349,14 @@ def _resolve_parity(
     if len(covered_names) == 1:
         constant_names = []
     data_names = [name for name in covered_names if name not in constant_names]
-    ones_in_constants = sum((constants[name] & parity.mask).bit_count() for name in constant_names)
+    # The bits of each covered constant that count.
+    counted_bits = [constants[name] & parity.mask for name in constant_names]
+    ones_in_constants = sum(bits.bit_count() for bits in counted_bits)
     inverts_parity = ones_in_constants % 2 == 1
     is_odd = parity.odd != inverts_parity
     if not data_names:
         return replace(field, kind=Constant(int(is_odd)))
-    return replace(field, kind=Parity(tuple(data_names), is_odd, parity.over, tuple(constant_names), inverts_parity))
+    resolved_parity = replace(
+        parity, of=tuple(data_names), odd=is_odd, constants=tuple(constant_names), turned=inverts_parity
+    )
+    return replace(field, kind=resolved_parity)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
+from typing import NamedTuple
 
 from ..language.document import Path
 from ..language.problems import DocumentReport, join_words, quoted
@@ -212,10 +213,10 @@ def _check_numbers(device: Device, interface: Interface, report: DocumentReport)
         frames_with_constant = [frame for frame in frames_of_channel if _has_constant(frame, number_names)]
         clash = next(_ambiguous_numbers(device, interface, layout, frames_with_constant), None)
         if clash is not None:
-            field, other_layout, constant = clash
-            message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{other_layout.name}'"
-            remedy = f"a frame '{other_layout.name}' would decode as '{layout.name}'; give this field its 'constant'"
-            report.add("frame-kind", _field_path(interface, layout, field), f"{message}, so {remedy}")
+            name, other_name = clash.number.name, clash.other_layout.name
+            message = f"'{name}' can be any number, but it is always {clash.constant:#x} in '{other_name}'"
+            remedy = f"a frame '{other_name}' would decode as '{layout.name}'; give this field its 'constant'"
+            report.add("frame-kind", _field_path(interface, layout, clash.number), f"{message}, so {remedy}")
 
 
 def _field_path(interface: Interface, layout: Layout, field: Field) -> Path:
@@ -311,14 +312,18 @@ def _has_constant(layout: Layout, names: set[str]) -> bool:
     return any(isinstance(field.kind, Constant) and field.name in names for field in layout.fields)
 
 
+class _Clash(NamedTuple):
+    """A number that has the name, place and width of a constant in another layout, and the value of the constant."""
+
+    number: Field
+    other_layout: Layout
+    constant: int
+
+
 def _ambiguous_numbers(
     device: Device, interface: Interface, layout: Layout, other_layouts: list[Layout]
-) -> Iterator[tuple[Field, Layout, int]]:
-    """Yield each number of a layout that is a constant in a different frame of the same length.
-
-    The name, the place and the width of the two fields are the same. The number is yielded with the other layout and
-    the value of the constant.
-    """
+) -> Iterator[_Clash]:
+    """Yield each number of a layout that is a constant in a different frame of the same length."""
     for variant in device.variants_over(interface.name):
         placed = layout.place(variant.parameters)
         for other_layout in other_layouts:
@@ -332,5 +337,6 @@ def _ambiguous_numbers(
                 has_same_place = (other_field.low, other_field.width) == (placed_field.low, placed_field.width)
                 if not has_same_place:
                     continue
-                if isinstance(placed_field.field.kind, Number) and isinstance(other_field.field.kind, Constant):
-                    yield placed_field.field, other_layout, other_field.field.kind.value
+                number, other_kind = placed_field.field, other_field.field.kind
+                if isinstance(number.kind, Number) and isinstance(other_kind, Constant):
+                    yield _Clash(number, other_layout, other_kind.value)

@@ -285,8 +285,15 @@ def _build_write_step(raw_step: Raw, source: Sources, device: Device) -> Step:
         numbers_of_name = [value.value for value in candidate_fields[0].values if value.name == value_name]
         number = numbers_of_name[0] if numbers_of_name else None
     if field_name:
-        return ModifyStep(register_name, field_name, value_name, number, meaning=meaning, source=source)
-    return WriteStep(register_name, value_name, number, meaning=meaning, source=source)
+        return ModifyStep(
+            register=register_name,
+            field=field_name,
+            value_name=value_name,
+            value=number,
+            meaning=meaning,
+            source=source,
+        )
+    return WriteStep(register=register_name, value_name=value_name, value=number, meaning=meaning, source=source)
 
 
 def _build_read_step(raw_step: Raw, source: Sources, device: Device) -> Step:

@@ -20,7 +20,9 @@ def bits_text(high: int, low: int) -> str:
 
 def values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
     """Return the values of the parameters in some expressions as text: `` with singleturn_bits = 17``, or ""."""
-    names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
+    names: dict[str, None] = {}
+    for expression in expressions:
+        names |= dict.fromkeys(expression.parameters)
     values = ", ".join(f"{name} = {parameters[name]}" for name in names)
     return f" with {values}" if values else ""
 
@@ -161,6 +163,13 @@ def with_zeros(fields: Sequence[Field], bits: Expression, site: LayoutSite) -> l
                 site.report("bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change")
                 return None
         neighbor = gap.above or gap.below or fields[0]
-        name = _name_of_zeros(gap.below, gap.above)
-        zero_fields.append(zero_field(name, zero, gap.low, gap.width, site, neighbor.source))
+        zeros = zero_field(
+            name=_name_of_zeros(gap.below, gap.above),
+            constant=zero,
+            low=gap.low,
+            width=gap.width,
+            site=site,
+            source=neighbor.source,
+        )
+        zero_fields.append(zeros)
     return with_places([*fields, *zero_fields], site)

@@ -220,10 +220,10 @@ def _members_of_spi(raw_interface: Raw, context: LayoutContext) -> Mapping[str, 
 
 
 def _build_exchanges(raw_interface: Raw, context: LayoutContext) -> tuple[Exchange, ...]:
-    return tuple(
-        _build_exchange(exchange, raw_interface.get("source", ""), context)
-        for exchange in raw_interface.get("exchanges", ())
-    )
+    """Return the exchanges of an interface. Without a citation, they have the citation of the interface."""
+    source_of_interface = raw_interface.get("source", "")
+    raw_exchanges = raw_interface.get("exchanges", ())
+    return tuple(_build_exchange(raw_exchange, source_of_interface, context) for raw_exchange in raw_exchanges)
 
 
 def _build_exchange(raw_exchange: Raw, source: str, context: LayoutContext) -> Exchange:

@@ -90,7 +90,7 @@ def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) ->
     if not (is_frame and low_first):
         # The lowest bits come first in ``fields``, but last in transmission order.
         fields = fields[::-1]
-    layout = _build_layout(raw_layout, site, byte_order, bits, fields, gaps)
+    layout = _build_layout(raw_layout, site, byte_order=byte_order, bits=bits, fields=fields, gaps=gaps)
     # A layout that is carried as bits can also send the low byte first.
     is_low_byte_first = raw_layout.get("byte_order") == "low_byte_first"
     if not check_layout(layout, site, is_low_byte_first):
@@ -99,19 +99,17 @@ def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) ->
 
 
 def _build_layout(
-    raw_layout: Raw, site: LayoutSite, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str
+    raw_layout: Raw, site: LayoutSite, *, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str
 ) -> Layout:
     """Return the layout with these fields, which are in transmission order.
 
     ``gaps`` is the content of the bits that belong to no field: ``zero``, ``unspecified`` or "".
     """
     gray = raw_layout.get("gray", {})
-    selector = ""
-    selects = ()
+    selector, selects = "", ()
     # ``when`` has at most one entry: the field that identifies the layout, and the values that select it.
     for name, values in raw_layout.get("when", {}).items():
-        selector = name
-        selects = tuple(values)
+        selector, selects = name, tuple(values)
     return build_part(
         Layout,
         raw_layout,
@@ -176,7 +174,9 @@ def _place_items(
     items = _build_items(raw_layout.get("fields", ()), (*site.path, "fields"), site.context, low_first)
     if items is None:
         return None
-    if any(_is_placed(field_item.raw) for field_item in items if not field_item.group):
+    single_fields = [field_item for field_item in items if not field_item.group]
+    have_places = any(_is_placed(field_item.raw) for field_item in single_fields)
+    if have_places:
         layout_bits = _highest_used_bit(items, site) + 1 if total is None else total
         bits = Expression(layout_bits)
     else:
@@ -441,5 +441,10 @@ def _build_fields(field_item: UnplacedItem, site: LayoutSite) -> Iterable[Field]
             padding_bits = expanded_item.span - width
             padding = Constant(padding_of=raw["name"])
             yield zero_field(
-                f"{raw['name']}_padding", padding, expanded_item.low + width, padding_bits, site, sources(raw)
+                name=f"{raw['name']}_padding",
+                constant=padding,
+                low=expanded_item.low + width,
+                width=padding_bits,
+                site=site,
+                source=sources(raw),
             )

@@ -213,55 +213,52 @@ def families_of(
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
     # Each document with its checked data, or None if it is not valid.
-    checked: list[tuple[Document, dict[str, Any] | None]] = []
+    documents_and_data: list[tuple[Document, dict[str, Any] | None]] = []
     for document in documents:
         is_known_valid = document.file in cached_devices
         checked_data = document.data if is_known_valid else check_document(document, report)
-        checked.append((document, checked_data))
-    manufacturers = _manufacturers_by_name(checked, report)
+        documents_and_data.append((document, checked_data))
+    manufacturers = _manufacturers_by_name(documents_and_data, report)
     manufacturer_files = [document for document in documents if "device" not in document.data]
     families: list[Family] = []
-    for document, data in checked:
+    for document, data in documents_and_data:
         if data is None or "device" not in data:
             continue
-        manufacturer = _manufacturer_of(document, data, manufacturers, manufacturer_files, report)
+        files_of_manufacturer = _files_of_manufacturer(data["manufacturer"], manufacturer_files)
+        if not files_of_manufacturer:
+            _report_missing_manufacturer(document, manufacturers, report)
+        manufacturer = manufacturers.get(data["manufacturer"]) or _placeholder_manufacturer(data["manufacturer"])
         device = cached_devices.get(document.file) or _build_device(document, data, manufacturer, report)
         if device is None:
             continue
-        _compare_with_others(device, [family.device for family in families], document, report)
-        files = {document.file}
-        for manufacturer_file in manufacturer_files:
-            if manufacturer_file.data.get("manufacturer") == data["manufacturer"]:
-                files.add(manufacturer_file.file)
-        families.append(Family(device, document, frozenset(files)))
+        earlier_devices = [family.device for family in families]
+        _compare_with_others(device, earlier_devices, document, report)
+        files = frozenset((document.file, *files_of_manufacturer))
+        families.append(Family(device=device, document=document, files=files))
     check_shared_facts(documents, report)
     families.sort(key=lambda family: family.device.name)
     if not overlays:
         return families
-    return apply_overlays(families, overlays, partial(_rebuild_device, manufacturers), report)
+    rebuild_device = partial(_rebuild_device, manufacturers)
+    return apply_overlays(families, overlays, rebuild_device, report)
 
 
-def _manufacturer_of(
-    document: Document,
-    device_data: Mapping[str, Any],
-    manufacturers: Mapping[str, Manufacturer],
-    manufacturer_files: Sequence[Document],
-    report: ProblemReport,
-) -> Manufacturer:
-    """Return the manufacturer of a device, or a placeholder if it is not in ``manufacturers``.
+def _files_of_manufacturer(name: str, manufacturer_files: Sequence[Document]) -> list[str]:
+    """Return the paths of the files that describe a manufacturer, valid or not. Usually, there is one."""
+    return [document.file for document in manufacturer_files if str(document.data.get("manufacturer")) == name]
 
-    If the manufacturer has no file, this is reported. A file with problems is already reported, as is a spec without a
-    manufacturer.
-    """
-    name = device_data["manufacturer"]
-    has_file = any(str(file.data.get("manufacturer")) == name for file in manufacturer_files)
-    if name not in manufacturers and not has_file and "manufacturer" in document.data:
-        hint = ""
-        if manufacturers:
-            hint = f"; known: {join_words(sorted(manufacturers))}; use the same name in both files"
-        message = f"there is no manufacturer file for '{name}'{hint}"
-        report.add("undefined-reference", document, ("manufacturer",), message)
-    return manufacturers.get(name) or _placeholder_manufacturer(name)
+
+def _report_missing_manufacturer(
+    document: Document, manufacturers: Mapping[str, Manufacturer], report: ProblemReport
+) -> None:
+    """Report that no file describes the manufacturer in a spec. A spec without one is already reported."""
+    if "manufacturer" not in document.data:
+        return
+    hint = ""
+    if manufacturers:
+        hint = f"; known: {join_words(sorted(manufacturers))}; use the same name in both files"
+    message = f"there is no manufacturer file for '{document.data['manufacturer']}'{hint}"
+    report.add("undefined-reference", document, ("manufacturer",), message)
 
 
 def _build_device(
@@ -305,7 +302,7 @@ def _rebuild_device(
 
 
 def _manufacturers_by_name(
-    checked: Sequence[tuple[Document, dict[str, Any] | None]], report: ProblemReport
+    documents_and_data: Sequence[tuple[Document, dict[str, Any] | None]], report: ProblemReport
 ) -> dict[str, Manufacturer]:
     """Return the manufacturers that valid manufacturer files describe, by name.
 
@@ -313,7 +310,7 @@ def _manufacturers_by_name(
     """
     manufacturers: dict[str, Manufacturer] = {}
     first_data_by_name: dict[str, dict[str, Any]] = {}
-    for document, data in checked:
+    for document, data in documents_and_data:
         if data is not None and "device" not in data and "manufacturer" in data:
             # Several folders may have equal files, so that each folder can be used alone.
             first_data = first_data_by_name.setdefault(data["manufacturer"], data)

@@ -159,7 +159,8 @@ def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int
         low_bit, width = low_and_width
         _check_codes(name, definition, width, report)
         if name in names_set_by_codes:
-            _check_set_values(name, raw_spec, coded_values(definition), report)
+            values_of_codes = coded_values(definition)
+            _check_set_values(name, raw_spec, values_of_codes, report)
         elif "default" not in register:
             message = f"the register of '{definition['read_from']}' has no default"
             report.add(
@@ -170,8 +171,10 @@ def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int
             defaults[name] = definition.get("max", 0)
         else:
             mask = (1 << width) - 1
-            number = (register["default"] >> low_bit) & mask
-            defaults[name] = _default_of_parameter(name, definition, number, field.get("zero_means", 0), report)
+            stored_number = (register["default"] >> low_bit) & mask
+            defaults[name] = _default_of_parameter(
+                name, definition, report, stored_number=stored_number, zero_means=field.get("zero_means", 0)
+            )
     return MappingProxyType(defaults)
 
 
@@ -186,7 +189,7 @@ def _register_and_field(raw_spec: Raw, definition: Raw) -> tuple[Raw | None, Raw
 
 
 def _default_of_parameter(
-    name: str, definition: Raw, stored_number: int, zero_means: int, report: DocumentReport
+    name: str, definition: Raw, report: DocumentReport, *, stored_number: int, zero_means: int
 ) -> int:
     """Return the value of a parameter whose register field contains this number by default, and check it.
 
@@ -195,12 +198,12 @@ def _default_of_parameter(
     """
     codes_with_values = coded_values(definition)
     if codes_with_values:
-        value = next((coded.value for coded in codes_with_values if coded.code == stored_number), None)
-        if value is None:
+        value_by_code = {coded.code: coded.value for coded in codes_with_values}
+        if stored_number not in value_by_code:
             message = f"the default of '{definition['read_from']}' is {stored_number}"
             remedy = f"which is not a code of {quoted('by_code')}"
             report.add("default-does-not-fit", ("parameters", name), f"{message}, {remedy}")
-        return value or 0
+        return value_by_code.get(stored_number, 0)
     value = stored_number or zero_means
     lowest, highest = definition.get("min", 0), definition.get("max", value)
     if not lowest <= value <= highest:

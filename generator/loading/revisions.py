@@ -231,12 +231,13 @@ def _reject_large_files(revision_path: RevisionPath, specs: Mapping[str, str]) -
     The content of a file can be missing in a partial clone.
     """
     command = ["cat-file", "--batch-check=%(objectname) %(objecttype) %(objectsize)"]
-    # A reply is ``HASH blob SIZE``, or ``HASH missing``.
-    replies = (line.split(" ") for line in _run_git(command, specs.values()).decode().splitlines())
+    replies = _run_git(command, specs.values()).decode()
     sizes: dict[str, int] = {}
-    for reply in replies:
-        if len(reply) == 3 and reply[1] == "blob":
-            blob, _, size = reply
+    for reply in replies.splitlines():
+        # A reply is ``HASH blob SIZE``, or ``HASH missing``.
+        blob, _, type_and_size = reply.partition(" ")
+        object_type, _, size = type_and_size.partition(" ")
+        if object_type == "blob":
             sizes[blob] = int(size)
     for name, blob in specs.items():
         file_text = f"{visible(revision_path.revision)}:{visible(name)}"

@@ -10,6 +10,7 @@ from pathlib import PurePath
 from ..language.document import Document, Path
 from ..language.problems import ProblemReport, quoted
 from ..language.rules.parts import by_name, by_part_name, has_erratum_at
+from ..language.rules.walk import mapping
 from ..language.written import LocatedPart
 from ..language.written_codes import WrittenRegister
 from ..language.written_layouts import WrittenField
@@ -59,12 +60,13 @@ def _compare_documents(specs: Sequence[Document], report: ProblemReport) -> None
     """
     first_spec_by_words: dict[tuple[str, ...], Document] = {}
     for spec in sorted(specs, key=lambda spec: spec.file):
-        for key, cited_document in spec.data.get("documents", {}).items():
+        for key in mapping(spec.data, "documents"):
+            cited_document = mapping(spec.data, "documents", key)
             texts = {member: str(cited_document.get(member, "")) for member in ("title", "url")}
             words = (key, *(_NUMBER_IN_REFERENCE.sub("0", text) for text in texts.values()))
             first_spec = first_spec_by_words.setdefault(words, spec)
             for member, text in texts.items():
-                first_text = str(first_spec.data["documents"][key].get(member, ""))
+                first_text = str(mapping(first_spec.data, "documents", key).get(member, ""))
                 if text == first_text:
                     continue
                 line, _ = first_spec.position(("documents", key, member))

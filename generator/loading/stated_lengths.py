@@ -51,9 +51,8 @@ def check_stated_bits(device: Device, report: DocumentReport) -> None:
         return
     for parameter in device.parameters:
         match = _OF_PARAMETER.search(parameter.meaning)
-        numbers = {
-            variant.parameters[parameter.name] for variant in device.variants if parameter.name in variant.parameters
-        }
+        variants_with_it = [variant for variant in device.variants if parameter.name in variant.parameters]
+        numbers = {variant.parameters[parameter.name] for variant in variants_with_it}
         if match is None or not numbers or parameter.read_from:
             continue
         if {*_numbers(match)} != numbers:
@@ -66,16 +65,16 @@ def check_stated_bits(device: Device, report: DocumentReport) -> None:
 
 def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report: DocumentReport) -> None:
     """Report the first statement in a text about the length of a frame that does not agree with its actual lengths."""
-    lengths_of_range = (lengths[0], lengths[-1])
+    shortest, longest = lengths[0], lengths[-1]
     for match in chain(_LENGTH_IN_TEXT.finditer(text), _LENGTH_RANGE_IN_TEXT.finditer(text)):
         # The text can be about a part of the frame: ``The frame has 2 bits, error and warning, after the position``.
         stated_numbers = _numbers(match)
-        is_short = len(stated_numbers) == 1 and stated_numbers[0] < lengths[0]
+        is_short = len(stated_numbers) == 1 and max(stated_numbers) < shortest
         may_be_part = is_short and text[match.end() :].startswith(",")
         if may_be_part:
             continue
         is_range = match.re is _LENGTH_RANGE_IN_TEXT
-        fits = _numbers(match) == lengths_of_range if is_range else _fits(match, lengths)
+        fits = stated_numbers == (shortest, longest) if is_range else _fits(match, lengths)
         if not fits:
             lengths_text = join_words(map(str, lengths), "or")
             message = f"the text says {quoted(match[0])}, but the frame has {lengths_text} bits; correct one of the two"

@@ -112,9 +112,12 @@ def digest_of(device: model.Device) -> str:
 
     Comments in the spec do not change it. The hash is "" if the model cannot be stored.
     """
-    with suppress(NotStorable):
-        return hashlib.sha256(json.dumps(as_data(device), separators=(",", ":")).encode()).hexdigest()
-    return ""
+    try:
+        data = as_data(device)
+    except NotStorable:
+        return ""
+    content = json.dumps(data, separators=(",", ":"))
+    return hashlib.sha256(content.encode()).hexdigest()
 
 
 def as_data(device: model.Device) -> list[Any]:

@@ -89,7 +89,9 @@ def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
     a layout that uses a field group with a problem.
     """
     # Each place with a problem and the places that contain it: registers, registers[2] and registers[2].address.
-    places = frozenset(fault[:end] for fault in faults for end in range(1, len(fault) + 1))
+    places: set[Path] = set()
+    for fault in faults:
+        places.update(fault[:length] for length in range(1, len(fault) + 1))
     faulty_items = {item for item, path in _items_with_places(spec) if path in places}
     for fields in field_lists(spec):  # Field groups come first, because layouts and registers may use them.
         uses = [("field_groups", field.use) for field in fields.fields]
@@ -99,7 +101,7 @@ def valid_parts(spec: WrittenSpec, faults: Iterable[Path]) -> ValidParts:
     for procedure in spec.procedures:
         if procedure.path in places or not faulty_items.isdisjoint(_uses_of(procedure)):
             faulty_items.add(("procedures", _name_or_mark(procedure.name)))
-    return ValidParts(places, frozenset(faulty_items))
+    return ValidParts(frozenset(places), frozenset(faulty_items))
 
 
 def _items_with_places(spec: WrittenSpec) -> Iterator[tuple[Item, Path]]:

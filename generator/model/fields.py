@@ -25,6 +25,7 @@ from .kinds import (
     Kind,
     Number,
     Scale,
+    Unused,
     Value,
     Verdict,
     code_in_field,
@@ -237,6 +238,21 @@ class Field:
         """Return the named value with this number, or raise a ``LookupError``."""
         matches = (value for value in self.values if value.value == number)
         return first_or_raise(matches, f"value {number} of '{self.name}'")
+
+    @property
+    def makes_position(self) -> Verdict | None:
+        """Verdict on the position while a bit of the field differs from its normal value, or None."""
+        return self.kind.makes_position
+
+    @property
+    def fixed_value(self) -> int | None:
+        """Value of a constant, or the documented value of unused bits, or None for other fields."""
+        return self.kind.value if isinstance(self.kind, (Constant, Unused)) else None
+
+    @property
+    def sums_up(self) -> tuple[str, ...]:
+        """Names of the flags that a flag combines, or none."""
+        return self.kind.sums_up if isinstance(self.kind, Flag) else ()
 
     @property
     def runs(self) -> tuple[Digits, ...]:

@@ -87,14 +87,17 @@ def _unsigned_range(
     fields, of which the low field counts exactly one revolution, it is the range of the revolutions in the high field.
     """
     total = measurement.total
-    turns = measurement.turns
-    counts_per_turn = measurement.counts_per_turn
     if total is None or any(field.number.signed for field in fields):
         return None
     if len(fields) == 1:
+        (field,) = fields
         highest = measurement.highest or total - Expression(1)
-        return PositionRange(fields[0], lowest=Expression(0), highest=highest)
-    if len(fields) != 2 or measurement.highest is not None or counts_per_turn is None or turns is None:
+        return PositionRange(field, lowest=Expression(0), highest=highest)
+    turns = measurement.turns
+    counts_per_turn = measurement.counts_per_turn
+    if turns is None or counts_per_turn is None:
+        return None
+    if len(fields) != 2 or measurement.highest is not None:
         return None
     # The fields of a position are listed from the most significant one.
     high_field, low_field = fields

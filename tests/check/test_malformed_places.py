@@ -45,6 +45,15 @@ def test_a_place_with_too_many_digits_in_a_layout_of_bytes(tmp_path: Path) -> No
     assert message.startswith("'word' is carried as bytes, so it needs 'byte_order'")
 
 
+def test_a_text_in_place_of_a_document_is_only_reported(tmp_path: Path) -> None:
+    """A problem at a key called ``source`` counts as one of prose, so the spec is still compared with others."""
+    write_spec("my_encoder", tmp_path / "my_encoder.yaml", like="biss")
+    text = (tmp_path / "my_encoder.yaml").read_text(encoding="utf-8")
+    (tmp_path / "my_encoder.yaml").write_text(f"{text}documents: {{source: Name in a file}}\n", encoding="utf-8")
+    _, report = load_library([tmp_path])
+    assert [problem.path for problem in report.problems if problem.rule == "wrong-type"] == ["documents.source"]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

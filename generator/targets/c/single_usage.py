@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import chain
 
-from ...model import Constant, Number, Spi, Unused
+from ...model import Spi
+from ...plan.values import is_number, meaning_of
 from ...say.evidence import Topic, mentions, word_for_document
 from .codec import StructCodec
 from .device import DeviceView
@@ -64,12 +65,13 @@ class SingleUsage:
             return ""
         layout = self.request.struct.layout
         fields = layout.fields
-        if not layout.sent_bits.is_constant or not all(isinstance(field.kind, Constant | Unused) for field in fields):
+        if not layout.sent_bits.is_constant:
             return ""
         number = 0
         for field in fields:
-            assert isinstance(field.kind, Constant | Unused)
-            number |= field.kind.value << field.low.constant
+            if field.fixed_value is None:
+                return ""
+            number |= field.fixed_value << field.low.constant
         number_of_bytes = (layout.sent_bits.constant + 7) // 8
         return " ".join(f"{byte:02X}h" for byte in number.to_bytes(number_of_bytes, "big"))
 
@@ -98,7 +100,7 @@ class SingleUsage:
         for layout in layouts:
             parts_of_position.update(*(join.fields for join in layout.joins if join.name == position_name))
         fields = chain.from_iterable(layout.data_fields for layout in layouts)
-        numbers = (field for field in fields if isinstance(field.kind, Number) and field.equals is None)
+        numbers = (field for field in fields if is_number(meaning_of(field)) and field.equals is None)
         return tuple(c_name(field.name) for field in numbers if field.name not in parts_of_position)
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Alarm, Alternative, Device, Field, Flag, Interface, Layout, Sign, Verdict, first_or_raise
+from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict, first_or_raise
 from ...model.record import dataclass
 from ...plan.values import ActiveFlag, meaning_of
 from ...plan.verdicts import (
@@ -128,7 +128,7 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
         deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
     if verdict_rules.otherwise is Verdict.UNKNOWN:
         no_improvement = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
-        warning_fields = [field for field in layout.fields if field.kind.makes_position in no_improvement]
+        warning_fields = [field for field in layout.fields if field.makes_position in no_improvement]
         deciders += [_Decider(Verdict.UNKNOWN, field) for field in warning_fields]
     # The enumeration lists the verdicts from the worst to the best.
     worst_first = list(Verdict)
@@ -138,7 +138,7 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
         return worst_first.index(decider.verdict), field_names.index(decider.field.name)
 
     deciders.sort(key=verdict_and_place)
-    usable_fields = [field for field in fields_and_signs if field.kind.makes_position is Verdict.USABLE]
+    usable_fields = [field for field in fields_and_signs if field.makes_position is Verdict.USABLE]
     return [*deciders, *(_Decider(Verdict.USABLE, field) for field in usable_fields)]
 
 
@@ -210,8 +210,7 @@ def _condition_on_combined_flags(field: Field, layout: Layout) -> str:
     Only combined flags in the same frame count. Return an empty string if there are none.
     """
     names_in_layout = {field.name for field in layout.fields}
-    combined_names = field.kind.sums_up if isinstance(field.kind, Flag) else ()
-    combined_flags = [CodeText(name) for name in combined_names if name in names_in_layout]
+    combined_flags = [CodeText(name) for name in field.sums_up if name in names_in_layout]
     if not combined_flags:
         return ""
     listed_flags = MARKDOWN.phrase(statement(*list_parts(combined_flags)))
