@@ -77,7 +77,9 @@ def _parts_of_line(recording: RecordedFrames, layout: FoundLayout) -> _Parts:
         else:
             behind.append(parity)
     crc = ""
-    if layout.crc is not None:
+    if layout.crc is not None and layout.crc.is_modbus:
+        crc = f"crc_modbus={layout.crc.width}"
+    elif layout.crc is not None:
         most_usual_form = layout.crc.forms[0]
         crc = _crc_text(recording.interface, layout.crc, most_usual_form)
     return _Parts(
@@ -204,6 +206,10 @@ def _describe_certainty(recording: RecordedFrames, layout: FoundLayout) -> Itera
     crc = layout.crc
     if crc is None:
         yield "no known CRC fits all frames"
+    elif crc.is_modbus:
+        chance = f"by coincidence, one of 2^{crc.evidence} recordings"
+        yield f"CRC-16/MODBUS, low byte first, fits all {len(recording.frames)} frames ({chance})"
+        yield "a line cannot describe this CRC, so it is a number here, which 'decode' does not check"
     else:
         unlisted = "" if crc.is_known else ", which is not in the list of known ones"
         chance = f"by coincidence, one of 2^{crc.evidence} recordings"

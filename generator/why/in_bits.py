@@ -14,7 +14,6 @@ from ..model import (
     Device,
     Flag,
     Kind,
-    PlacedField,
     PlacedLayout,
     Spi,
     Unused,
@@ -25,17 +24,25 @@ from ..reference.bits import reflect
 from .exchanges import echo_hypotheses
 from .hypotheses import (
     ACTIVE,
+    AFTER_COMMAND,
     IDLE,
     INVERTED_WITHOUT_PAIR,
     Hypothesis,
     TypedFrame,
-    check_constant_bits,
     frame_hypothesis,
     likelihood,
 )
 from .other_crcs import other_crc_hypotheses, other_polynomial_hypotheses, status_mask
 from .other_order_codes import other_order_code_hypotheses
-from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_hypotheses, window_hypotheses
+from .recordings import (
+    LINES,
+    FrameOffset,
+    LineMistakes,
+    line_name,
+    recorded_bits,
+    recording_hypotheses,
+    window_hypotheses,
+)
 from .texts import TEXTS
 
 
@@ -89,6 +96,8 @@ def moved_frame_hypotheses(
         yield from echo_hypotheses(device, variant, placed_layout, typed_frame.number)
     if variant.interface == Spi.name:
         yield from _left_out_command_hypotheses(placed_layout, crc, typed_frame)
+        yield from _idle_command_hypotheses(placed_layout, crc, typed_frame)
+        yield from _offsets_after_command(line, placed_layout, crc, typed_frame)
     received_bits = recorded_bits(typed_frame, placed_layout.bits)
     hypotheses_by_rule: list[Hypothesis] = []
     possible_offsets = [offset for offset in line.slips if _can_have(placed_layout, crc, offset)]
@@ -130,10 +139,60 @@ def _left_out_command_hypotheses(
     description = TEXTS["command_left_out"].format(command_bits)
     frame = (command << remaining_bits) | typed_frame.number
     hypothesis = frame_hypothesis("command_left_out", description, placed_layout, crc, frame)
-    constant_bits, _ = check_constant_bits(placed_layout, 0)
     # The constants that were assumed prove nothing.
-    assumed_bits = sum(field.width for field in placed_layout.fields if _is_constant_from(field, remaining_bits))
-    yield replace(hypothesis, determined_bits=constant_bits - assumed_bits)
+    assumed_bits = _constant_bits_from(placed_layout, remaining_bits)
+    yield replace(hypothesis, determined_bits=hypothesis.determined_bits - assumed_bits)
+
+
+def _idle_command_hypotheses(
+    placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
+) -> Iterator[Hypothesis]:
+    """Yield the hypothesis that only MISO was recorded, which was idle during the command.
+
+    The first bits of the SPI word are then all 0 or all 1, although the layout requires other constants.
+    """
+    command, command_bits = _bits_during_command(placed_layout, crc)
+    remaining_bits = placed_layout.bits - command_bits
+    assumed_bits = _constant_bits_from(placed_layout, remaining_bits)
+    are_bits_typed = typed_frame.exact or typed_frame.written > remaining_bits
+    has_data = remaining_bits > 0
+    is_possible = are_bits_typed and typed_frame.may_have(placed_layout.bits)
+    if not assumed_bits or not has_data or not is_possible:
+        return
+    received_command = typed_frame.number >> remaining_bits
+    all_ones = (1 << command_bits) - 1
+    if received_command == command or received_command not in (0, all_ones):
+        return
+    level = received_command & 1
+    description = TEXTS["command_idle"].format(command_bits, level)
+    data = typed_frame.number & ((1 << remaining_bits) - 1)
+    frame = (command << remaining_bits) | data
+    hypothesis = frame_hypothesis("command_left_out", description, placed_layout, crc, frame)
+    # Instead of the constants that were assumed, the idle bits are the evidence. They can have two values.
+    idle_evidence = command_bits - 1
+    yield replace(hypothesis, determined_bits=hypothesis.determined_bits - assumed_bits + idle_evidence)
+
+
+def _offsets_after_command(
+    line: LineMistakes, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
+) -> Iterator[Hypothesis]:
+    """Yield hypotheses in which the first bits of an SPI word, the command, are intact, and the data are shifted.
+
+    The master sends the command itself, so on a shared line it is correct even if the data are read with the wrong
+    clock edge. Nothing is yielded if the command has no constant, which would show that it is intact, or if no data
+    follow it.
+    """
+    _, command_bits = _bits_during_command(placed_layout, crc)
+    remaining_bits = placed_layout.bits - command_bits
+    has_constant = _constant_bits_from(placed_layout, remaining_bits) > 0
+    has_data = remaining_bits > 0
+    if not has_constant or not has_data or not typed_frame.may_have(placed_layout.bits):
+        return
+    for offset in line.slips:
+        if offset.additional_bits == 0 and _can_have(placed_layout, crc, offset):
+            yield from _offset_hypotheses(
+                placed_layout, crc, offset, typed_frame.number, placed_layout.bits, command_bits=command_bits
+            )
 
 
 def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[int, int]:
@@ -159,27 +218,40 @@ def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[
     return (command >> lowest_bit, command_bits) if is_whole_bytes else (0, 0)
 
 
-def _is_constant_from(field: PlacedField, lowest_bit: int) -> bool:
-    """Return whether a field is a constant whose bits are all at ``lowest_bit`` or above."""
-    return isinstance(field.field.kind, Constant) and field.low >= lowest_bit
+def _constant_bits_from(placed_layout: PlacedLayout, lowest_bit: int) -> int:
+    """Return the number of bits in the constants of a layout whose bits are all at ``lowest_bit`` or above."""
+    constants = [field for field in placed_layout.fields if isinstance(field.field.kind, Constant)]
+    return sum(constant.width for constant in constants if constant.low >= lowest_bit)
 
 
 def _offset_hypotheses(
-    placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset, number: int, length: int
+    placed_layout: PlacedLayout,
+    crc: Crc | None,
+    offset: FrameOffset,
+    number: int,
+    length: int,
+    *,
+    command_bits: int = 0,
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which the ``length`` bits of ``number`` contain the frame with an offset.
 
     An offset describes extra bits before and after the frame, and missing first and last bits. Extra bits that must be
     1 are evidence, and those that are mostly 0 change the likelihood. Without a CRC, there is a hypothesis for each
-    value of the missing last bits. With a CRC, these bits belong to it, and are 0 here.
+    value of the missing last bits. With a CRC, these bits belong to it, and are 0 here. The first ``command_bits`` bits
+    are not affected.
     """
-    frame_part_length = length - len(offset.front) - len(offset.behind)
+    affected_length = length - command_bits
+    command = number >> affected_length
+    number &= (1 << affected_length) - 1
+    frame_part_length = affected_length - len(offset.front) - len(offset.behind)
     front_and_frame_part = number >> len(offset.behind)
     behind = number & ((1 << len(offset.behind)) - 1)
     front = front_and_frame_part >> frame_part_length
     frame_part = front_and_frame_part & ((1 << frame_part_length) - 1)
     missing_first_bits = int(offset.missing or "0", 2)
-    frame_without_last_bits = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
+    affected_frame_bits = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
+    frame_without_last_bits = (command << (placed_layout.bits - command_bits)) | affected_frame_bits
+    template = TEXTS["after_command"].format(offset.text) if command_bits else offset.text
     start_bits = _bits_with_mark(offset.front, "1", front)
     mostly_zero_bits = _bits_with_mark(offset.front, "~", front) + _bits_with_mark(offset.behind, "~", behind)
     likelihood_around = prod(ACTIVE if bit else IDLE for bit in mostly_zero_bits)
@@ -194,7 +266,7 @@ def _offset_hypotheses(
     for last_bits in values_of_last_bits:
         hypothesis = frame_hypothesis(
             offset.kind,
-            offset.text.format(offset.missing),
+            template.format(offset.missing),
             placed_layout,
             crc,
             frame_without_last_bits | last_bits,
@@ -204,9 +276,10 @@ def _offset_hypotheses(
         )
         yield replace(
             hypothesis,
-            template=offset.text,
+            template=template,
             likelihood=hypothesis.likelihood * likelihood_around,
             has_assumed_bit=assumed_bits > 0,
+            relative_frequency=AFTER_COMMAND if command_bits else 1.0,
         )
 
 

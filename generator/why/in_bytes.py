@@ -18,8 +18,9 @@ from ..model import (
 )
 from ..reference.bits import parity_bit
 from .exchanges import usual_values_of
-from .hypotheses import Hypothesis, frame_hypothesis
+from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
+from .other_order_codes import other_order_code_hypotheses
 from .texts import TEXTS
 
 #: Longest request in bytes whose echo is considered.
@@ -46,6 +47,10 @@ def byte_hypotheses(
         has_frame_length = 8 * len(received_bytes) == placed_layout.bits
         if crc is not None and is_expected_layout and has_frame_length:
             yield from _other_crc_hypotheses(placed_layout, crc, received_bytes)
+        if crc is None:
+            number = number_from_bytes(layout, received_bytes)
+            typed_frame = TypedFrame(number, bits=8 * len(received_bytes), exact=True)
+            yield from other_order_code_hypotheses(device, variant, placed_layout, typed_frame)
         usual_values = usual_values_of(device, variant.interface, layout)
         first_bytes = tuple(_possible_first_bytes(placed_layout, usual_values))
         yield from _displaced_byte_hypotheses(placed_layout, crc, received_bytes, first_bytes)
