@@ -96,8 +96,8 @@ def _without_line_number(text: str) -> str:
 def _are_decimal(texts: Sequence[str], bits: int) -> bool:
     """Return whether all texts are decimal numbers, although single ones could also be hexadecimal.
 
-    Either one of them is too large for a frame of ``bits`` bits if it is hexadecimal, or they have 24 or more digits together,
-    among which hexadecimal numbers would have letters.
+    Either one of them is too large for a frame of ``bits`` bits if it is hexadecimal, or they have 24 or more digits
+    together, among which hexadecimal numbers would have letters.
     """
     if len(texts) < 2 or not all(map(_DECIMAL.fullmatch, texts)):
         return False
