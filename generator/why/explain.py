@@ -26,11 +26,11 @@ from .in_bits import (
     all_hypotheses,
     moved_frame_hypotheses,
     other_answer_hypotheses,
-    rearranged_frame_hypotheses,
 )
 from .in_bytes import byte_hypotheses, is_valid_in_bytes
 from .other_crcs import hypothesis_without_mistake
 from .other_order_codes import other_order_code_hypotheses
+from .rearranged import rearranged_frame_hypotheses
 from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
 from .texts import TEXTS
 
@@ -86,7 +86,7 @@ def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[i
     bits_to_invert: list[int] = []
     for bit in range(placed_layout.bits):
         frame_with_flip = frame ^ (1 << bit)
-        if frame_hypothesis("", "", placed_layout, crc, frame_with_flip).fits:
+        if frame_hypothesis(kind="", description="", placed_layout=placed_layout, crc=crc, frame=frame_with_flip).fits:
             bits_to_invert.append(bit)
     return bits_to_invert
 

@@ -260,7 +260,14 @@ def frame_hypothesis(
     """
     if crc is None:
         return _hypothesis_without_crc(
-            kind, description, placed_layout, frame, lost_bits, determined_bits, are_determined_right, order_codes
+            kind=kind,
+            description=description,
+            placed_layout=placed_layout,
+            frame=frame,
+            lost_bits=lost_bits,
+            determined_bits=determined_bits,
+            are_determined_right=are_determined_right,
+            order_codes=order_codes,
         )
     constant_bits, are_constants_correct = check_constant_bits(placed_layout, frame)
     covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
@@ -319,3 +326,16 @@ def crc_covered_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, int]
     low, width = placed_layout.crc_covers
     mask = (1 << width) - 1
     return (frame >> low) & mask, width
+
+
+def possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> list[int]:
+    """Return the numbers of bits that may have been received, largest first.
+
+    If the user may have omitted leading zeros, these are the length of the expected frame, and one bit less, since its
+    first bit may be missing.
+    """
+    has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
+    if has_known_length:
+        return [typed_frame.bits]
+    lengths = (placed_layout.bits, placed_layout.bits - 1)
+    return [length for length in lengths if length >= typed_frame.bits]

@@ -59,9 +59,13 @@ def _hypotheses_with_crc(
     for shape_bits, shapes in shapes_by_length.items():
         extra_bits = placed_layout.bits - shape_bits
         if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
-            yield _too_long_hypothesis(variant, shapes, crc, typed_frame.number, extra_bits)
+            yield _too_long_hypothesis(
+                variant=variant, shapes=shapes, crc=crc, number=typed_frame.number, extra_bits=extra_bits
+            )
         elif -MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
-            yield _too_short_hypothesis(variant, shapes, crc, typed_frame.number, lost_bits=-extra_bits)
+            yield _too_short_hypothesis(
+                variant=variant, shapes=shapes, crc=crc, number=typed_frame.number, lost_bits=-extra_bits
+            )
 
 
 def _hypotheses_without_crc(
@@ -79,11 +83,11 @@ def _hypotheses_without_crc(
         shape = _possible_shape(shapes, typed_frame.number)
         length_text = TEXTS["bits"].format(length)
         hypothesis = frame_hypothesis(
-            _mistake_kind(shape.order_codes),
-            f"{length_text}, {_sender_text(variant, shape.order_codes)}",
-            shape.placed_layout,
-            None,
-            typed_frame.number,
+            kind=_mistake_kind(shape.order_codes),
+            description=f"{length_text}, {_sender_text(variant, shape.order_codes)}",
+            placed_layout=shape.placed_layout,
+            crc=None,
+            frame=typed_frame.number,
             order_codes=shape.order_codes,
         )
         has_evidence = hypothesis.determined_bits > 0
@@ -118,11 +122,11 @@ def _too_long_hypothesis(
     length_text = TEXTS["bits"].format(shape.placed_layout.bits)
     mistake_text = TEXTS["read_too_long"].format(count_with_unit(extra_bits, "bit"))
     hypothesis = frame_hypothesis(
-        _mistake_kind(shape.order_codes),
-        f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
-        shape.placed_layout,
-        crc,
-        frame,
+        kind=_mistake_kind(shape.order_codes),
+        description=f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
+        placed_layout=shape.placed_layout,
+        crc=crc,
+        frame=frame,
         determined_bits=zero_bits,
         are_determined_right=are_zero_bits_correct,
         order_codes=shape.order_codes,
@@ -143,11 +147,11 @@ def _too_short_hypothesis(
     length_text = TEXTS["bits"].format(shape.placed_layout.bits)
     mistake_text = TEXTS["read_too_short"].format(count_with_unit(lost_bits, "bit"))
     hypothesis = frame_hypothesis(
-        _mistake_kind(shape.order_codes),
-        f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
-        shape.placed_layout,
-        crc,
-        frame,
+        kind=_mistake_kind(shape.order_codes),
+        description=f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
+        placed_layout=shape.placed_layout,
+        crc=crc,
+        frame=frame,
         lost_bits=lost_bits,
         order_codes=shape.order_codes,
     )
@@ -181,11 +185,11 @@ def _complete_frame_hypotheses(
     order_codes = _order_codes_of(possible_shapes)
     length_text = TEXTS["bits_or_more" if len(possible_shapes) > 1 else "bits"].format(shortest_layout.bits)
     hypothesis = frame_hypothesis(
-        _mistake_kind(order_codes),
-        f"{length_text}, {_sender_text(variant, order_codes)}",
-        shortest_layout,
-        crc,
-        typed_frame.number,
+        kind=_mistake_kind(order_codes),
+        description=f"{length_text}, {_sender_text(variant, order_codes)}",
+        placed_layout=shortest_layout,
+        crc=crc,
+        frame=typed_frame.number,
         order_codes=order_codes,
     )
     yield _with_common_template(hypothesis, length_text, mistake_text="")

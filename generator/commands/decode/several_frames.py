@@ -22,7 +22,7 @@ _FEWEST_ROWS = 3
 _DECIMAL_DIGITS = 24
 _DECIMAL = re.compile(DIGITS["decimal"])
 #: The number of a line, a separator of CSV, and a frame of at least 3 characters: ``12,40276`` or ``12;0x9D54``.
-_NUMBERED_ROW = re.compile(r"(0|[1-9][0-9]{0,8})[ ]*[,;\t][ ]*([0-9A-Za-z]{3,})")
+_NUMBERED_ROW = re.compile(r"(?P<number>0|[1-9][0-9]{0,8})[ ]*[,;\t][ ]*(?P<frame>[0-9A-Za-z]{3,})")
 #: The names of two columns: ``time,raw``. At least one letter is not a hex digit.
 _HEADER = re.compile(r"(?=.*[G-Wg-wYyZz])[A-Za-z_][A-Za-z0-9_ ]*[,;\t][ ]*[A-Za-z_][A-Za-z0-9_ ]*")
 
@@ -80,7 +80,7 @@ def _have_line_numbers(texts: Sequence[str]) -> bool:
     The numbers increase by the same step from row to row. At least three rows are needed.
     """
     rows = [_NUMBERED_ROW.fullmatch(text) for text in texts]
-    numbers = [int(row[1]) for row in rows if row is not None]
+    numbers = [int(row["number"]) for row in rows if row is not None]
     if len(numbers) < _FEWEST_ROWS or len(numbers) != len(texts):
         return False
     steps = {following - number for number, following in itertools.pairwise(numbers)}
@@ -90,7 +90,7 @@ def _have_line_numbers(texts: Sequence[str]) -> bool:
 def _without_line_number(text: str) -> str:
     """Return the frame in a row such as ``12,40276``, or any other text as it is."""
     row = _NUMBERED_ROW.fullmatch(text)
-    return row[2] if row is not None else text
+    return row["frame"] if row is not None else text
 
 
 def _are_decimal(texts: Sequence[str], bits: int) -> bool:
