@@ -76,19 +76,26 @@ def _parts_of_line(recording: RecordedFrames, layout: FoundLayout) -> _Parts:
             front.insert(0, parity)
         else:
             behind.append(parity)
-    crc = ""
-    if layout.crc is not None and layout.crc.is_modbus:
-        crc = f"crc_modbus={layout.crc.width}"
-    elif layout.crc is not None:
-        most_usual_form = layout.crc.forms[0]
-        crc = _crc_text(recording.interface, layout.crc, most_usual_form)
     return _Parts(
         options=options,
         front=_with_distinct_names(front),
         position=f"position={split.width}",
         behind=_with_distinct_names(behind),
-        crc=crc,
+        crc=_usual_crc_text(recording.interface, layout.crc),
     )
+
+
+def _usual_crc_text(interface: str, crc: FoundCrc | None) -> str:
+    """Return a CRC as it is written in a line, in its most usual form, or an empty string without a CRC.
+
+    CRC-16/MODBUS becomes a number, because a line cannot describe it.
+    """
+    if crc is None:
+        return ""
+    if crc.is_modbus:
+        return f"crc_modbus={crc.width}"
+    most_usual_form = crc.forms[0]
+    return _crc_text(interface, crc, most_usual_form)
 
 
 def _field_texts(field: FoundField, name: str) -> Iterator[str]:

@@ -334,7 +334,8 @@ def _digits_data(digit_run: Digits) -> list[Any]:
 
 def _without_empty_end(*row: Any) -> list[Any]:
     """Return a row without its last value if that is empty."""
-    return list(row if row[-1] else row[:-1])
+    *beginning, last_value = row
+    return [*row] if last_value else beginning
 
 
 def _documented_value(field: Field) -> Any:
