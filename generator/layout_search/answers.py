@@ -76,17 +76,26 @@ def _parts_of_line(recording: RecordedFrames, layout: FoundLayout) -> _Parts:
             front.insert(0, parity)
         else:
             behind.append(parity)
-    crc = ""
-    if layout.crc is not None:
-        most_usual_form = layout.crc.forms[0]
-        crc = _crc_text(recording.interface, layout.crc, most_usual_form)
     return _Parts(
         options=options,
         front=_with_distinct_names(front),
         position=f"position={split.width}",
         behind=_with_distinct_names(behind),
-        crc=crc,
+        crc=_usual_crc_text(recording.interface, layout.crc),
     )
+
+
+def _usual_crc_text(interface: str, crc: FoundCrc | None) -> str:
+    """Return a CRC as it is written in a line, in its most usual form, or an empty string without a CRC.
+
+    CRC-16/MODBUS becomes a number, because a line cannot describe it.
+    """
+    if crc is None:
+        return ""
+    if crc.is_modbus:
+        return f"crc_modbus={crc.width}"
+    most_usual_form = crc.forms[0]
+    return _crc_text(interface, crc, most_usual_form)
 
 
 def _field_texts(field: FoundField, name: str) -> Iterator[str]:
@@ -204,6 +213,10 @@ def _describe_certainty(recording: RecordedFrames, layout: FoundLayout) -> Itera
     crc = layout.crc
     if crc is None:
         yield "no known CRC fits all frames"
+    elif crc.is_modbus:
+        chance = f"by coincidence, one of 2^{crc.evidence} recordings"
+        yield f"CRC-16/MODBUS, low byte first, fits all {len(recording.frames)} frames ({chance})"
+        yield "a line cannot describe this CRC, so it is a number here, which 'decode' does not check"
     else:
         unlisted = "" if crc.is_known else ", which is not in the list of known ones"
         chance = f"by coincidence, one of 2^{crc.evidence} recordings"

@@ -10,13 +10,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import log2
 
+from ..model import Crc
 from ..model.known_crcs import KNOWN_CRCS
+from ..reference.bits import compute_bytes
 from .frames import MOST_FRAMES, RecordedFrames
 
 #: Fewest bits that must match before a CRC is considered.
 _LEAST_EVIDENCE = 4
 #: Smallest and largest width of a CRC whose polynomial is not in the list of known ones.
 _NARROWEST_CRC, _WIDEST_CRC = 3, 32
+#: The CRC of Modbus RTU, whose low byte is sent first. A line cannot describe a CRC with reversed bits.
+_MODBUS = Crc(name="modbus", width=16, poly=0x8005, init=0xFFFF, refin=True, refout=True, xorout=0, source=())
 #: Fewest bits of evidence for a polynomial that is not in the list.
 _UNLISTED_EVIDENCE = 24
 
@@ -35,7 +39,8 @@ class FoundCrc:
 
     ``forms`` are the start values and inversions with which it matches, which frames of one length cannot distinguish,
     the most usual first. ``cost`` is the number of bits that describe the CRC in all frames. ``evidence`` is the number
-    of CRC bits that match and could have differed.
+    of CRC bits that match and could have differed. ``is_modbus`` is true for CRC-16/MODBUS, which has no ``forms``,
+    because a line cannot describe it.
     """
 
     polynomial: int
@@ -43,6 +48,7 @@ class FoundCrc:
     cost: float
     evidence: int
     is_known: bool = True
+    is_modbus: bool = False
 
     @property
     def width(self) -> int:
@@ -62,8 +68,26 @@ def crcs_of(recording: RecordedFrames) -> list[FoundCrc]:
         polynomials = {polynomial: None for polynomial in polynomials if polynomial.bit_length() == 9}
     dividing_polynomials = [polynomial for polynomial in polynomials if _divides_all(recording, polynomial)]
     known_crcs = [_crc_with_polynomial(recording, polynomial) for polynomial in dividing_polynomials]
+    known_crcs += _modbus_crc(recording)
     proved_crcs = [crc for crc in known_crcs if crc.evidence >= _LEAST_EVIDENCE]
     return proved_crcs or list(_unlisted_crcs(recording))
+
+
+def _modbus_crc(recording: RecordedFrames) -> Iterator[FoundCrc]:
+    """Yield CRC-16/MODBUS if it is correct in all frames over RS-485: the last two bytes are its low and high byte."""
+    byte_count = recording.bits // 8
+    if recording.interface != "rs485" or byte_count < 3:
+        return
+    for frame in recording.frames:
+        frame_bytes = frame.to_bytes(byte_count, "big")
+        received_crc = int.from_bytes(frame_bytes[-2:], "little")
+        if compute_bytes(_MODBUS, frame_bytes[:-2]) != received_crc:
+            return
+    evidence = _MODBUS.width * recording.independent
+    sample_count = min(len(recording.frames), MOST_FRAMES)
+    unproved_bits = max(_MODBUS.width * sample_count - evidence, 0)
+    cost = unproved_bits - _MODBUS.width + log2(len(KNOWN_CRCS))
+    yield FoundCrc(_MODBUS.poly_with_top_bit, forms=(), cost=cost, evidence=evidence, is_modbus=True)
 
 
 def _divides_all(recording: RecordedFrames, polynomial: int) -> bool:

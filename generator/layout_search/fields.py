@@ -301,12 +301,15 @@ def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[fl
     variance = sum(x**2 for x in x_offsets)
     covariance = sum(x * y for x, y in zip(x_offsets, y_offsets, strict=True))
     slope = covariance / variance if variance else 0.0
+    # The mean is on the line, so the line passes through the offsets (0, 0).
     return [y - slope * x for x, y in zip(x_offsets, y_offsets, strict=True)]
 
 
 def _residuals_of_factor(values: Sequence[int], width: int, positions: Sequence[float], factor: float) -> list[float]:
     """Return the differences between the values, which may wrap, and the user's positions times ``factor``."""
     offsets = [value - round(position * factor) for value, position in zip(values, positions, strict=True)]
-    residuals = [as_signed(offset - offsets[0], width) for offset in offsets]
+    first_offset = offsets[0]
+    # The position 0 of the user can be any value, so only differences between the offsets matter.
+    residuals = [as_signed(offset - first_offset, width) for offset in offsets]
     mean = sum(residuals) / len(residuals)
     return [residual - mean for residual in residuals]

@@ -96,9 +96,9 @@ def _read_number(name: str, values: Sequence[str], column: int) -> NumberField:
         raise FieldError(f"'{name}' is one bit; write {name}=low or {name}=high", len(name) + 1)
     bits = _read_width(name, values[0])
     if len(values) == 1:
-        return NumberField(name, bits, column)
+        return NumberField(name=name, bits=bits, column=column)
     if values[1:] == ["signed"]:
-        return NumberField(name, bits, column, is_signed=True)
+        return NumberField(name=name, bits=bits, column=column, is_signed=True)
     value = number_in(values[1])
     offset = len(name) + len(values[0]) + 2  # after "name=width:"
     if value is None or len(values) > 2:
@@ -110,7 +110,7 @@ def _read_number(name: str, values: Sequence[str], column: int) -> NumberField:
         raise FieldError(f"{value:#x} is too large; write at most {LARGEST:#x}, or two constants", offset)
     if name in (POSITION, IN_TURN, TURNS):
         raise FieldError(f"'{name}' is not a constant; give the constant bits another name", offset)
-    return NumberField(name, bits, column, value=value)
+    return NumberField(name=name, bits=bits, column=column, value=value)
 
 
 def _read_flag(name: str, values: Sequence[str], column: int) -> FlagField:
@@ -133,7 +133,7 @@ def _read_flag(name: str, values: Sequence[str], column: int) -> FlagField:
         message = f"{quoted(':'.join(values[1:]))} is not an effect of a flag; write error, warning or status"
         offset = len(name) + len(values[0]) + 2  # after "name=low:"
         raise FieldError(message, offset)
-    return FlagField(name, column, level, VERDICTS[effect])
+    return FlagField(name=name, column=column, level=level, verdict=VERDICTS[effect])
 
 
 def _flag_of_interface(name: str, column: int, interface: str) -> FlagField:
@@ -144,14 +144,15 @@ def _flag_of_interface(name: str, column: int, interface: str) -> FlagField:
     """
     if interface != "biss":
         raise FieldError(f"'{name}' has no active level; write {name}=low or {name}=high")
-    return FlagField(name, column, "low", VERDICTS[name])
+    return FlagField(name=name, column=column, level="low", verdict=VERDICTS[name])
 
 
 def _read_filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> FillerField:
     """Create a field of zeros or unused bits from its only value, the width."""
     if len(values) != 1:
         raise FieldError(f"'{name}' takes only a width; write {name}=2 for two bits")
-    return FillerField(name, _read_width(name, values[0]), column)
+    width_text = values[0]
+    return FillerField(name=name, bits=_read_width(name, width_text), column=column)
 
 
 def _read_parity(values: Sequence[str], column: int) -> ParityField:
@@ -173,12 +174,12 @@ def _read_crc(values: Sequence[str], column: int, interface: str) -> CrcField:
     """
     if len(values) < 2:
         raise FieldError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43")
-    bits = _read_width("crc", values[0], _WIDEST_CRC)
+    width_text, *polynomial_and_start = values
+    bits = _read_width("crc", width_text, _WIDEST_CRC)
     is_inverted = interface == "biss"
-    polynomial_and_start = list(values[1:])
     if polynomial_and_start[-1] in ("inverted", "plain"):
         is_inverted = polynomial_and_start.pop() == "inverted"
-    offset = len("crc=") + len(values[0]) + 1  # after "crc=width:"
+    offset = len("crc=") + len(width_text) + 1  # after "crc=width:"
     if len(polynomial_and_start) not in (1, 2):
         raise FieldError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", offset)
     polynomial_text, *start_texts = polynomial_and_start
@@ -188,7 +189,7 @@ def _read_crc(values: Sequence[str], column: int, interface: str) -> CrcField:
     if init is None or init > highest:
         offset += len(polynomial_text) + 1
         raise FieldError(f"{quoted(start_texts[0])} is not a start value; write at most {highest:#x}", offset)
-    return CrcField("crc", bits, column, poly, init, is_inverted)
+    return CrcField(name="crc", bits=bits, column=column, poly=poly, init=init, is_inverted=is_inverted)
 
 
 def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:

@@ -324,10 +324,12 @@ def _places_unlike_biss(line: EncoderLine) -> Iterator[str]:
             yield f"crcs.{_CRC_NAME}.xorout"
     if flag_names == ["warning", "error"]:
         yield f"{frame}.warning"
-    names_from_first_flag = names[names.index(flag_names[0]) :]
+    first_flag = flag_names[0]
+    names_from_first_flag = names[names.index(first_flag) :]
     numbers_after_flags = [name for name in names_from_first_flag if name in _UNIT_AND_MEANING]
     if numbers_after_flags:
-        yield f"{frame}.{numbers_after_flags[0]}"
+        first_number = numbers_after_flags[0]
+        yield f"{frame}.{first_number}"
     if "crc" not in names:
         yield f"{frame}.fields"
 

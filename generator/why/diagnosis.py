@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import prod
+from typing import NamedTuple
 
 from ..model import Crc, Device, Number, PlacedLayout
 from ..model.record import dataclass
@@ -94,6 +95,13 @@ class Diagnosis:
         return is_doubtful or len(self.explanations) > 1
 
 
+class _ExplainedFrame(NamedTuple):
+    """An explanation with the frame without the mistake, or with its text if the mistake does not change the frame."""
+
+    resulting_frame: int | str
+    explanation: Explanation
+
+
 def diagnose_without_crc(
     device: Device, hypotheses: Iterable[Hypothesis], missing: str, disturbed: tuple[int, ...] = ()
 ) -> Diagnosis | None:
@@ -103,17 +111,18 @@ def diagnose_without_crc(
     the received bits lack, or empty. ``disturbed`` are the positions of bits, one of which may be corrupted. Return
     None if nothing fits, nothing is missing, and no bit may be corrupted.
     """
-    frame_and_explanations: list[tuple[int | str, Explanation]] = []
+    explained_frames: list[_ExplainedFrame] = []
     for same_mistake in _grouped_by_mistake(hypotheses):
         likeliest = same_mistake[0]  # The likeliest hypothesis is the first.
         has_frame = likeliest.frame_layout is not None
         # The description replaces the frame for a mistake that does not change it.
         resulting_frame = likeliest.frame if has_frame else likeliest.description
-        frame_and_explanations.append((resulting_frame, _explain_mistake(device, same_mistake)))
-    frame_and_explanations.sort(key=lambda frame_and_explanation: -frame_and_explanation[1].score)
+        explanation = _explain_mistake(device, same_mistake)
+        explained_frames.append(_ExplainedFrame(resulting_frame, explanation))
+    explained_frames.sort(key=lambda explained_frame: -explained_frame.explanation.score)
     # The first explanation of each frame is the likeliest.
     likeliest_by_frame: dict[int | str, Explanation] = {}
-    for resulting_frame, explanation in frame_and_explanations:
+    for resulting_frame, explanation in explained_frames:
         likeliest_by_frame.setdefault(resulting_frame, explanation)
     if not likeliest_by_frame and not missing and not disturbed:
         return None
@@ -125,7 +134,7 @@ def diagnose_without_crc(
         missing=missing,
         disturbed=disturbed,
         has_crc=False,
-        unmerged=tuple(explanation for _, explanation in frame_and_explanations),
+        unmerged=tuple(explained_frame.explanation for explained_frame in explained_frames),
     )
 
 

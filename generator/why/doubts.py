@@ -21,6 +21,7 @@ READINGS = (
     "if each of its parts is sent in Gray code",
     "if it is not sent in Gray code",
     "if the bytes are swapped",
+    "if every bit is inverted",
 )
 #: Name of the position of an encoder if the manual describes no measurement.
 _POSITION_NAME = "position"
@@ -91,8 +92,9 @@ def _recorded_frames(
 def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:
     """Yield the frame as it was before each mistake in ``READINGS``, in the same order, or None if it is impossible.
 
-    The mistakes are: reading one clock early or late, three mistakes with Gray code, and swapped bytes. A frame that is
-    read one clock early has an extra first bit and lacks its last bit. One clock late, it is the reverse.
+    The mistakes are: reading one clock early or late, three mistakes with Gray code, swapped bytes, and inverted bits.
+    A frame that is read one clock early has an extra first bit and lacks its last bit. One clock late, it is the
+    reverse. The frame is None if constants or parity bits would be wrong without swapped bytes or inverted bits.
     """
     yield _read_one_clock_later(placed_layout, frame)
     read_one_clock_earlier = frame >> 1
@@ -109,9 +111,16 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
         yield None
     if placed_layout.bits % 8 == 0:
         frame_bytes = frame.to_bytes(placed_layout.bits // 8, "little")
-        yield int.from_bytes(frame_bytes, "big")
+        yield _frame_if_possible(placed_layout, int.from_bytes(frame_bytes, "big"))
     else:
         yield None
+    yield _frame_if_possible(placed_layout, frame ^ ((1 << placed_layout.bits) - 1))
+
+
+def _frame_if_possible(placed_layout: PlacedLayout, frame: int) -> int | None:
+    """Return a frame, or None if one of its constants or parity bits is wrong."""
+    _, are_correct = check_constant_bits(placed_layout, frame)
+    return frame if are_correct else None
 
 
 def _parts_of(placed_layout: PlacedLayout, position_name: str) -> Sequence[str]:

@@ -26,10 +26,11 @@ from .in_bits import (
     all_hypotheses,
     moved_frame_hypotheses,
     other_answer_hypotheses,
-    rearranged_frame_hypotheses,
 )
 from .in_bytes import byte_hypotheses, is_valid_in_bytes
 from .other_crcs import hypothesis_without_mistake
+from .other_order_codes import other_order_code_hypotheses
+from .rearranged import rearranged_frame_hypotheses
 from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
 from .texts import TEXTS
 
@@ -85,7 +86,7 @@ def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[i
     bits_to_invert: list[int] = []
     for bit in range(placed_layout.bits):
         frame_with_flip = frame ^ (1 << bit)
-        if frame_hypothesis("", "", placed_layout, crc, frame_with_flip).fits:
+        if frame_hypothesis(kind="", description="", placed_layout=placed_layout, crc=crc, frame=frame_with_flip).fits:
             bits_to_invert.append(bit)
     return bits_to_invert
 
@@ -171,9 +172,13 @@ def _missing_bytes(placed_layout: PlacedLayout, received_bits: int) -> str:
 def _hypotheses_without_crc(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses for a frame without a CRC: it is surrounded by extra bits, truncated, or rearranged."""
+    """Yield hypotheses for a frame without a CRC.
+
+    It is surrounded by extra bits, truncated, rearranged, or from a different order code.
+    """
     yield from moved_frame_hypotheses(device, variant, placed_layout, None, typed_frame)
     yield from rearranged_frame_hypotheses(variant, placed_layout, None, typed_frame)
+    yield from other_order_code_hypotheses(device, variant, placed_layout, typed_frame)
 
 
 def explain_constant(

@@ -90,6 +90,10 @@ IDLE, ACTIVE = 1.8, 0.2
 LEAST_EQUAL_BITS = 12
 #: Relative frequency of inverted bits over SPI, which has no wire pairs that could be swapped.
 INVERTED_WITHOUT_PAIR = 0.125
+#: Relative frequency of a shift that begins after the command, since most SPI words are shifted as a whole.
+AFTER_COMMAND = 0.5
+#: Relative frequency of a different order code without a CRC, where only the length and a few bits can contradict it.
+OTHER_CODE_WITHOUT_CRC = 0.25
 #: Relative frequency of a mistake together with a second one.
 WITH_SECOND_MISTAKE = 0.125
 
@@ -256,7 +260,14 @@ def frame_hypothesis(
     """
     if crc is None:
         return _hypothesis_without_crc(
-            kind, description, placed_layout, frame, lost_bits, determined_bits, are_determined_right
+            kind=kind,
+            description=description,
+            placed_layout=placed_layout,
+            frame=frame,
+            lost_bits=lost_bits,
+            determined_bits=determined_bits,
+            are_determined_right=are_determined_right,
+            order_codes=order_codes,
         )
     constant_bits, are_constants_correct = check_constant_bits(placed_layout, frame)
     covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
@@ -285,6 +296,7 @@ def _hypothesis_without_crc(
     lost_bits: int,
     determined_bits: int,
     are_determined_right: bool,
+    order_codes: Sequence[str],
 ) -> Hypothesis:
     """Return the hypothesis that the encoder sent ``frame``, which has no CRC, and that a mistake changed it.
 
@@ -305,6 +317,7 @@ def _hypothesis_without_crc(
         likelihood=likelihood(placed_layout, frame),
         frame=frame,
         frame_layout=placed_layout,
+        order_codes=tuple(order_codes),
     )
 
 
@@ -313,3 +326,16 @@ def crc_covered_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, int]
     low, width = placed_layout.crc_covers
     mask = (1 << width) - 1
     return (frame >> low) & mask, width
+
+
+def possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> list[int]:
+    """Return the numbers of bits that may have been received, largest first.
+
+    If the user may have omitted leading zeros, these are the length of the expected frame, and one bit less, since its
+    first bit may be missing.
+    """
+    has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
+    if has_known_length:
+        return [typed_frame.bits]
+    lengths = (placed_layout.bits, placed_layout.bits - 1)
+    return [length for length in lengths if length >= typed_frame.bits]

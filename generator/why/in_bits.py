@@ -14,28 +14,35 @@ from ..model import (
     Device,
     Flag,
     Kind,
-    PlacedField,
     PlacedLayout,
     Spi,
     Unused,
     Variant,
     answer_combinations,
 )
-from ..reference.bits import reflect
 from .exchanges import echo_hypotheses
 from .hypotheses import (
     ACTIVE,
+    AFTER_COMMAND,
     IDLE,
-    INVERTED_WITHOUT_PAIR,
     Hypothesis,
     TypedFrame,
-    check_constant_bits,
     frame_hypothesis,
     likelihood,
+    possible_lengths,
 )
 from .other_crcs import other_crc_hypotheses, other_polynomial_hypotheses, status_mask
 from .other_order_codes import other_order_code_hypotheses
-from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_hypotheses, window_hypotheses
+from .rearranged import rearranged_frame_hypotheses
+from .recordings import (
+    LINES,
+    FrameOffset,
+    LineMistakes,
+    line_name,
+    recorded_bits,
+    recording_hypotheses,
+    window_hypotheses,
+)
 from .texts import TEXTS
 
 
@@ -47,7 +54,7 @@ def all_hypotheses(
     ``placed_layout`` is the layout that the frame should have. If the CRC covers only a part of the frame, only
     different CRC parameters and moved or rearranged bits are tried.
     """
-    if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
+    if placed_layout.bits in possible_lengths(placed_layout, typed_frame):
         is_biss = variant.interface == Biss.name
         yield from other_crc_hypotheses(placed_layout, crc, typed_frame.number, has_start_bits=is_biss)
     yield from rearranged_frame_hypotheses(variant, placed_layout, crc, typed_frame)
@@ -58,19 +65,6 @@ def all_hypotheses(
     yield from other_answer_hypotheses(device, variant, placed_layout, typed_frame)
     yield from other_polynomial_hypotheses(placed_layout, crc, typed_frame)
     yield from other_order_code_hypotheses(device, variant, placed_layout, typed_frame)
-
-
-def _possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> list[int]:
-    """Return the numbers of bits that may have been received, largest first.
-
-    If the user may have omitted leading zeros, these are the length of the expected frame, and one bit less, since its
-    first bit may be missing.
-    """
-    has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
-    if has_known_length:
-        return [typed_frame.bits]
-    lengths = (placed_layout.bits, placed_layout.bits - 1)
-    return [length for length in lengths if length >= typed_frame.bits]
 
 
 def moved_frame_hypotheses(
@@ -89,13 +83,17 @@ def moved_frame_hypotheses(
         yield from echo_hypotheses(device, variant, placed_layout, typed_frame.number)
     if variant.interface == Spi.name:
         yield from _left_out_command_hypotheses(placed_layout, crc, typed_frame)
+        yield from _idle_command_hypotheses(placed_layout, crc, typed_frame)
+        yield from _offsets_after_command(line, placed_layout, crc, typed_frame)
     received_bits = recorded_bits(typed_frame, placed_layout.bits)
     hypotheses_by_rule: list[Hypothesis] = []
     possible_offsets = [offset for offset in line.slips if _can_have(placed_layout, crc, offset)]
-    for length in _possible_lengths(placed_layout, typed_frame):
+    for length in possible_lengths(placed_layout, typed_frame):
         for offset in possible_offsets:
             if placed_layout.bits + offset.additional_bits == length:
-                hypotheses_by_rule += _offset_hypotheses(placed_layout, crc, offset, typed_frame.number, length)
+                hypotheses_by_rule += _offset_hypotheses(
+                    placed_layout=placed_layout, crc=crc, offset=offset, number=typed_frame.number, length=length
+                )
     hypotheses_by_rule += recording_hypotheses(line, placed_layout, crc, received_bits)
     yield from hypotheses_by_rule
     is_frame_found = any(hypothesis.fits for hypothesis in hypotheses_by_rule)
@@ -129,11 +127,70 @@ def _left_out_command_hypotheses(
         return
     description = TEXTS["command_left_out"].format(command_bits)
     frame = (command << remaining_bits) | typed_frame.number
-    hypothesis = frame_hypothesis("command_left_out", description, placed_layout, crc, frame)
-    constant_bits, _ = check_constant_bits(placed_layout, 0)
+    hypothesis = frame_hypothesis(
+        kind="command_left_out", description=description, placed_layout=placed_layout, crc=crc, frame=frame
+    )
     # The constants that were assumed prove nothing.
-    assumed_bits = sum(field.width for field in placed_layout.fields if _is_constant_from(field, remaining_bits))
-    yield replace(hypothesis, determined_bits=constant_bits - assumed_bits)
+    assumed_bits = _constant_bits_from(placed_layout, remaining_bits)
+    yield replace(hypothesis, determined_bits=hypothesis.determined_bits - assumed_bits)
+
+
+def _idle_command_hypotheses(
+    placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
+) -> Iterator[Hypothesis]:
+    """Yield the hypothesis that only MISO was recorded, which was idle during the command.
+
+    The first bits of the SPI word are then all 0 or all 1, although the layout requires other constants.
+    """
+    command, command_bits = _bits_during_command(placed_layout, crc)
+    remaining_bits = placed_layout.bits - command_bits
+    assumed_bits = _constant_bits_from(placed_layout, remaining_bits)
+    are_bits_typed = typed_frame.exact or typed_frame.written > remaining_bits
+    has_data = remaining_bits > 0
+    is_possible = are_bits_typed and typed_frame.may_have(placed_layout.bits)
+    if not assumed_bits or not has_data or not is_possible:
+        return
+    received_command = typed_frame.number >> remaining_bits
+    all_ones = (1 << command_bits) - 1
+    if received_command == command or received_command not in (0, all_ones):
+        return
+    level = received_command & 1
+    description = TEXTS["command_idle"].format(command_bits, level)
+    data = typed_frame.number & ((1 << remaining_bits) - 1)
+    frame = (command << remaining_bits) | data
+    hypothesis = frame_hypothesis(
+        kind="command_left_out", description=description, placed_layout=placed_layout, crc=crc, frame=frame
+    )
+    # Instead of the constants that were assumed, the idle bits are the evidence. They can have two values.
+    idle_evidence = command_bits - 1
+    yield replace(hypothesis, determined_bits=hypothesis.determined_bits - assumed_bits + idle_evidence)
+
+
+def _offsets_after_command(
+    line: LineMistakes, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
+) -> Iterator[Hypothesis]:
+    """Yield hypotheses in which the first bits of an SPI word, the command, are intact, and the data are shifted.
+
+    The master sends the command itself, so on a shared line it is correct even if the data are read with the wrong
+    clock edge. Nothing is yielded if the command has no constant, which would show that it is intact, or if no data
+    follow it.
+    """
+    _, command_bits = _bits_during_command(placed_layout, crc)
+    remaining_bits = placed_layout.bits - command_bits
+    has_constant = _constant_bits_from(placed_layout, remaining_bits) > 0
+    has_data = remaining_bits > 0
+    if not has_constant or not has_data or not typed_frame.may_have(placed_layout.bits):
+        return
+    for offset in line.slips:
+        if offset.additional_bits == 0 and _can_have(placed_layout, crc, offset):
+            yield from _offset_hypotheses(
+                placed_layout=placed_layout,
+                crc=crc,
+                offset=offset,
+                number=typed_frame.number,
+                length=placed_layout.bits,
+                command_bits=command_bits,
+            )
 
 
 def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[int, int]:
@@ -159,27 +216,40 @@ def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[
     return (command >> lowest_bit, command_bits) if is_whole_bytes else (0, 0)
 
 
-def _is_constant_from(field: PlacedField, lowest_bit: int) -> bool:
-    """Return whether a field is a constant whose bits are all at ``lowest_bit`` or above."""
-    return isinstance(field.field.kind, Constant) and field.low >= lowest_bit
+def _constant_bits_from(placed_layout: PlacedLayout, lowest_bit: int) -> int:
+    """Return the number of bits in the constants of a layout whose bits are all at ``lowest_bit`` or above."""
+    constants = [field for field in placed_layout.fields if isinstance(field.field.kind, Constant)]
+    return sum(constant.width for constant in constants if constant.low >= lowest_bit)
 
 
 def _offset_hypotheses(
-    placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset, number: int, length: int
+    placed_layout: PlacedLayout,
+    crc: Crc | None,
+    offset: FrameOffset,
+    number: int,
+    length: int,
+    *,
+    command_bits: int = 0,
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which the ``length`` bits of ``number`` contain the frame with an offset.
 
     An offset describes extra bits before and after the frame, and missing first and last bits. Extra bits that must be
     1 are evidence, and those that are mostly 0 change the likelihood. Without a CRC, there is a hypothesis for each
-    value of the missing last bits. With a CRC, these bits belong to it, and are 0 here.
+    value of the missing last bits. With a CRC, these bits belong to it, and are 0 here. The first ``command_bits`` bits
+    are not affected.
     """
-    frame_part_length = length - len(offset.front) - len(offset.behind)
+    affected_length = length - command_bits
+    command = number >> affected_length
+    number &= (1 << affected_length) - 1
+    frame_part_length = affected_length - len(offset.front) - len(offset.behind)
     front_and_frame_part = number >> len(offset.behind)
     behind = number & ((1 << len(offset.behind)) - 1)
     front = front_and_frame_part >> frame_part_length
     frame_part = front_and_frame_part & ((1 << frame_part_length) - 1)
     missing_first_bits = int(offset.missing or "0", 2)
-    frame_without_last_bits = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
+    affected_frame_bits = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
+    frame_without_last_bits = (command << (placed_layout.bits - command_bits)) | affected_frame_bits
+    template = TEXTS["after_command"].format(offset.text) if command_bits else offset.text
     start_bits = _bits_with_mark(offset.front, "1", front)
     mostly_zero_bits = _bits_with_mark(offset.front, "~", front) + _bits_with_mark(offset.behind, "~", behind)
     likelihood_around = prod(ACTIVE if bit else IDLE for bit in mostly_zero_bits)
@@ -193,20 +263,21 @@ def _offset_hypotheses(
         values_of_last_bits = range(1)
     for last_bits in values_of_last_bits:
         hypothesis = frame_hypothesis(
-            offset.kind,
-            offset.text.format(offset.missing),
-            placed_layout,
-            crc,
-            frame_without_last_bits | last_bits,
+            kind=offset.kind,
+            description=template.format(offset.missing),
+            placed_layout=placed_layout,
+            crc=crc,
+            frame=frame_without_last_bits | last_bits,
             lost_bits=bits_not_compared,
             determined_bits=len(start_bits),
             are_determined_right=all(start_bits),
         )
         yield replace(
             hypothesis,
-            template=offset.text,
+            template=template,
             likelihood=hypothesis.likelihood * likelihood_around,
             has_assumed_bit=assumed_bits > 0,
+            relative_frequency=AFTER_COMMAND if command_bits else 1.0,
         )
 
 
@@ -218,82 +289,6 @@ def _bits_with_mark(marks: str, mark: str, received_bits: int) -> list[int]:
     """
     marks_from_last_bit = enumerate(reversed(marks))
     return [(received_bits >> bit) & 1 for bit, mark_of_bit in marks_from_last_bit if mark_of_bit == mark]
-
-
-def rearranged_frame_hypotheses(
-    variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
-) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which all bits are inverted, or the bits or bytes of the frame are in a different order.
-
-    The received bits must have the length of the frame, possibly with leading zeros that complete a byte or word.
-    """
-    if placed_layout.bits in _possible_lengths(placed_layout, typed_frame):
-        other_frames = {
-            "all_inverted": typed_frame.number ^ ((1 << placed_layout.bits) - 1),
-            "bits_reversed": reflect(typed_frame.number, placed_layout.bits),
-        }
-        if placed_layout.bits % 8 == 0:
-            other_frames["bits_reversed_in_bytes"] = reflected_bytes(typed_frame.number, placed_layout.bits // 8)
-        for kind, frame in other_frames.items():
-            hypothesis = frame_hypothesis(kind, TEXTS[kind], placed_layout, crc, frame)
-            # Swapping the two wires of a pair inverts all bits, but SPI has no wire pairs.
-            lacks_pair = kind == "all_inverted" and variant.interface == Spi.name
-            yield replace(hypothesis, relative_frequency=INVERTED_WITHOUT_PAIR if lacks_pair else 1.0)
-    yield from _byte_order_hypotheses("bytes_reversed", placed_layout, crc, typed_frame)
-    # In a single word, swapped bytes are the same as reversed bytes.
-    has_several_words = placed_layout.bits > 16
-    if has_several_words:
-        yield from _byte_order_hypotheses("words_swapped", placed_layout, crc, typed_frame)
-
-
-def reflected_bytes(number: int, byte_count: int) -> int:
-    """Return a number of ``byte_count`` bytes with the bits of each byte in reverse order."""
-    original_bytes = number.to_bytes(byte_count, "big")
-    return int.from_bytes(bytes(reflect(byte, 8) for byte in original_bytes), "big")
-
-
-def _byte_order_hypotheses(
-    kind: str, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
-) -> Iterator[Hypothesis]:
-    """Yield the hypothesis that the bytes of a frame are in reverse order, or the two bytes of each 16-bit word.
-
-    ``kind`` is ``bytes_reversed`` or ``words_swapped``. The frame is padded with leading zeros to whole bytes or words.
-    In the correct order, these must be zeros. Nothing is yielded if the received bits cannot have this length.
-    """
-    unit_bits = 16 if kind == "words_swapped" else 8
-    unit_count = (placed_layout.bits + unit_bits - 1) // unit_bits  # rounded up
-    padded_bits = unit_count * unit_bits
-    is_too_long = typed_frame.number >> padded_bits != 0
-    if is_too_long:
-        return
-    has_possible_length = typed_frame.bits in (placed_layout.bits, padded_bits)
-    is_whole_bytes = typed_frame.bits % 8 == 0 and has_possible_length
-    if typed_frame.exact and not is_whole_bytes:
-        return
-    if kind == "words_swapped":
-        padded_frame = swapped_words(typed_frame.number, padded_bits // 8)
-    else:
-        padded_frame = int.from_bytes(typed_frame.number.to_bytes(padded_bits // 8, "little"), "big")
-    frame = padded_frame & ((1 << placed_layout.bits) - 1)
-    are_padding_bits_zero = frame == padded_frame
-    yield frame_hypothesis(
-        kind,
-        TEXTS[kind],
-        placed_layout,
-        crc,
-        frame,
-        determined_bits=padded_bits - placed_layout.bits,
-        are_determined_right=are_padding_bits_zero,
-    )
-
-
-def swapped_words(number: int, byte_count: int) -> int:
-    """Return a number of ``byte_count`` bytes, which must be even, with the two bytes of each 16-bit word swapped."""
-    original_bytes = number.to_bytes(byte_count, "big")
-    swapped_bytes = bytearray(byte_count)
-    swapped_bytes[0::2] = original_bytes[1::2]
-    swapped_bytes[1::2] = original_bytes[0::2]
-    return int.from_bytes(swapped_bytes, "big")
 
 
 def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: TypedFrame) -> Iterator[Hypothesis]:
@@ -314,7 +309,9 @@ def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fram
     received_crc = typed_frame.number & crc.mask
     data_in_frame = data << (crc.width + status_bits)
     frame = data_in_frame | _idle_status(placed_layout, frame_status_mask) | received_crc
-    yield frame_hypothesis("status_not_sent", TEXTS["removed_and_idle"], placed_layout, crc, frame)
+    yield frame_hypothesis(
+        kind="status_not_sent", description=TEXTS["removed_and_idle"], placed_layout=placed_layout, crc=crc, frame=frame
+    )
     # If leading zeros may be missing, other hypotheses include a CRC over the bits before error and warning.
     if typed_frame.exact:
         yield Hypothesis(
@@ -365,10 +362,22 @@ def other_answer_hypotheses(
         option_text = " ".join(_decode_options(device, answers))
         description = f"{other_layout.bits} bits, as with {option_text}"
         if typed_frame.may_have(other_layout.bits):
-            yield frame_hypothesis("other_answer", description, other_layout, crc, typed_frame.number)
+            yield frame_hypothesis(
+                kind="other_answer",
+                description=description,
+                placed_layout=other_layout,
+                crc=crc,
+                frame=typed_frame.number,
+            )
         if typed_frame.may_have(other_layout.bits + 1):
             too_long_text = f"{description}, read one bit too long"
-            yield frame_hypothesis("other_answer", too_long_text, other_layout, crc, typed_frame.number >> 1)
+            yield frame_hypothesis(
+                kind="other_answer",
+                description=too_long_text,
+                placed_layout=other_layout,
+                crc=crc,
+                frame=typed_frame.number >> 1,
+            )
 
 
 def _decode_options(device: Device, answers: Sequence[Answer]) -> Iterator[str]:

@@ -18,8 +18,9 @@ from ..model import (
 )
 from ..reference.bits import parity_bit
 from .exchanges import usual_values_of
-from .hypotheses import Hypothesis, frame_hypothesis
+from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
+from .other_order_codes import other_order_code_hypotheses
 from .texts import TEXTS
 
 #: Longest request in bytes whose echo is considered.
@@ -46,6 +47,10 @@ def byte_hypotheses(
         has_frame_length = 8 * len(received_bytes) == placed_layout.bits
         if crc is not None and is_expected_layout and has_frame_length:
             yield from _other_crc_hypotheses(placed_layout, crc, received_bytes)
+        if crc is None:
+            number = number_from_bytes(layout, received_bytes)
+            typed_frame = TypedFrame(number, bits=8 * len(received_bytes), exact=True)
+            yield from other_order_code_hypotheses(device, variant, placed_layout, typed_frame)
         usual_values = usual_values_of(device, variant.interface, layout)
         first_bytes = tuple(_possible_first_bytes(placed_layout, usual_values))
         yield from _displaced_byte_hypotheses(placed_layout, crc, received_bytes, first_bytes)
@@ -96,18 +101,42 @@ def _displaced_byte_hypotheses(
         text_after = TEXTS["after"].format(counted_bytes)
         last_bytes = received_bytes[extra_bytes:]
         first_received_bytes = received_bytes[:frame_length]
-        yield _frame_hypothesis("bytes_in_front", text_before, placed_layout, crc, last_bytes)
-        yield _frame_hypothesis("bytes_behind", text_after, placed_layout, crc, first_received_bytes)
+        yield _frame_hypothesis(
+            kind="bytes_in_front", description=text_before, placed_layout=placed_layout, crc=crc, frame=last_bytes
+        )
+        yield _frame_hypothesis(
+            kind="bytes_behind",
+            description=text_after,
+            placed_layout=placed_layout,
+            crc=crc,
+            frame=first_received_bytes,
+        )
     if extra_bytes == -1:
         yield from _missing_first_byte_hypotheses(
-            placed_layout, crc, received_bytes, first_bytes, TEXTS["byte_missing"]
+            placed_layout=placed_layout,
+            crc=crc,
+            received_bytes=received_bytes,
+            first_bytes=first_bytes,
+            template=TEXTS["byte_missing"],
         )
     if extra_bytes == 0:
         # The first byte is missing, and a byte follows the frame, so the length is right.
         template = TEXTS["and_follows"].format(TEXTS["byte_missing"])
-        yield from _missing_first_byte_hypotheses(placed_layout, crc, received_bytes[:-1], first_bytes, template)
+        yield from _missing_first_byte_hypotheses(
+            placed_layout=placed_layout,
+            crc=crc,
+            received_bytes=received_bytes[:-1],
+            first_bytes=first_bytes,
+            template=template,
+        )
         inverted_frame = bytes(byte ^ 0xFF for byte in received_bytes)
-        yield _frame_hypothesis("all_inverted", TEXTS["bytes_inverted"], placed_layout, crc, inverted_frame)
+        yield _frame_hypothesis(
+            kind="all_inverted",
+            description=TEXTS["bytes_inverted"],
+            placed_layout=placed_layout,
+            crc=crc,
+            frame=inverted_frame,
+        )
 
 
 def _missing_first_byte_hypotheses(
@@ -120,7 +149,9 @@ def _missing_first_byte_hypotheses(
     for first_byte in first_bytes:
         frame = bytes([first_byte]) + received_bytes
         description = template.format(f"{first_byte:02X}")
-        hypothesis = _frame_hypothesis("first_byte_lost", description, placed_layout, crc, frame)
+        hypothesis = _frame_hypothesis(
+            kind="first_byte_lost", description=description, placed_layout=placed_layout, crc=crc, frame=frame
+        )
         yield replace(hypothesis, template=template)
 
 
@@ -132,7 +163,9 @@ def _frame_hypothesis(
     ``kind`` and ``description`` name the mistake that changed the frame.
     """
     frame_number = number_from_bytes(placed_layout.layout, frame)
-    hypothesis = frame_hypothesis(kind, description, placed_layout, crc, frame_number)
+    hypothesis = frame_hypothesis(
+        kind=kind, description=description, placed_layout=placed_layout, crc=crc, frame=frame_number
+    )
     return hypothesis if crc is None else _with_crc_over_bytes(hypothesis, frame)
 
 

@@ -255,7 +255,9 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
         for length in different_lengths:
             may_lack_leading_zeros = not typed_frame.exact and length > typed_frame.bits
             if length == typed_frame.bits or may_lack_leading_zeros:
-                yield _polynomial_hypothesis(placed_layout, crc, other_crc, typed_frame.number, length)
+                yield _polynomial_hypothesis(
+                    placed_layout=placed_layout, crc=crc, other_crc=other_crc, number=typed_frame.number, length=length
+                )
 
 
 def _with_polynomial(crc: Crc, polynomial: int) -> Crc:

@@ -8,16 +8,20 @@ from dataclasses import replace
 from itertools import islice, product
 from typing import NamedTuple
 
-from ..model import Constant, Crc, Device, Layout, PlacedLayout, Variant
+from ..model import Constant, Crc, Device, Layout, Parity, PlacedLayout, Variant
 from ..order_codes.parameters import possible_states, run_time_widths, with_changed
 from ..say.plain_text import count_with_unit
-from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
+from .hypotheses import OTHER_CODE_WITHOUT_CRC, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .texts import TEXTS
 
 #: A truncated frame of another order code is recognized by the rest of its CRC. At most this many bits may be missing.
 MOST_CUT_BITS = 2
 #: Maximum number of register states to try, far more than today's encoders have.
 MOST_STATES = 4096
+
+
+#: The shapes of the last layout, by the identities of what they depend on. The value keeps these objects alive.
+_shapes_of_last_layout: dict[tuple[int, int, int], tuple[tuple[Device, Variant, Layout], list[FrameShape]]] = {}
 
 
 class FrameShape(NamedTuple):
@@ -32,8 +36,12 @@ def other_order_code_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which a different order code, or an encoder with different register values, sent the frame.
 
-    Such a frame has other field widths. It may be complete, followed by extra bits, or truncated.
+    Such a frame has other field widths. It may be complete, followed by extra bits, or truncated. Without a CRC, only a
+    complete frame is considered.
     """
+    if device.crc_of(placed_layout) is None:
+        yield from _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
+        return
     for crc in device.crcs_of(placed_layout.layout):
         yield from _hypotheses_with_crc(device, variant, placed_layout, crc, typed_frame)
 
@@ -51,9 +59,51 @@ def _hypotheses_with_crc(
     for shape_bits, shapes in shapes_by_length.items():
         extra_bits = placed_layout.bits - shape_bits
         if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
-            yield _too_long_hypothesis(variant, shapes, crc, typed_frame.number, extra_bits)
+            yield _too_long_hypothesis(
+                variant=variant, shapes=shapes, crc=crc, number=typed_frame.number, extra_bits=extra_bits
+            )
         elif -MOST_CUT_BITS <= extra_bits < 0 and typed_frame.bits == placed_layout.bits:
-            yield _too_short_hypothesis(variant, shapes, crc, typed_frame.number, lost_bits=-extra_bits)
+            yield _too_short_hypothesis(
+                variant=variant, shapes=shapes, crc=crc, number=typed_frame.number, lost_bits=-extra_bits
+            )
+
+
+def _hypotheses_without_crc(
+    device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
+) -> Iterator[Hypothesis]:
+    """Yield the hypothesis, for each possible length, that the received bits are the frame of a different order code.
+
+    Constants, parity and the length are the evidence. A frame of the expected length needs a constant or a parity bit,
+    because otherwise it could contain any bits.
+    """
+    shapes_by_length = _shapes_by_length(device, variant, placed_layout, crc=None)
+    for length, shapes in shapes_by_length.items():
+        if not _may_be_complete(typed_frame, length, placed_layout.bits):
+            continue
+        shape = _possible_shape(shapes, typed_frame.number)
+        length_text = TEXTS["bits"].format(length)
+        hypothesis = frame_hypothesis(
+            kind=_mistake_kind(shape.order_codes),
+            description=f"{length_text}, {_sender_text(variant, shape.order_codes)}",
+            placed_layout=shape.placed_layout,
+            crc=None,
+            frame=typed_frame.number,
+            order_codes=shape.order_codes,
+        )
+        has_evidence = hypothesis.determined_bits > 0
+        if has_evidence or length != placed_layout.bits:
+            hypothesis = replace(hypothesis, relative_frequency=OTHER_CODE_WITHOUT_CRC)
+            yield _with_common_template(hypothesis, length_text, mistake_text="")
+
+
+def _may_be_complete(typed_frame: TypedFrame, length: int, expected_length: int) -> bool:
+    """Return whether a typed frame may have exactly ``length`` bits.
+
+    If the number of bits is not known, this is the expected length, or a length whose leading zeros were typed.
+    """
+    if typed_frame.exact or not typed_frame.may_have(length):
+        return typed_frame.may_have(length)
+    return length == expected_length or length <= typed_frame.written
 
 
 def _too_long_hypothesis(
@@ -72,11 +122,11 @@ def _too_long_hypothesis(
     length_text = TEXTS["bits"].format(shape.placed_layout.bits)
     mistake_text = TEXTS["read_too_long"].format(count_with_unit(extra_bits, "bit"))
     hypothesis = frame_hypothesis(
-        _mistake_kind(shape.order_codes),
-        f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
-        shape.placed_layout,
-        crc,
-        frame,
+        kind=_mistake_kind(shape.order_codes),
+        description=f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
+        placed_layout=shape.placed_layout,
+        crc=crc,
+        frame=frame,
         determined_bits=zero_bits,
         are_determined_right=are_zero_bits_correct,
         order_codes=shape.order_codes,
@@ -97,11 +147,11 @@ def _too_short_hypothesis(
     length_text = TEXTS["bits"].format(shape.placed_layout.bits)
     mistake_text = TEXTS["read_too_short"].format(count_with_unit(lost_bits, "bit"))
     hypothesis = frame_hypothesis(
-        _mistake_kind(shape.order_codes),
-        f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
-        shape.placed_layout,
-        crc,
-        frame,
+        kind=_mistake_kind(shape.order_codes),
+        description=f"{length_text}, {_sender_text(variant, shape.order_codes)}{mistake_text}",
+        placed_layout=shape.placed_layout,
+        crc=crc,
+        frame=frame,
         lost_bits=lost_bits,
         order_codes=shape.order_codes,
     )
@@ -135,11 +185,11 @@ def _complete_frame_hypotheses(
     order_codes = _order_codes_of(possible_shapes)
     length_text = TEXTS["bits_or_more" if len(possible_shapes) > 1 else "bits"].format(shortest_layout.bits)
     hypothesis = frame_hypothesis(
-        _mistake_kind(order_codes),
-        f"{length_text}, {_sender_text(variant, order_codes)}",
-        shortest_layout,
-        crc,
-        typed_frame.number,
+        kind=_mistake_kind(order_codes),
+        description=f"{length_text}, {_sender_text(variant, order_codes)}",
+        placed_layout=shortest_layout,
+        crc=crc,
+        frame=typed_frame.number,
         order_codes=order_codes,
     )
     yield _with_common_template(hypothesis, length_text, mistake_text="")
@@ -196,13 +246,13 @@ def _sender_text(variant: Variant, order_codes: Sequence[str]) -> str:
 
 
 def _shapes_by_length(
-    device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc
+    device: Device, variant: Variant, placed_layout: PlacedLayout, crc: Crc | None
 ) -> dict[int, list[FrameShape]]:
     """Return the possible shapes of a frame with this CRC, grouped by length in bits, shortest first.
 
     Shapes of the same length differ in their constant bits, such as zeros above the position. The length of the
-    expected frame is omitted, unless the expected frame has a different CRC. A length that only registers can set has
-    no order codes.
+    expected frame is omitted, unless the expected frame has a different CRC, or none. Without a CRC, only the shape of
+    the order code itself is omitted. A length that only registers can set has no order codes.
     """
     layout = placed_layout.layout
     shapes = _shapes_of_order_codes(device, variant, layout)
@@ -218,7 +268,8 @@ def _shapes_by_length(
     shapes_by_length: dict[int, list[FrameShape]] = {}
     for shape in shapes_with_crc:
         length = shape.placed_layout.bits
-        if length != placed_layout.bits or has_other_crc:
+        is_other_shape = crc is None and variant.code not in shape.order_codes
+        if length != placed_layout.bits or has_other_crc or is_other_shape:
             shapes_by_length.setdefault(length, []).append(shape)
     return shapes_by_length
 
@@ -226,17 +277,29 @@ def _shapes_by_length(
 def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> list[FrameShape]:
     """Return the different shapes of a layout over all order codes of the interface, each with its order codes.
 
-    Order codes share a shape if the length, the CRC, and the places of the constants are the same.
+    Order codes share a shape if the length, the CRC, and the places of the constants and parity bits are the same. The
+    shapes are stored, because several frames usually have the same layout.
     """
+    identities = id(device), id(variant), id(layout)
+    if identities not in _shapes_of_last_layout:
+        _shapes_of_last_layout.clear()
+        shapes = _compute_shapes_of_order_codes(device, variant, layout)
+        _shapes_of_last_layout[identities] = (device, variant, layout), shapes
+    _, shapes = _shapes_of_last_layout[identities]
+    return list(shapes)
+
+
+def _compute_shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> list[FrameShape]:
+    """Return the different shapes of a layout over all order codes of the interface, each with its order codes."""
     # The user's answers to questions that the manual leaves open apply to all order codes.
     answer_names = [parameter.name for parameter in device.parameters if parameter.alternative]
     answers = {name: variant.parameters[name] for name in answer_names}
     shape_by_key: dict[object, FrameShape] = {}
     for other_variant in device.variants_over(variant.interface):
         other_layout = layout.place({**other_variant.parameters, **answers})
-        constants = [field for field in other_layout.fields if isinstance(field.field.kind, Constant)]
-        constant_places = tuple((constant.low, constant.width) for constant in constants)
-        shape_key = other_layout.bits, device.crc_of(other_layout), constant_places
+        fixed_fields = [field for field in other_layout.fields if isinstance(field.field.kind, (Constant, Parity))]
+        fixed_places = tuple((field.low, field.width) for field in fixed_fields)
+        shape_key = other_layout.bits, device.crc_of(other_layout), fixed_places
         # The layout belongs to the first order code with this key. Each order code adds its name.
         known_shape = shape_by_key.get(shape_key, FrameShape(other_layout, order_codes=()))
         order_codes = (*known_shape.order_codes, other_variant.code)

@@ -277,11 +277,11 @@ def recording_hypotheses(
         repeated_bits = bits_by_part.get("again", "")
         bits_of_proof = sum(len(bits_by_part.get(name, "")) for name in recording.proof)
         hypothesis = frame_hypothesis(
-            recording.kind,
-            recording.text,
-            placed_layout,
-            crc,
-            int(frame_bits, 2),
+            kind=recording.kind,
+            description=recording.text,
+            placed_layout=placed_layout,
+            crc=crc,
+            frame=int(frame_bits, 2),
             determined_bits=bits_of_proof,
             are_determined_right=frame_bits.startswith(repeated_bits),
         )
@@ -303,7 +303,13 @@ def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str)
             "behind": received_bits[end:],
         }
         description = FRAME_INSIDE_TEXT.format(start)
-        hypothesis = frame_hypothesis(FRAME_INSIDE, description, placed_layout, crc, int(bits_by_part["frame"], 2))
+        hypothesis = frame_hypothesis(
+            kind=FRAME_INSIDE,
+            description=description,
+            placed_layout=placed_layout,
+            crc=crc,
+            frame=int(bits_by_part["frame"], 2),
+        )
         yield replace(
             hypothesis,
             template=FRAME_INSIDE_TEXT,

@@ -27,6 +27,9 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "inverted_too": "{0}, and the CRC is inverted",
         "not_inverted_too": "{0}, and the CRC is not inverted",
         "command_left_out": "the first {0} bits, which are sent during the command, are missing",
+        "command_idle": "the first {0} bits, which are sent during the command, are all {1}, as if only MISO were "
+        "recorded",
+        "after_command": "in the bits after the command: {0}",
         "bits": "{0} bits",
         "bits_or_more": "{0} bits or more",
         "of_code": "the frame of {0}",

@@ -7,6 +7,7 @@
  */
 function tryOtherOrderCodes(placedLayout, typedFrame) {
   const { layout, family } = placedLayout;
+  if (!placedLayout.crc) return tryShapesWithoutCrc(placedLayout, typedFrame);
   const crcNames = layout.crcs ? Object.values(layout.crcs) : [layout.crc];
   const shapes = listShapes(placedLayout);
   return crcNames.map((name) => family.crcs[name]).flatMap(
@@ -50,6 +51,21 @@ function tryShapes(placedLayout, crc, typedFrame, shapesByLength) {
   return hypotheses;
 }
 
+/** Try the complete frames of other shapes without a CRC. Constants, parity and the length are the evidence. */
+function tryShapesWithoutCrc(placedLayout, typedFrame) {
+  const { number } = typedFrame;
+  // With unknown leading zeros, a length is possible if it is the expected one, or if its zeros were typed.
+  const isPossible = (length) => mayHaveBits(typedFrame, length)
+    && (typedFrame.exact || length === placedLayout.bits || length <= typedFrame.written);
+  const shapesByLength = groupByLength(placedLayout, undefined, listShapes(placedLayout));
+  return [...shapesByLength].filter(([length]) => isPossible(length)).flatMap(([length, shapes]) => {
+    const hypothesis = createShapeHypothesis(placedLayout, undefined, chooseShape(shapes, number), number);
+    // Without a constant, a frame of the expected length could contain any bits.
+    const hasEvidence = hypothesis.otherBitsRequired > 0 || length !== placedLayout.bits;
+    return hasEvidence ? [{ ...hypothesis, relativeFrequency: TABLE.likely.other_code_without_crc }] : [];
+  });
+}
+
 /** Try the complete frame of another shape. With unknown leading zeros, the shortest shape represents all. */
 function tryCompleteShape(placedLayout, crc, typedFrame, shapesByLength) {
   // A text without leading zeros that fits into the expected frame is not explained by a longer frame.
@@ -65,7 +81,7 @@ function tryCompleteShape(placedLayout, crc, typedFrame, shapesByLength) {
 /** Create the hypothesis that a frame has another shape. */
 function createShapeHypothesis(
   expectedLayout, crc, { placedLayout, codes }, frameNumber,
-  { mistakeText = "", hasOtherLengths = false, ...members },
+  { mistakeText = "", hasOtherLengths = false, ...members } = {},
 ) {
   const { texts } = TABLE;
   const lengthText = fillTemplate(hasOtherLengths ? texts.bits_or_more : texts.bits, placedLayout.bits);
@@ -92,7 +108,10 @@ function chooseShape(shapes, number) {
   return { placedLayout: likeliest.placedLayout, codes: possibleShapes.flatMap(({ codes }) => codes) };
 }
 
-/** Group the shapes with this CRC by length, the shortest first, without the length of the expected frame. */
+/**
+ * Group the shapes with this CRC by length, the shortest first, without the length of the expected frame. Without a CRC,
+ * only the shape of the order code itself is left out.
+ */
 function groupByLength(placedLayout, crc, shapes) {
   const hasOtherCrc = placedLayout.crc !== crc;
   const shapesByLength = new Map();
@@ -100,13 +119,14 @@ function groupByLength(placedLayout, crc, shapes) {
     .sort((shape, otherShape) => shape.placedLayout.bits - otherShape.placedLayout.bits);
   for (const shape of shapesWithCrc) {
     const { bits } = shape.placedLayout;
-    const isOther = bits !== placedLayout.bits || hasOtherCrc;
+    const isOtherShape = !crc && !shape.codes.includes(placedLayout.code);
+    const isOther = bits !== placedLayout.bits || hasOtherCrc || isOtherShape;
     if (isOther) shapesByLength.set(bits, [...shapesByLength.get(bits) ?? [], shape]);
   }
   return shapesByLength;
 }
 
-/** List the shapes of the order codes of the interface. They differ in length, CRC or the places of constants. */
+/** List the shapes of the order codes of the interface, which differ in length, CRC or places of constants and parity. */
 function listShapesOfCodes(placedLayout) {
   const { family, layout, parameters } = placedLayout;
   const interface_ = interfaceOf(placedLayout);
@@ -119,9 +139,9 @@ function listShapesOfCodes(placedLayout) {
     if (orderCode.interface !== interface_) continue;
     const otherParameters = mergeByName(resolveParameters(family, orderCode.parameters), answers);
     const otherLayout = placeLayout(family, layout, otherParameters);
-    const constants = otherLayout.fields.filter(({ field }) => "fixed" in field);
-    const shapeKey = [
-      otherLayout.bits, layoutCrcName(otherLayout), ...constants.map(({ low, width }) => `${low}:${width}`)].join(" ");
+    const fixedFields = otherLayout.fields.filter(({ field }) => "fixed" in field || "parity" in field);
+    const fixedPlaces = fixedFields.map(({ low, width }) => `${low}:${width}`);
+    const shapeKey = [otherLayout.bits, layoutCrcName(otherLayout), ...fixedPlaces].join(" ");
     const shape = shapesByKey.get(shapeKey) ?? { placedLayout: otherLayout, codes: [] };
     shape.codes.push(orderCode.code);
     shapesByKey.set(shapeKey, shape);

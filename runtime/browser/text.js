@@ -52,46 +52,6 @@ function linesOf(input) {
   });
 }
 
-/**
- * Return the lines of ``linesOf``, with a line for each word instead of a line with several SPI words, such as
- * {0x7FFE, 0x3FFF}, if each word is a whole frame. The words of a single line are numbered from 1.
- */
-function splitIntoWords(lines, orderCode, sender, registerContents, answers) {
-  const wordBits = bitsOfWords(orderCode, sender, registerContents, answers);
-  return lines.flatMap((line) => {
-    const matches = [...line.text.matchAll(/[^\s'",;[\](){}<>]+/g)];
-    const words = wordBits ? wordsOf(matches.map(([word]) => word), wordBits) : [];
-    if (!words.length) return [line];
-    return words.map((text, wordIndex) => ({
-      ...line, number: lines.length > 1 ? line.number : wordIndex + 1, text,
-      offset: line.offset + matches[wordIndex].index,
-    }));
-  });
-}
-
-/** Return several words of ``wordBits`` bits with their prefix, or an empty list for other words. As in digits.py. */
-function wordsOf(words, wordBits) {
-  if (words.length < 2) return [];
-  const digits = `[0-9A-Fa-f]{${wordBits / 4}}`;
-  const areAll = (pattern) => words.every((word) => new RegExp(`^${pattern}$`).test(word));
-  if (areAll(`0[xX]${digits}[uUlL]*`)) return words;
-  // A letter shows that digits without a prefix are hex.
-  if (areAll(digits) && /[A-Fa-f]/.test(words.join(""))) return words.map((word) => `0x${word}`);
-  const lengths = words.map((word) => word.length);
-  // Words in binary may lack leading zeros if another one has all bits. Shorter ones may be bytes.
-  const areBinary = areAll("[01]+") && Math.min(...lengths) > 8 && Math.max(...lengths) === wordBits;
-  return areBinary ? words.map((word) => `0b${word.padStart(wordBits, "0")}`) : [];
-}
-
-/** Return the number of bits of an SPI frame if the sender's frames are words of one size in hex digits, otherwise 0. */
-function bitsOfWords(orderCode, sender, registerContents, answers) {
-  const layouts = orderCode.interface.frames.filter((layout) => layout.sender === sender);
-  const sizes = new Set(layouts.map((layout) => placedFor(orderCode, layout, registerContents, answers).bits));
-  const [bits] = sizes;
-  const areWords = orderCode.interface.name === "spi" && sizes.size === 1;
-  return areWords && bits % 4 === 0 && bits > 8 ? bits : 0;
-}
-
 /** Return the text of a frame without brackets, quotes and other marks of the program that it was copied from. */
 function checked(text) {
   if (text.length > TABLE.limits.text) throw new FrameText(messageFor("frame_too_long"));

@@ -86,7 +86,8 @@ function explainBits({ placedLayout, typedFrame, problems }, isWithPairs) {
   const { crc } = placedLayout;
   if (!crc) {
     return explainWithoutCrc([
-      ...tryMovedFrames(placedLayout, null, typedFrame), ...tryRearrangedFrames(placedLayout, null, typedFrame)]);
+      ...tryMovedFrames(placedLayout, null, typedFrame), ...tryRearrangedFrames(placedLayout, null, typedFrame),
+      ...tryOtherOrderCodes(placedLayout, typedFrame)]);
   }
   const hasOtherLength = typedFrame.bits > placedLayout.bits
     || (typedFrame.exact && typedFrame.bits !== placedLayout.bits);
@@ -649,7 +650,7 @@ function tryMovedFrames(placedLayout, crc, typedFrame) {
   const mayBeEcho = mayHaveBits(typedFrame, placedLayout.bits);
   const commandHypotheses = [
     ...(mayBeEcho ? tryEcho(placedLayout, typedFrame.number) : []),
-    ...tryLeftOutCommand(placedLayout, crc, typedFrame)];
+    ...tryCommandBits(placedLayout, crc, typedFrame)];
   const offsetHypotheses = possibleLengthsOf(placedLayout, typedFrame).flatMap((length) => (
     lineRules.slips.flatMap((offset) => tryOffset(placedLayout, crc, typedFrame, length, offset))));
   const hypotheses = [
@@ -675,8 +676,11 @@ function tryFrameAtEveryBit(placedLayout, crc, receivedText) {
   });
 }
 
-/** The bits during the command are missing. They are assumed to be those that the layout expects. */
-function tryLeftOutCommand(placedLayout, crc, typedFrame) {
+/**
+ * The bits during the command of SPI are missing, idle because only MISO was recorded, or intact before shifted data. Missing
+ * and idle bits are assumed to be those that the layout expects.
+ */
+function tryCommandBits(placedLayout, crc, typedFrame) {
   if (interfaceOf(placedLayout)?.name !== "spi") return [];
   const [coveredLow, coveredBits] = crc ? placeOfCoveredBits(placedLayout) : [0, placedLayout.bits];
   const isDuringCommand = (placedField) => "fixed" in placedField.field || placedField.low >= coveredLow + coveredBits;
@@ -684,39 +688,57 @@ function tryLeftOutCommand(placedLayout, crc, typedFrame) {
   const dataIndex = fields.findIndex((placedField) => !isDuringCommand(placedField));
   const commandFields = fields.slice(0, dataIndex < 0 ? fields.length : dataIndex);
   const remainingBits = commandFields.at(-1)?.low ?? placedLayout.bits;
-  if (remainingBits === placedLayout.bits || (placedLayout.bits - remainingBits) % 8
-    || !mayHaveBits(typedFrame, remainingBits) || typedFrame.written !== remainingBits) return [];
+  const commandBits = placedLayout.bits - remainingBits;
+  if (!commandBits || commandBits % 8) return [];
   const constants = commandFields.filter(({ field }) => "fixed" in field);
-  const frameNumber = constants.reduce(
-    (sum, placedField) => sum | (toBigInt(placedField.field.fixed) << BigInt(placedField.low)), typedFrame.number);
-  const text = fillTemplate(TABLE.texts.command_left_out, placedLayout.bits - remainingBits);
+  const command = constants.reduce(
+    (sum, placedField) => sum | (toBigInt(placedField.field.fixed) << BigInt(placedField.low)), 0n);
   const assumedBits = constants.reduce((sum, { width }) => sum + width, 0);
-  return [{
-    ...createFrameHypothesis(placedLayout, crc, "command_left_out", text, frameNumber),
-    otherBitsRequired: countConstantBits(placedLayout) - assumedBits }];
+  const assumeCommand = (text, evidence) => ({
+    ...createFrameHypothesis(placedLayout, crc, "command_left_out", text,
+      command | extractBits(typedFrame.number, 0, remainingBits)),
+    otherBitsRequired: countConstantBits(placedLayout) - assumedBits + evidence });
+  if (mayHaveBits(typedFrame, remainingBits) && typedFrame.written === remainingBits) {
+    return [assumeCommand(fillTemplate(TABLE.texts.command_left_out, commandBits), 0)];
+  }
+  if (!assumedBits || !remainingBits || !mayHaveBits(typedFrame, placedLayout.bits)) return [];
+  const received = typedFrame.number >> BigInt(remainingBits);
+  const isIdle = (typedFrame.exact || typedFrame.written > remainingBits)
+    && received !== command >> BigInt(remainingBits) && (received === 0n || received === ones(commandBits));
+  const idleText = fillTemplate(TABLE.texts.command_idle, commandBits, received & ONE);
+  const offsets = lineRulesOf(placedLayout).slips.flatMap(
+    (offset) => tryOffset(placedLayout, crc, typedFrame, placedLayout.bits, offset, commandBits));
+  // Idle bits can have two values.
+  return [...(isIdle ? [assumeCommand(idleText, commandBits - 1)] : []), ...offsets];
 }
 
 /**
  * A text that does not begin and end with the frame: extra bits before or after it, or missing bits.
- * ``front`` and ``behind`` have a mark for each extra bit: 1 for a start bit, ~ for mostly 0, and ? for any bit.
+ * ``front`` and ``behind`` have a mark for each extra bit: 1 for a start bit, ~ for mostly 0, and ? for any bit. The first
+ * ``commandBits`` bits are not affected.
  */
 function tryOffset(
-  placedLayout, crc, typedFrame, length, [kind, template, front, missingFirstBits, missingLowBits, behind],
+  placedLayout, crc, typedFrame, length, [kind, offsetText, front, missingFirstBits, missingLowBits, behind],
+  commandBits = 0,
 ) {
   const bitsAround = front.length + behind.length;
   if (length !== placedLayout.bits + bitsAround - missingFirstBits.length - missingLowBits) return [];
-  const framePartBits = length - bitsAround;
-  const frontAndFramePart = typedFrame.number >> BigInt(behind.length);
+  const template = commandBits ? fillTemplate(TABLE.texts.after_command, offsetText) : offsetText;
+  const affectedBits = length - commandBits;
+  const command = typedFrame.number >> BigInt(affectedBits);
+  const framePartBits = affectedBits - bitsAround;
+  const frontAndFramePart = extractBits(typedFrame.number, 0, affectedBits) >> BigInt(behind.length);
   const highestBit = framePartBits + front.length - 1;
   const startBits = [...front].flatMap((mark, index) => (mark === "1" ? [highestBit - index] : []));
   const isConsistent = startBits.every((bit) => extractBits(frontAndFramePart, bit, 1));
-  const frameNumber = ((BigInt(`0b0${missingFirstBits}`) << BigInt(framePartBits))
+  const affectedFrame = ((BigInt(`0b0${missingFirstBits}`) << BigInt(framePartBits))
     | extractBits(frontAndFramePart, 0, framePartBits)) << BigInt(missingLowBits);
+  const frameNumber = (command << BigInt(placedLayout.bits - commandBits)) | affectedFrame;
   // Without a CRC, there is a hypothesis for each value of the lost last bits.
   const assumedBits = crc ? 0 : missingLowBits + missingFirstBits.length;
   const members = {
     template, missingLowBits: crc ? missingLowBits : assumedBits, otherBitsRequired: startBits.length, isConsistent,
-    hasAssumedBit: assumedBits > 0 };
+    hasAssumedBit: assumedBits > 0, relativeFrequency: commandBits ? TABLE.likely.after_command : 1 };
   const lastBitValues = listNumbersBelow(crc ? 1 : 1 << missingLowBits).map(BigInt);
   const text = fillTemplate(template, missingFirstBits);
   const hypotheses = lastBitValues.map((lastBits) => (
@@ -725,7 +747,7 @@ function tryOffset(
   const bitsWithMark = (marks, mark, highestPlace) => [...marks].flatMap(
     (markOfBit, index) => (markOfBit === mark ? [extractBits(typedFrame.number, highestPlace - index, 1)] : []));
   const mostlyZeroBits = [
-    ...bitsWithMark(front, "~", length - 1), ...bitsWithMark(behind, "~", behind.length - 1)];
+    ...bitsWithMark(front, "~", affectedBits - 1), ...bitsWithMark(behind, "~", behind.length - 1)];
   const likelihoodAround = mostlyZeroBits.reduce((product, bit) => product * (bit ? active : idle), 1);
   return hypotheses.map(
     (hypothesis) => ({ ...hypothesis, likelihood: hypothesis.likelihood * likelihoodAround }));
@@ -761,8 +783,9 @@ function tryMistakesInBytes(decoded) {
     const { crc } = placedLayout;
     if (crc && crc.width !== 8) return [];
     const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
+    const typedFrame = { number: numberOf(layout.order, data), bits: 8 * data.length, exact: true };
     return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),
-      ...tryMovedBytes(placedLayout, crc, data)];
+      ...(crc ? [] : tryOtherOrderCodes(placedLayout, typedFrame)), ...tryMovedBytes(placedLayout, crc, data)];
   });
   // Whole frames already explain extra bytes around the same frame.
   const isSameFrame = (wholeFrame, hypothesis) => wholeFrame.number === hypothesis.number
@@ -1019,7 +1042,7 @@ function decodeGrayBits(number, { low, width }) {
 
 /**
  * Return the frames that may have been sent instead, in the order of the texts in ``TABLE.doubts``: one bit later, one
- * bit earlier, in Gray code, in binary, or with its bytes in reverse order. A frame is null if that cannot be.
+ * bit earlier, in Gray code, in binary, with its bytes in reverse order, or inverted. A frame is null if that cannot be.
  */
 function listDoubtfulFrames(placedLayout, number, position) {
   const parts = listPositionParts(placedLayout, position);
@@ -1028,13 +1051,15 @@ function listDoubtfulFrames(placedLayout, number, position) {
   const isSplit = parts.length > 1;
   const withLastBit0 = (number << ONE) & ones(placedLayout.bits);
   const isPossible = (frameNumber) => hasRightConstants(placedLayout, frameNumber);
+  const ifPossible = (frameNumber) => (isPossible(frameNumber) ? frameNumber : null);
   return [
     [withLastBit0, withLastBit0 | ONE].find(isPossible) ?? withLastBit0,
     number >> ONE,
     placedLayout.gray ? null : decodeGrayBits(number, { low, width }),
     placedLayout.gray || !isSplit ? null : parts.reduce(decodeGrayBits, number),
     placedLayout.gray ? convertFromBinary(placedLayout, number) : null,
-    placedLayout.bits % 8 ? null : numberOf("big", bytesOf("little", number, placedLayout.bits / 8)),
+    placedLayout.bits % 8 ? null : ifPossible(numberOf("big", bytesOf("little", number, placedLayout.bits / 8))),
+    ifPossible(number ^ ones(placedLayout.bits)),
   ];
 }
 

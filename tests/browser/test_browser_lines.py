@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 from browser_harness import Asker, Case
-from codewheel.commands.decode.decoding import bits_of_words, split_into_words
 from codewheel.commands.decode.frames import FrameTextError, decode_register_text, decode_text, frame_lines
+from codewheel.commands.decode.several_frames import frame_sizes, separate_frames
 from codewheel.commands.find_encoder import find_among
 from codewheel.order_codes.parameters import RegisterError
 from codewheel.targets import Library
@@ -122,6 +122,22 @@ SPI_TEXTS = (
     "111111111111110 111111111111101",
     "MISO: 0x7AB3",
     "18:36:58.979 -> 0xC000",
+    "7FFE 0x3FFF",
+    "0b0111111111111110 0b0011111111111111",
+    "32766\n16383\n65535",
+    "3276\n1638\n6553",
+    "3276\n1638\n6553\n3277\n1639\n6554",
+    "time,raw\n0.1,32766\n0.2,16383",
+    "line;raw\n1;32766\n2;16383\n3;1638\n",
+    "1,0x7FFE\n2,0x3FFF\n3,0x3FFF",
+    "1,0x7FFE\n2,0x3FFF",
+    "1,7F\n2,3F\n3,FF",
+    "100\n101\n110\n1010\n1000\n1111\n1000\n1001",
+    "time,raw\n7FFE\n3FFF",
+    *(
+        "\n".join(f"{number * 131}" for number in range(3, 60)),
+        "\n".join(f"{number},{number * 131}" for number in range(60)),
+    ),
 )
 
 
@@ -141,8 +157,8 @@ def lines_of_command(library: Library, code: str, register: str, text: str) -> l
             return str(error)
 
     lines = list(frame_lines(io.StringIO(text, newline=None)))
-    word_bits = 0 if register else bits_of_words(device, match.variant, "encoder")
-    frames = [frame for line in lines for frame in split_into_words(line, word_bits)]
+    sizes = () if register else frame_sizes(device, match.variant, "encoder")
+    frames = list(separate_frames(lines, sizes))
     if len(lines) == 1 and len(frames) > 1:
         frames = [frame._replace(number=index) for index, frame in enumerate(frames, 1)]
     return [[frame.number, frame.time, one(frame.text)] for frame in frames]
@@ -162,7 +178,21 @@ def test_page_and_command_line_split_the_same_words(ask: Ask, every_encoder: Lib
     answers = ask(library, "node")("lines", items)
     for text, answer in zip(SPI_TEXTS, answers, strict=True):
         assert answer == lines_of_command(library, SPI, "", text), text
-    assert [len(answer) for answer in answers] == [2, 2, 3, 4, 1, 1, 1, 1, 3, 1, 1, 1]
+    assert [len(answer) for answer in answers] == [
+        2,
+        2,
+        3,
+        4,
+        1,
+        2,
+        1,
+        1,
+        3,
+        1,
+        1,
+        1,
+        *(2, 2, 3, 3, 6, 2, 3, 3, 2, 3, 8, 3, 57, 60),
+    ]
 
 
 @pytest.mark.slow

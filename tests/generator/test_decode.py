@@ -275,7 +275,8 @@ def test_ssi(capsys: Capture) -> None:
     assert "no frame error; this frame has no CRC; no bit of this frame confirms that the position is usable" in words
     # 1 is 10 in binary after a shift to the left, and 0 after one to the right.
     assert words.endswith(
-        "would be 2 if it was read one clock early, 0 if it was read one clock late. evidence: manual"
+        "would be 2 if it was read one clock early, 0 if it was read one clock late, 131070 if every bit is inverted. "
+        "evidence: manual"
     )
     exit_code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
     assert (exit_code, reported_fields(data), data["verdict"]) == (3, ["error"], "not_usable")

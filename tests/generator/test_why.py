@@ -342,8 +342,10 @@ def test_a_disturbed_bit_of_a_word_without_a_crc(decode: Run, capsys: pytest.Cap
     # Position 1, and the middle one of three zeros before the check sum. With two of them, no single bit explains it.
     assert decode("C58-25B-C25", f"0b{1 << 18 | 1 << 16 | 5:043b}")[1]["why"]["disturbed"] == [16]
     assert decode("C58-25B-C25", f"0b{1 << 18 | 3 << 16 | 5:043b}")[1]["why"]["disturbed"] == []
-    # A word of another length has another cause.
-    assert decode("C58-25B-E", f"0b{2:027b}")[1]["why"] is None
+    # A word of another length has another cause: other order codes send 27 bits.
+    why_of_longer_word = decode("C58-25B-E", f"0b{2:027b}")[1]["why"]
+    assert [explanation["kind"] for explanation in why_of_longer_word["explanations"]] == ["other_order_code"]
+    assert why_of_longer_word["disturbed"] == []
 
 
 def test_a_parity_error_names_only_the_bits_of_the_order_code(decode: Run) -> None:

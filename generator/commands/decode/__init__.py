@@ -24,8 +24,9 @@ EXAMPLES = (
 _ABOUT_FRAMES = (
     "For RS-485, FRAME is a sequence of bytes in hexadecimal. For SSI, BiSS and SPI, it is one number whose most "
     "significant bit is the first bit sent: 0b... with every digit, 0x..., or hex bytes. The notations of "
-    "programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], \\x0F\\x42, F4243D3h and 7FFE. Over "
-    "SPI, several words of the frame's size are several frames. With -, lines may begin with a time, and "
+    "programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], \\x0F\\x42, F4243D3h and 7FFE. Except "
+    "over RS-485, several words of the frame's size are several frames, and a column of decimal numbers may follow a "
+    "line number or a time. With -, lines may begin with a time, and "
     "empty lines and text after # are skipped. The exit code is 0 on success, 1 for a frame with an error or a "
     "register value that this encoder cannot have, 2 for a usage error, input that is not a frame, or a missing "
     "--choose, and 3 for a valid frame whose position is not usable. With "

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import itertools
 import json
 import sys
 from collections import deque
@@ -11,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
-from ...model import Device, Flag, PlacedLayout, Variant, Verdict
+from ...model import Device, Flag, PlacedLayout, Verdict
 from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
@@ -19,10 +18,10 @@ from ...reference.findings import Findings, ValueDifference, findings, strange_v
 from ...why import MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
-from .digits import words_of
 from .frames import FrameLine, FrameTextError, decode_register_text, frame_lines, text_decoder, why_text
 from .other_frames import OtherFrames, is_frame_of_other_kind, other_frames_line
 from .plain_data import channel_data, decoded_data
+from .several_frames import frame_sizes, separate_frames
 from .text import explain, heading, label_lines, line_prefix, together_lines
 
 if TYPE_CHECKING:
@@ -89,32 +88,6 @@ def _bounded_lines(file: TextIO) -> Iterator[str]:
             line_continues = len(piece) == _LONGEST_LINE and not piece.endswith("\n")
 
 
-def bits_of_words(device: Device, variant: Variant, sender: str) -> int:
-    """Return the number of bits in an SPI word, if a text with several words is several frames, or 0.
-
-    This applies if all frames of the sender are words of the same size, and the size is a whole number of hex digits.
-    """
-    layouts = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
-    sizes = {layout.place(variant.parameters).bits for layout in layouts}
-    if variant.interface != "spi" or len(sizes) != 1:
-        return 0
-    (bits,) = sizes
-    has_whole_digits = bits % 4 == 0 and bits > 8
-    return bits if has_whole_digits else 0
-
-
-def split_into_words(line: FrameLine, word_bits: int) -> list[FrameLine]:
-    """Return a line for each SPI word in a line that has several, such as ``{0x7FFE, 0x3FFF}``, or the line itself.
-
-    Each word has ``word_bits`` bits, and is a whole frame. If ``word_bits`` is 0, the line is not split. The words of a
-    line without a number are numbered from 1. The decode page follows the same rule.
-    """
-    words = words_of(line.text, word_bits) if word_bits else []
-    if not words:
-        return [line]
-    return [line._replace(number=line.number or index, text=word) for index, word in enumerate(words, 1)]
-
-
 class _FailedFrame(NamedTuple):
     """Frame with an error: its text, the decoded frame, and possible explanations."""
 
@@ -140,7 +113,7 @@ class Decoding:
         self._other_frames = None if has_known_layout else OtherFrames(device, variant, sender)
         has_channels = sender == "encoder" and not has_known_layout
         self._channels = channel_decoder(device, variant) if has_channels else None
-        self._word_bits = 0 if request.register is not None else bits_of_words(device, variant, sender)
+        self._frame_sizes = frame_sizes(device, variant, sender) if request.register is None else ()
         self._label = tuple(label_lines(device, request.match))
         #: The layouts whose questions are answered, and the answers that each layout needs, by name.
         self._decided_layouts: set[str] = set()
@@ -164,10 +137,8 @@ class Decoding:
         Text that cannot be decoded is reported on standard error, and does not prevent decoding the next line. After
         each line, ``code`` is the exit code so far.
         """
-        # Each of these lines has one frame.
-        frame_lines = itertools.chain.from_iterable(split_into_words(line, self._word_bits) for line in lines)
-        for number_of_frames, line in enumerate(frame_lines):
-            if number_of_frames == MANY and self._request.register is None:
+        for frames_before, line in enumerate(separate_frames(lines, self._frame_sizes)):
+            if frames_before == MANY and self._request.register is None:
                 self._suggest_package()
             try:
                 channel_frame = self._channels.read(line.text) if self._channels is not None else None

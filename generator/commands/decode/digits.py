@@ -17,6 +17,8 @@ _ZEROS_AND_ONES = re.compile(r"[01]+")
 _BINARY_NUMBER = re.compile(r"0[bB][01]+")
 #: Characters that separate words in the arrays of programs and logs.
 _SEPARATORS = re.compile(r"[\s'\",;\[\](){}<>]+")
+#: The suffixes of numbers in C.
+_HEX_SUFFIX = re.compile(r"[uUlL]+$")
 #: Bits with the prefix 0b, or with the misspelled prefix b. The prefix consists of hex digits too.
 _PREFIXED_BITS = re.compile(r"0?[bB][01]+")
 
@@ -152,27 +154,45 @@ def meanings_of_long_number(digits: str) -> Iterator[str]:
         yield say.if_hex(digits)
 
 
-def words_of(text: str, bits: int) -> list[str]:
-    """Return the words in a text with several words of ``bits`` bits, such as ``{0x7FFE, 0x3FFF}``.
+def words_of(text: str, sizes: Sequence[int]) -> list[str]:
+    """Return the words in a text with several frames, such as ``{0x7FFE, 0x3FFF}``, each with its prefix.
 
-    Each word has all its hex digits, or is binary. In binary, at least one word has all its bits, and the leading zeros
-    of others may be missing. Hex words without ``0x`` get it if a letter shows that they are hex. For any other text,
-    the list is empty.
+    ``sizes`` are the possible numbers of bits of a frame. The list is empty for any other text, and if the words could
+    also be one longer frame.
     """
     words = [word for word in _SEPARATORS.split(text) if word]
     if len(words) < 2:
         return []
-    hex_word = rf"[0-9A-Fa-f]{{{bits // 4}}}"
-    have_prefixes = all(re.fullmatch(rf"0[xX]{hex_word}[uUlL]*", word) for word in words)
-    if have_prefixes:
-        return words
-    all_digits = "".join(words)
-    are_hex_words = all(re.fullmatch(hex_word, word) for word in words)
-    if are_hex_words and not all_digits.isdecimal():
-        return [f"0x{word}" for word in words]
-    lengths = [len(word) for word in words]
-    # Words of at most 8 zeros and ones may be bytes.
-    are_binary = _ZEROS_AND_ONES.fullmatch(all_digits) and min(lengths) > 8 and max(lengths) == bits
-    if not are_binary:
+    for bits in sizes:
+        frames = _words_of_size(words, bits)
+        is_possible_size = len(words) * bits in sizes
+        if frames and not is_possible_size:
+            return frames
+    return []
+
+
+def _words_of_size(words: Sequence[str], bits: int) -> list[str]:
+    """Return the words with their prefixes if each of them is a frame of ``bits`` bits, or an empty list.
+
+    In hex, a word has all its digits, and a prefix or a letter shows that the words are hex. If all words have the
+    prefix, leading zeros of some of them may be missing, but not half of the digits. In binary, at least one word has
+    all its bits, and the leading zeros of others may be missing.
+    """
+    if bits <= 8:
         return []
-    return [f"0b{word.zfill(bits)}" for word in words]
+    digit_count = (bits + 3) // 4
+    numbers = [_HEX_SUFFIX.sub("", word) if word[:2] in ("0x", "0X") else word for word in words]
+    digits = [number.removeprefix("0x").removeprefix("0X") for number in numbers]
+    prefix_count = sum(number != plain for number, plain in zip(numbers, digits, strict=True))
+    lengths = [len(plain) for plain in digits]
+    if all(map(_HEX_DIGITS.fullmatch, digits)) and max(lengths) == digit_count:
+        fewest_digits = digit_count // 2 + 1 if prefix_count == len(words) else digit_count
+        are_hex = prefix_count > 0 or not "".join(digits).isdecimal()
+        fit = all(int(plain, 16) >> bits == 0 for plain in digits)
+        if are_hex and fit and min(lengths) >= fewest_digits:
+            return [f"0x{plain}" for plain in digits]
+    bit_texts = [word.removeprefix("0b").removeprefix("0B") for word in words]
+    lengths = [len(bit_text) for bit_text in bit_texts]
+    # Words of at most 8 zeros and ones may be bytes.
+    are_binary = all(map(_ZEROS_AND_ONES.fullmatch, bit_texts)) and min(lengths) > 8 and max(lengths) == bits
+    return [f"0b{bit_text.zfill(bits)}" for bit_text in bit_texts] if are_binary else []

@@ -55,10 +55,12 @@ from ...why.exchanges import (
 )
 from ...why.hypotheses import (
     ACTIVE,
+    AFTER_COMMAND,
     IDLE,
     INVERTED_WITHOUT_PAIR,
     LEAST_EQUAL_BITS,
     MISTAKES,
+    OTHER_CODE_WITHOUT_CRC,
     WITH_SECOND_MISTAKE,
 )
 from ...why.in_bytes import MOST_ECHOED_BYTES
@@ -359,6 +361,7 @@ def script_table(library: Library) -> Data:
         "start_bits": START_BITS,
         "polynomials": POLYNOMIALS,
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "without_pair": INVERTED_WITHOUT_PAIR}
+        | {"other_code_without_crc": OTHER_CODE_WITHOUT_CRC, "after_command": AFTER_COMMAND}
         | {"frames": MOST_FRAMES, "bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN}
         | {"channel_crc_bits": LEAST_CRC_BITS, "with_second": WITH_SECOND_MISTAKE}
         | {"cut_bits": MOST_CUT_BITS, "states": MOST_STATES},

@@ -269,9 +269,7 @@ def _layout_data(device: Device, layout_plan: LayoutPlan, description: Descripti
         fill=(layout_plan.layout.bits - layout_plan.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
         # For each register field that decides the length, all values of its parameters.
-        states=[[*map(dict, states)] for states in states_of_widths(device, layout_plan.layout)]
-        if layout_plan.crcs
-        else [],
+        states=[[*map(dict, states)] for states in states_of_widths(device, layout_plan.layout)],
         crcs=optional_crcs,
         # If the CRC covers only a part of the frame: the lowest bit, and the number of bits.
         crc_of=[crc.low, crc.covered.constant] if crc is not None and crc.is_part else [],
@@ -336,7 +334,8 @@ def _digits_data(digit_run: Digits) -> list[Any]:
 
 def _without_empty_end(*row: Any) -> list[Any]:
     """Return a row without its last value if that is empty."""
-    return list(row if row[-1] else row[:-1])
+    *beginning, last_value = row
+    return [*row] if last_value else beginning
 
 
 def _documented_value(field: Field) -> Any:

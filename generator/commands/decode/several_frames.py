@@ -1,0 +1,121 @@
+"""Find the frames in several pasted lines: words in one line, and numbers in columns.
+
+The decode page follows the same rules, in several.js.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable, Iterator, Sequence
+
+from ...model import INTERFACES, Device, Variant
+from ...say.notations import DIGITS
+from .digits import words_of
+from .frames import FrameLine
+
+#: Number of lines that show whether numbers are decimal, and whether the first column counts the lines.
+_SAMPLE = 20
+#: Fewest lines that show a column that counts the lines.
+_FEWEST_ROWS = 3
+#: Fewest digits that show that numbers are decimal. In hex, 1 of 80,000 texts of this length has no letter.
+_DECIMAL_DIGITS = 24
+_DECIMAL = re.compile(DIGITS["decimal"])
+#: The number of a line, a separator of CSV, and a frame of at least 3 characters: ``12,40276`` or ``12;0x9D54``.
+_NUMBERED_ROW = re.compile(r"(?P<number>0|[1-9][0-9]{0,8})[ ]*[,;\t][ ]*(?P<frame>[0-9A-Za-z]{3,})")
+#: The names of two columns: ``time,raw``. At least one letter is not a hex digit.
+_HEADER = re.compile(r"(?=.*[G-Wg-wYyZz])[A-Za-z_][A-Za-z0-9_ ]*[,;\t][ ]*[A-Za-z_][A-Za-z0-9_ ]*")
+
+
+def frame_sizes(device: Device, variant: Variant, sender: str) -> tuple[int, ...]:
+    """Return the numbers of bits of the sender's frames, without duplicates, or nothing if the line carries bytes."""
+    if INTERFACES[variant.interface].carried_as == "bytes":
+        return ()
+    layouts = [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
+    return tuple(dict.fromkeys(layout.place(variant.parameters).bits for layout in layouts))
+
+
+def separate_frames(lines: Iterable[FrameLine], sizes: Sequence[int]) -> Iterator[FrameLine]:
+    """Yield a line for each frame, such as ``0x9D54``, in lines with several frames or with numbers in columns.
+
+    ``sizes`` are the possible numbers of bits of a frame. If it is empty, the lines are yielded as they are. The first
+    lines show whether numbers are decimal, and whether the first column counts the lines.
+    """
+    if not sizes:
+        yield from lines
+        return
+    remaining_lines = iter(lines)
+    sample = _first_lines(remaining_lines)
+    has_header = len(sample) > 1 and _HEADER.fullmatch(sample[0].text) is not None
+    rows = sample[1:] if has_header else sample
+    has_numbered_rows = _have_line_numbers([row.text for row in rows])
+    is_table = has_numbered_rows or (has_header and all(row.time for row in rows))
+    if has_header and not is_table:
+        rows = sample
+    frame_texts = [_without_line_number(row.text) if has_numbered_rows else row.text for row in rows]
+    are_decimal = _are_decimal(frame_texts, sizes[0])
+    for line in itertools.chain(rows, remaining_lines):
+        text = _without_line_number(line.text) if has_numbered_rows else line.text
+        if are_decimal and _DECIMAL.fullmatch(text):
+            text = f"0x{int(text):X}"
+        yield from _split_into_words(line._replace(text=text), sizes)
+
+
+def _first_lines(lines: Iterator[FrameLine]) -> list[FrameLine]:
+    """Take the first lines, which show how numbers are written, from ``lines``.
+
+    Only one line is taken if it cannot be part of a table, so that a live recording is decoded without delay.
+    """
+    first_line = next(lines, None)
+    if first_line is None:
+        return []
+    may_be_table = _DECIMAL.fullmatch(first_line.text) or re.search(r"[,;\t]", first_line.text)
+    other_lines = itertools.islice(lines, _SAMPLE - 1) if may_be_table else ()
+    return [first_line, *other_lines]
+
+
+def _have_line_numbers(texts: Sequence[str]) -> bool:
+    """Return whether each text is a row of CSV that begins with its number, such as ``12,40276``.
+
+    The numbers increase by the same step from row to row. At least three rows are needed.
+    """
+    rows = [_NUMBERED_ROW.fullmatch(text) for text in texts]
+    numbers = [int(row["number"]) for row in rows if row is not None]
+    if len(numbers) < _FEWEST_ROWS or len(numbers) != len(texts):
+        return False
+    steps = {following - number for number, following in itertools.pairwise(numbers)}
+    return len(steps) == 1 and min(steps) > 0
+
+
+def _without_line_number(text: str) -> str:
+    """Return the frame in a row such as ``12,40276``, or any other text as it is."""
+    row = _NUMBERED_ROW.fullmatch(text)
+    return row["frame"] if row is not None else text
+
+
+def _are_decimal(texts: Sequence[str], bits: int) -> bool:
+    """Return whether all texts are decimal numbers, although single ones could also be hexadecimal.
+
+    Either one of them is too large for a frame of ``bits`` bits if it is hexadecimal, or they have 24 or more digits
+    together, among which hexadecimal numbers would have letters.
+    """
+    if len(texts) < 2 or not all(map(_DECIMAL.fullmatch, texts)):
+        return False
+    digits = "".join(texts)
+    are_bits = set(digits) <= {"0", "1"}
+    fit_in_frame = all(int(text) >> bits == 0 for text in texts)
+    if are_bits or not fit_in_frame:
+        return False
+    is_too_large_in_hex = any(int(text, 16) >> bits for text in texts)
+    return is_too_large_in_hex or len(digits) >= _DECIMAL_DIGITS
+
+
+def _split_into_words(line: FrameLine, sizes: Sequence[int]) -> list[FrameLine]:
+    """Return a line for each word in a line with several, such as ``{0x7FFE, 0x3FFF}``, or the line itself.
+
+    The words of a line without a number are numbered from 1.
+    """
+    words = words_of(line.text, sizes)
+    if not words:
+        return [line]
+    return [line._replace(number=line.number or index, text=word) for index, word in enumerate(words, 1)]

@@ -1,0 +1,65 @@
+"""SPI replies around their command, and frames without a CRC from another order code."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from codewheel.commands.cli import main
+
+Capture = pytest.CaptureFixture[str]
+
+#: A reply of the TLE5012B with the position 1234h: command, angle, safety word.
+COMMAND, DATA = 0x8021, 0x9234_FE08
+
+
+def why(capsys: Capture, code: str, *frames: str) -> Any:
+    main(["decode", code, "--json", *frames])
+    return json.loads(capsys.readouterr().out)["why"]
+
+
+def first_explanation(capsys: Capture, code: str, *frames: str) -> tuple[str, Any]:
+    explanation = why(capsys, code, *frames)["explanations"][0]
+    return explanation["text"], explanation["reads"]
+
+
+@pytest.mark.parametrize(
+    ("data", "mistake"),
+    [
+        (DATA << 1 & 0xFFFF_FFFF, "the first bit (1) is missing"),
+        (DATA << 1 & 0xFFFF_FFFF | 1, "the first bit (1) is missing"),
+        (DATA >> 1, "an extra bit is in front, and the last bit is missing"),
+        (DATA >> 1 | 1 << 31, "an extra bit is in front, and the last bit is missing"),
+    ],
+)
+def test_data_are_shifted_after_an_intact_command(capsys: Capture, data: int, mistake: str) -> None:
+    text, numbers = first_explanation(capsys, "TLE5012B", f"0x{COMMAND:04X}{data:08X}")
+    assert text.startswith("in the bits after the command: started one clock")
+    assert mistake in text
+    assert numbers["position"] == 0x1234
+
+
+@pytest.mark.parametrize(("idle", "level"), [("0000", 0), ("FFFF", 1)])
+def test_only_miso_was_recorded(capsys: Capture, idle: str, level: int) -> None:
+    text, numbers = first_explanation(capsys, "TLE5012B", f"0x{idle}{DATA:08X}")
+    assert text == (
+        f"the first 16 bits, which are sent during the command, are all {level}, as if only MISO were recorded"
+    )
+    assert numbers["position"] == 0x1234
+
+
+def test_a_reply_to_another_command_is_named(capsys: Capture) -> None:
+    """The reply contains the angular speed, register 03h."""
+    main(["decode", "TLE5012B", "0x80311234FED9"])
+    assert "this is a valid register_reply: add --layout register_reply" in capsys.readouterr().out
+
+
+def test_a_word_of_another_order_code_without_a_crc(capsys: Capture) -> None:
+    """14 bits of position, read as 12: the two lowest bits should be 0, and both parities are right with them."""
+    texts = [explanation["text"] for explanation in why(capsys, "AMT22-12", "0xe329")["explanations"]]
+    assert "16 bits, the frame of AMT22-14" in texts
+    main(["decode", "AMT22-12", "0xe329\n0x9fff\n0x938b"])
+    out = " ".join(capsys.readouterr().out.split())
+    together = out.partition("Together, 3 of 3 frames with an error have this explanation")[2]
+    assert together.startswith(", most likely first: - 16 bits, the frame of AMT22-14; matches by chance in 1 of 64")

@@ -1,0 +1,70 @@
+"""Several frames in pasted text: words in one line, and decimal numbers in columns."""
+
+from __future__ import annotations
+
+import io
+import json
+from typing import Any
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.commands.decode.frames import frame_lines
+from codewheel.commands.decode.several_frames import separate_frames
+
+Capture = pytest.CaptureFixture[str]
+
+
+def frames(text: str, *sizes: int) -> list[str]:
+    """Return the texts of the frames in some lines."""
+    return [line.text for line in separate_frames(frame_lines(io.StringIO(text)), sizes)]
+
+
+def positions(capsys: Capture, code: str, text: str) -> list[Any]:
+    main(["decode", code, text, "--json"])
+    lines = capsys.readouterr().out.splitlines()
+    fields = [field for line in lines for field in json.loads(line)["fields"]]
+    return [field["value"] for field in fields if field["name"] == "position"]
+
+
+def test_decimal_numbers_in_a_column(capsys: Capture) -> None:
+    """24747 has 5 digits, too many for 16 bits in hex. So 8213 is decimal too."""
+    assert positions(capsys, "AMT22-14", "8213\n24747") == [8213, 8363]
+    assert frames("8213\n2474", 16) == ["8213", "2474"], "they can be decimal or hex"
+    many = [f"{number}" for number in range(2001, 2009)]
+    assert frames("\n".join(many), 16) == [f"0x{int(number):X}" for number in many]
+    assert frames("\n".join([*many, "2A01"]), 16)[:8] == many, "a letter shows that they are hex"
+
+
+def test_columns_of_csv() -> None:
+    wanted = ["0x60AB", "0x2015", "0x60AC"]
+    assert frames("line,raw\n1,24747\n2,8213\n3,24748\n", 16) == wanted
+    assert frames("1;0x60AB\n2;0x2015\n3;0x60AC\n", 16) == wanted
+    assert frames("time,raw\n0.001,24747\n0.002,8213\n0.004,24748\n", 16) == wanted
+    # Bytes whose first one increases with each frame are not numbers of lines.
+    assert frames("10, 2A\n11, 2A\n12, 2A\n", 16) == ["10, 2A", "11, 2A", "12, 2A"]
+
+
+@pytest.mark.parametrize(
+    ("text", "sizes", "count"),
+    [
+        ("0x60AB 2015 0x60AC", (16, 32), 3),
+        ("60AB 2015", (16,), 2),
+        ("0x60AB 0x2015", (16, 32), 1),  # also one frame of 32 bits
+        ("0x0000F4243D2B 0x0000F4243D2C", (45,), 2),
+        ("0xD03A 0xDE68 0xAF80", (36,), 1),  # a raw buffer in words of 16 bits
+        ("0x60AB 0x15", (16,), 1),
+    ],
+)
+def test_several_frames_in_one_line(text: str, sizes: tuple[int, ...], count: int) -> None:
+    assert len(frames(text, *sizes)) == count
+
+
+def test_a_live_recording_is_decoded_without_delay() -> None:
+    """The second line is only read after the first frame."""
+
+    def live_lines() -> Any:
+        yield "0x60AB"
+        raise AssertionError("read ahead")
+
+    first, *_ = frame_lines(["0x60AB"])
+    assert next(separate_frames(frame_lines(live_lines()), (16,))).text == first.text
