@@ -209,6 +209,7 @@
       check, low: evaluate(check.low), width: evaluate(check.width),
       limit: check.limit === undefined ? undefined : evaluateExpression(check.limit, parameters),
       lowest: evaluateExpression(check.lowest ?? 0, parameters),
+      joinedPlaces: check.joined?.map(([low, width]) => ({ low: evaluate(low), width: evaluate(width) })),
       coveredPlaces: check.parity_of?.map(([low, width]) => ({ low: evaluate(low), width: evaluate(width) })),
     };
   }
@@ -389,9 +390,10 @@
 
   /** Return a list with the problem if the bits at the place of a check are wrong, otherwise an empty list. */
   function findProblems(placedCheck, number, binary) {
-    const { check, low, width, limit, lowest, coveredPlaces } = placedCheck;
+    const { check, low, width, limit, lowest, coveredPlaces, joinedPlaces } = placedCheck;
     // A parity covers the bits as sent, before Gray code is converted.
-    const checkedBits = extractBits(coveredPlaces ? number : binary, low, width);
+    const checkedBits = joinedPlaces
+      ? joinPlaces(joinedPlaces, binary) : extractBits(coveredPlaces ? number : binary, low, width);
     const checkedNumber = check.says === "outside" ? BigInt.asIntN(width, checkedBits) : checkedBits;
     const rightValues = coveredPlaces ? [computeParity(number, coveredPlaces, check)]
       : (check.values ?? []).map((listedValue) => toBigInt(listedValue) & ones(width));
@@ -404,6 +406,10 @@
       : describeProblem(placedCheck, checkedNumber, rightValues[0]);
     return [{ fault: check.fault, field: check.field, message }];
   }
+
+  /** Return the number that the bits at several places form, most significant first. */
+  const joinPlaces = (places, number) => places.reduce(
+    (sum, { low, width }) => (sum << BigInt(width)) | extractBits(number, low, width), 0n);
 
   /** Return the message about a wrong number. Its name in the table is that of the check. */
   function describeProblem({ check, limit, lowest, coveredPlaces }, checkedNumber, rightValue) {

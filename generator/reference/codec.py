@@ -331,12 +331,10 @@ def _encode_fields(device: Device, placed_layout: PlacedLayout, values: Values) 
     frame_bits = 0
     position_range = device.range_in(placed_layout.layout)
     for placed_field in placed_layout.fields:
-        field_bits = _encode_field(placed_layout, placed_field, values)
-        if position_range is not None and placed_field.name == position_range.field.name:
-            problem = range_message(position_range, placed_field, field_bits, placed_layout)
-            if problem:
-                raise EncodeError(problem)
-        frame_bits |= field_bits << placed_field.low
+        frame_bits |= _encode_field(placed_layout, placed_field, values) << placed_field.low
+    problem = range_message(position_range, placed_layout, frame_bits) if position_range is not None else ""
+    if problem:
+        raise EncodeError(problem)
     return frame_bits
 
 
