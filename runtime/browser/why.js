@@ -740,11 +740,22 @@ function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, det
   if (!textByPart) return [];
   // A frame that is sent twice is followed by ``again``, perhaps cut off.
   const { frame: frameText, again: repeatedText = "" } = textByPart;
-  const otherBitsRequired = determinedNames.reduce((sum, name) => sum + (textByPart[name] ?? "").length, 0);
   const parts = Object.entries(textByPart).filter(([, partText]) => partText);
+  const zerosOfWord = countZerosOfWord(placedLayout, textByPart.zeros ?? "", parts[0]?.[0] === "zeros");
+  const otherBitsRequired = determinedNames.reduce(
+    (sum, name) => sum + (textByPart[name] ?? "").length, 0) - zerosOfWord;
   return [createFrameHypothesis(
     placedLayout, crc, kind, text, BigInt(`0b${frameText}`),
     { otherBitsRequired, parts, isConsistent: frameText.startsWith(repeatedText) })];
+}
+
+/** Return how many extra zeros on one side of a word the layout also has at this end of every word. */
+function countZerosOfWord(placedLayout, zerosText, isFirst) {
+  const constants = placedLayout.fields.filter(({ field }) => "fixed" in field);
+  const zerosMask = constants.reduce((mask, { field, low, width }) => (
+    mask | (ones(width) & ~toBigInt(field.fixed)) << BigInt(low)), 0n);
+  const [marks] = zerosMask.toString(2).padStart(placedLayout.bits, "0").match(isFirst ? /^1*/u : /1*$/u);
+  return Math.min(marks.length, zerosText.length);
 }
 
 // -- frames of bytes
