@@ -364,3 +364,12 @@ def test_a_rare_mistake_is_rare_only_once() -> None:
 def test_another_frame_helps_only_in_doubt(resolute: Path, decode: Decode) -> None:
     assert decode(resolute, f"0b010{FRAME}")["why"]["another_frame_helps"] is True
     assert decode(resolute, f"0b{'0' * 40}")["why"]["another_frame_helps"] is False
+
+
+def test_each_argument_of_bits_is_a_frame(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
+    frames = [f"0b{position:021b}" for position in (0x12345, 0x12346)]
+    assert main(["decode", "X-A", *frames, "--specs", str(folder)]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith("line 1: X-A")
+    assert "74566" in printed.partition("line 2: X-A")[2]
