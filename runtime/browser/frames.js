@@ -74,7 +74,8 @@ function decode(placedLayout, number) {
   decoded.fields = placedLayout.fields.flatMap((placedField) => decodeFieldAndRuns(placedField, number, binary));
   decoded.crc = checkCrc(placedLayout, number);
   if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
-    const message = messageFor("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
+    const messageName = hasExchangedBytes(decoded.crc) ? "crc_exchanged" : "crc";
+    const message = messageFor(messageName, hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
     decoded.problems.push({ fault: "crc", field: decoded.crc.field, message });
   }
   decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => findProblems(placedCheck, number, binary)));
@@ -222,6 +223,13 @@ function checkCrc(placedLayout, number) {
   const field = findCrcField(placedLayout);
   const received = extractBits(number, field.low, field.width);
   return { crc, field: field.name, received, computed: computeCrc(crc, placedLayout, number) };
+}
+
+/** Return whether a CRC is wrong, but would be correct if its bytes were sent in reverse order. */
+function hasExchangedBytes({ crc, received, computed }) {
+  const width = Number(crc.width);
+  if (received === computed || width % 8) return false;
+  return numberOf("big", bytesOf("little", received, width / 8)) === computed;
 }
 
 /** Return the lowest bit that the CRC of a frame covers, and the number of these bits. */

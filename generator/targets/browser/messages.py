@@ -14,6 +14,7 @@ MESSAGES = {
     "other_order": report.other_order("{0}"),
     "all_crcs_correct": report.all_crcs_correct("{0}"),
     "crc": report.wrong_crc_message("{0}", "{1}"),
+    "crc_exchanged": report.crc_with_exchanged_bytes("{0}", "{1}"),
     "constant": report.constant("{0}", "{1}", "{2}"),
     "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
     "no_value": report.no_value("{0}", "{1}"),
