@@ -107,10 +107,11 @@ def label_grammar(device: Device) -> Data:
 def _part_data(part: CodePart) -> Data:
     """Return a part of the order code with its values.
 
-    ``only_with`` contains the values of other parts with which the part can have unlisted values.
+    ``only_with`` contains the values of other parts with which the part can have unlisted values, and ``open`` is the
+    regular expression for unlisted values.
     """
     values = [value.text for value in part.values]
-    return without_empty(name=part.name, values=values, only_with=dict(part.open_only_with))
+    return without_empty(name=part.name, values=values, only_with=dict(part.open_only_with), open=part.open)
 
 
 def _spelling_data(device: Device, spelling: Spelling) -> Data:

@@ -53,6 +53,7 @@ MESSAGES = {
     "code_empty": labels.EMPTY,
     "cannot_be_combined": labels.cannot_be_combined("{0}", "{1}", "{2}"),
     "not_of_family": labels.not_of_family("{0}", "{1}", "{2}"),
+    "unlisted_values": labels.unlisted_values("{0}"),
     "wrong_part": labels.wrong_part("{0}", "{1}", "{2}", "{3}"),
     "has_part": labels.has_part("{0}", "{1}"),
     "has_no_part": labels.has_no_part("{0}"),
