@@ -641,11 +641,20 @@ function writeReceivedBits(placedLayout, typedFrame) {
   return typedFrame.number.toString(2).padStart(bitCount, "0");
 }
 
+/** Return whether the typed bytes of an SPI word have more bits than the word, but fewer than a whole byte more. */
+function isWordInBytes(placedLayout, typedFrame) {
+  const extraBits = (typedFrame?.written ?? 0) - placedLayout.bits;
+  return interfaceOf(placedLayout)?.name === "spi" && Boolean(typedFrame?.isBytes) && extraBits > 0 && extraBits < 8;
+}
+
 /** The frames with bits around them. A frame is searched at every bit only if no rule of the line finds it. */
 function tryMovedFrames(placedLayout, crc, typedFrame) {
   const lineRules = lineRulesOf(placedLayout);
   if (!lineRules || !placedLayout.bits) return [];
-  const receivedText = writeReceivedBits(placedLayout, typedFrame);
+  const writtenText = writeReceivedBits(placedLayout, typedFrame);
+  // A word that does not fill its bytes can be at their beginning. The zeros in front of it are then received bits.
+  const receivedText = isWordInBytes(placedLayout, typedFrame)
+    ? writtenText.padStart(typedFrame.written, "0") : writtenText;
   const mayBeEcho = mayHaveBits(typedFrame, placedLayout.bits);
   const commandHypotheses = [
     ...(mayBeEcho ? tryEcho(placedLayout, typedFrame.number) : []),
@@ -1000,6 +1009,13 @@ function numbersRead(placedLayout, number) {
 /** The name of the position, which an encoder in one line has even if it does not state its counts. */
 const positionNameOf = (measure) => measure?.of ?? "position";
 
+/** Return the text and the frame at the beginning of the bytes of an SPI word that does not fill them, in a list. */
+function findLeftAlignedFrame(placedLayout, typedFrame) {
+  if (!isWordInBytes(placedLayout, typedFrame)) return [];
+  const frameNumber = typedFrame.number >> BigInt(typedFrame.written - placedLayout.bits);
+  return hasRightConstants(placedLayout, frameNumber) ? [[TABLE.left_aligned, frameNumber]] : [];
+}
+
 /** Find the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received. */
 function findRecordedFrames(placedLayout, typedFrame) {
   const interface_ = interfaceOf(placedLayout);
@@ -1061,6 +1077,7 @@ function otherPositions({ placedLayout, number, problems, crc, fields, typedFram
   const doubtfulFrames = listDoubtfulFrames(placedLayout, number, position);
   const textsAndFrames = [
     ...doubtfulFrames.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),
+    ...findLeftAlignedFrame(placedLayout, typedFrame),
     ...findRecordedFrames(placedLayout, typedFrame)].filter(([, frameNumber]) => frameNumber !== null);
   return textsAndFrames
     .map(([text, frameNumber]) => [text, positionIn(decode(placedLayout, frameNumber).fields).value])
