@@ -18,7 +18,6 @@ from codewheel.model import (
     Field,
     Flag,
     Layout,
-    Number,
     PlacedLayout,
     Register,
     Rs485,
@@ -195,7 +194,7 @@ def encoded_sample(
         raw = fixed.get(name, random_.choice(possible))
         placed_field = placed.field(name)
         values[name] = value_of_raw(placed_field.field, placed_field.width, raw)
-        code = placed_field.field.kind.code_of_digits if isinstance(placed_field.field.kind, Number) else None
+        code = placed_field.field.code_of_digits
         if code is not None:
             values[name] = min(int(values[name]), code.highest(placed_field.width))
         valid = device.range_in(placed.layout)
