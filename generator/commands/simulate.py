@@ -149,7 +149,12 @@ def _virtual_encoder(arguments: argparse.Namespace, paths: Sequence[Path]) -> Vi
         edition=arguments.edition or "",
         specs=paths,
     )
-    encoder.position = motion(arguments.position, encoder.counts, encoder.lowest, encoder.counts_per_turn)
+    position = motion(arguments.position, encoder.counts, encoder.lowest, encoder.counts_per_turn)
+    highest = encoder.lowest + encoder.counts - 1
+    if isinstance(position, int) and not encoder.lowest <= position <= highest:
+        message = f"position {position} is out of range; {arguments.order_code} has {encoder.lowest} to {highest}"
+        raise ValueError(message)
+    encoder.position = position
     encoder.set_flag(*arguments.flag)
     for address, byte in bytes_by_address(arguments.register).items():
         encoder.memory.hold(address, byte)

@@ -247,12 +247,22 @@ def _check_decoded(
     if problems:
         hint = ""
         if decoded.crc is not None and not decoded.crc.ok:
-            hint = _suggest_start(device, decoded.crc.name)
+            hint = _suggest_byte_order(decoded) if decoded.crc.has_exchanged_bytes else ""
+            hint = hint or _suggest_start(device, decoded.crc.name)
         for problem in problems:
             yield _data_path(example), problem.message + hint
         return
     differences = list(_compare_values(decoded, example))
     yield from differences or _check_encoding(device, decoded, example)
+
+
+def _suggest_byte_order(decoded: DecodedFrame) -> str:
+    """Return what to write in a layout of bytes if the bytes of its CRC are exchanged, or "" for other layouts."""
+    if decoded.layout is None or not decoded.layout.layout.in_bytes:
+        return ""
+    is_high_first = decoded.layout.layout.byte_order == "high_byte_first"
+    byte_order = "low_byte_first" if is_high_first else "high_byte_first"
+    return f"; write 'byte_order: {byte_order}', and describe each byte of other numbers as a field, with 'join'"
 
 
 def _suggest_start(device: Device, crc_name: str) -> str:

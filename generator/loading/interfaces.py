@@ -92,10 +92,10 @@ def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: LayoutSite
     for layout in layouts:
         words_of_layout = [word for word in words if layout.name in (word.exchange["request"], word.exchange["reply"])]
         # A layout that no exchange uses is compared with ``word_bits`` of the interface.
-        _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], site)
+        _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], layouts, site)
 
 
-def _check_word_bits(layout: Layout, words: Sequence[_Word], site: LayoutSite) -> None:
+def _check_word_bits(layout: Layout, words: Sequence[_Word], layouts: Sequence[Layout], site: LayoutSite) -> None:
     """Report the first SPI exchange that uses a layout, but whose words have a different number of bits."""
     mismatches = [word for word in words if word.bits is not None and not word.bits.has_value_of(layout.bits)]
     if not mismatches:
@@ -109,7 +109,22 @@ def _check_word_bits(layout: Layout, words: Sequence[_Word], site: LayoutSite) -
         remedy += f", or give the exchange of '{exchange['request']}' its own 'word_bits'"
     bits_text = bits.render() if bits is not None else ""
     message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{exchange_text} is {bits_text}"
+    if _is_longer_than_request(layout, exchange, layouts, site):
+        reason = "a reply that is longer than its request is not supported"
+        remedy = f"{reason}, so add a constant to the request, and give the exchange their 'word_bits'"
     site.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
+
+
+def _is_longer_than_request(layout: Layout, exchange: Raw, layouts: Sequence[Layout], site: LayoutSite) -> bool:
+    """Return whether a layout is the reply of an exchange whose request has fewer bits for some order code."""
+    if layout.name != exchange.get("reply"):
+        return False
+    requests = [request for request in layouts if request.name == exchange["request"]]
+    return any(
+        request.bits.value(parameters) < layout.bits.value(parameters)
+        for request in requests
+        for parameters in site.parameter_sets
+    )
 
 
 def _checked_word_bits(raw: Raw, site: LayoutSite, *below: str | int) -> Expression | None:

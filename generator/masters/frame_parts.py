@@ -407,7 +407,7 @@ class CableTable:
         return max(rows_for_length, key=lambda row: row.hz, default=None)
 
     def about(self, clock_hz: int) -> str:
-        """Return a sentence about the longest cable for a clock, or that no cable allows it.
+        """Return a sentence about the longest cable for a clock, or that no row allows it.
 
         Return an empty string without a table.
         """
@@ -418,10 +418,10 @@ class CableTable:
             longest_row = max(rows_with_clock, key=lambda row: row.metres)
             return f"This clock suits a cable {longest_row.cable}, according to the table in {self.origin}."
         fastest_row = max(self.rows, key=lambda row: row.hz)
-        limit_words = "below" if fastest_row.is_below else "of at most"
-        limit = f"{limit_words} {hertz(fastest_row.hz)}"
-        reason = f"a cable {fastest_row.cable} needs a clock {limit}, and a longer one needs a lower clock"
-        return f"According to the table in {self.origin}, no cable allows this clock: {reason}."
+        limit_words = "below " if fastest_row.is_below else ""
+        limit = f"{limit_words}{hertz(fastest_row.hz)}"
+        reason = f"its highest clock is {limit}, for a cable {fastest_row.cable}"
+        return f"No row of the table in {self.origin} allows this clock: {reason}."
 
 
 def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:

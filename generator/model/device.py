@@ -328,7 +328,7 @@ class Device:
         For the position, this is its range. Otherwise it is the range of two's complement in the width of the field.
         """
         valid_range = self.range_in(placed.layout)
-        if valid_range is None or valid_range.field.name != field.name:
+        if valid_range is None or valid_range.name != field.name:
             # A field without bits for the order code counts as one bit.
             half_of_numbers = 1 << (max(field.width, 1) - 1)
             return -half_of_numbers, half_of_numbers - 1

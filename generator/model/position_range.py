@@ -17,14 +17,22 @@ from .measurement import Measurement
 
 
 class PositionRange(NamedTuple):
-    """Lowest and highest valid number in a field that could hold others.
+    """Lowest and highest valid number in fields that could hold others.
 
-    It is the position, or the number of revolutions if another field counts one revolution in all its bits.
+    The number is the position, or the number of revolutions if another field counts one revolution in all its bits.
+    ``name`` is the field or the join with the number, and ``fields`` are the fields that form it, most significant
+    first.
     """
 
-    field: Field
+    name: str
+    fields: tuple[Field, ...]
     lowest: Expression
     highest: Expression
+
+    @property
+    def field(self) -> Field | None:
+        """The only field with the number, or None if several fields form it."""
+        return self.fields[0] if len(self.fields) == 1 else None
 
 
 def narrower_range(
@@ -33,8 +41,8 @@ def narrower_range(
     """Return the range of valid positions if, for some order code, the field of the position can hold other numbers.
 
     ``parameter_sets`` are the parameters of the order codes. The result is None if all numbers are valid, or if the
-    range is unknown: for decimal digits, for parts of one revolution in several fields, for a signed position without
-    ``highest``, and for a number that is 0 in the frame but stands for another number.
+    range is unknown: for decimal digits, for a signed position without ``highest``, and for a number that is 0 in the
+    frame but stands for another number.
     """
     fields_by_name = {field.name: field for field in layout.fields}
     position_fields = [fields_by_name[name] for name in layout.names_in(measurement.of) if name in fields_by_name]
@@ -46,18 +54,18 @@ def narrower_range(
         position_range = _signed_range(measurement, position_fields[0])
     else:
         position_range = _unsigned_range(measurement, position_fields, parameter_sets)
-    if position_range is None or position_range.field.number.zero_means:
+    if position_range is None or any(field.number.zero_means for field in position_range.fields):
         return None
     is_narrower = any(_is_narrower(position_range, parameters) for parameters in parameter_sets)
     return position_range if is_narrower else None
 
 
 def _is_narrower(position_range: PositionRange, parameters: Mapping[str, int]) -> bool:
-    """Return True if a range has fewer numbers than the width of its field allows, but at least one.
+    """Return True if a range has fewer numbers than the width of its fields allows, but at least one.
 
-    The result is False for order codes without the field, whose width is 0.
+    The result is False for order codes without the fields, whose width is 0.
     """
-    width = position_range.field.width.value(parameters)
+    width = sum(field.width.value(parameters) for field in position_range.fields)
     if width == 0:
         return False
     highest = position_range.highest.value(parameters)
@@ -75,7 +83,7 @@ def _signed_range(measurement: Measurement, field: Field) -> PositionRange | Non
     if total is None or highest is None:
         return None
     lowest = highest - total + Expression(1)
-    return PositionRange(field, lowest, highest)
+    return PositionRange(field.name, (field,), lowest, highest)
 
 
 def _unsigned_range(
@@ -83,26 +91,33 @@ def _unsigned_range(
 ) -> PositionRange | None:
     """Return the range of a position without a sign, or None if the range is unknown.
 
-    For a position in one field, it is the range of the field, if the number of counts is known. For a position in two
-    fields, of which the low field counts exactly one revolution, it is the range of the revolutions in the high field.
+    It is the range of the revolutions if the position has two fields, of which the low one counts exactly one
+    revolution. Otherwise it is the range of the whole position, if the number of counts is known.
     """
     total = measurement.total
-    if total is None or any(field.number.signed for field in fields):
+    if total is None or not fields or any(field.number.signed for field in fields):
         return None
-    if len(fields) == 1:
-        (field,) = fields
-        highest = measurement.highest or total - Expression(1)
-        return PositionRange(field, lowest=Expression(0), highest=highest)
-    turns = measurement.turns
+    if _counts_turns_alone(measurement, fields, parameter_sets):
+        assert measurement.turns is not None
+        high_field = fields[0]
+        highest_turn = measurement.turns - Expression(1)
+        return PositionRange(high_field.name, (high_field,), lowest=Expression(0), highest=highest_turn)
+    name = fields[0].name if len(fields) == 1 else measurement.of
+    highest = measurement.highest or total - Expression(1)
+    return PositionRange(name, tuple(fields), lowest=Expression(0), highest=highest)
+
+
+def _counts_turns_alone(
+    measurement: Measurement, fields: Sequence[Field], parameter_sets: Sequence[Mapping[str, int]]
+) -> bool:
+    """Return True if the position has two fields, and the low one counts exactly one revolution for each order code.
+
+    The fields of a position are listed from the most significant one.
+    """
     counts_per_turn = measurement.counts_per_turn
-    if turns is None or counts_per_turn is None:
-        return None
-    if len(fields) != 2 or measurement.highest is not None:
-        return None
-    # The fields of a position are listed from the most significant one.
-    high_field, low_field = fields
-    for parameters in parameter_sets:
-        if counts_per_turn.value(parameters) != 1 << low_field.width.value(parameters):
-            # Both fields are parts of one revolution.
-            return None
-    return PositionRange(high_field, lowest=Expression(0), highest=turns - Expression(1))
+    if len(fields) != 2 or measurement.highest is not None or counts_per_turn is None or measurement.turns is None:
+        return False
+    low_field = fields[1]
+    return all(
+        counts_per_turn.value(parameters) == 1 << low_field.width.value(parameters) for parameters in parameter_sets
+    )

@@ -36,6 +36,11 @@ def wrong_part(code: str, problem: str, valid: str, nearest: str) -> str:
     return f"'{code}' {problem}; valid values: {valid}. The nearest codes are {nearest}"
 
 
+def unlisted_values(pattern: str) -> str:
+    """Return the end of a list of valid values, for a part that also accepts values of the form of a pattern."""
+    return f", and others of the form {pattern}"
+
+
 def has_part(name: str, value: str) -> str:
     return f"has {name} '{value}'"
 
@@ -380,6 +385,8 @@ def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
     likeliest = min(candidates)  # ``_WrongPart`` is ordered by its members.
     part = device.order_code.parts[likeliest.position]
     valid_values = ", ".join(value.text for value in part.values)
+    if part.open:
+        valid_values += unlisted_values(part.open)
     problem = has_part(part.name, likeliest.text) if likeliest.is_present else has_no_part(part.name)
     message = wrong_part(code=label, problem=problem, valid=valid_values, nearest=nearest)
     return UnknownOrderCode(message, close=True)

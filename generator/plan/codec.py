@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
@@ -33,6 +33,7 @@ from .operations import (
     Gray,
     IsBetween,
     JoinedNumber,
+    JoinNotAbove,
     NotAbove,
     ParityIs,
     ParityOf,
@@ -122,7 +123,7 @@ class LayoutPlan:
         for field in self.layout.fields:
             expressions += [field.low, field.width]
         for check in self.checks:
-            if isinstance(check, NotAbove):
+            if isinstance(check, (NotAbove, JoinNotAbove)):
                 expressions.append(check.highest)
             elif isinstance(check, IsBetween):
                 expressions += [check.lowest, check.highest]
@@ -159,6 +160,8 @@ def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
     # The bytes of a field are unknown if the order code moves its bits.
     all_have_bytes = all(field.bit_slices or field.padding_of for field in layout.fields)
     by_word = not layout.in_bytes or not all_have_bytes or layout.is_converted
+    joined_numbers = tuple(_yield_joined_numbers(layout, by_word))
+    checks = (*checks_of_layout(device, layout, by_word), *_checks_of_joined_position(device, layout, joined_numbers))
     return LayoutPlan(
         layout=layout,
         by_word=by_word,
@@ -168,10 +171,10 @@ def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
         gray=_find_gray(layout),
         digit_codings=tuple(_yield_digit_codings(layout)),
         parts=tuple(_yield_parts(layout)),
-        joined_numbers=tuple(_yield_joined_numbers(layout, by_word)),
+        joined_numbers=joined_numbers,
         alternatives=device.alternatives_of(layout),
         reserved=tuple(_yield_reserved(layout)),
-        checks=tuple(checks_of_layout(device, layout, by_word)),
+        checks=checks,
         terms=tuple(_yield_terms(layout)),
     )
 
@@ -300,6 +303,16 @@ def _yield_joined_numbers(layout: Layout, by_word: bool) -> Iterator[JoinedNumbe
             lowest_field = fields[-1]
             adjacent_bits = locate_bits(layout, lowest_field.low, total_width, widest=widest)
         yield JoinedNumber(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
+
+
+def _checks_of_joined_position(
+    device: Device, layout: Layout, joined_numbers: Sequence[JoinedNumber]
+) -> Iterator[JoinNotAbove]:
+    """Yield the check that a position in several fields is not too high, if their bits could contain such a number."""
+    position_range = device.range_in(layout)
+    if position_range is not None and position_range.field is None:
+        joined_position = next(number for number in joined_numbers if number.join.name == position_range.name)
+        yield JoinNotAbove(joined_position, bits_of(layout, joined_position.fields[0]), position_range.highest)
 
 
 def _yield_terms(layout: Layout) -> Iterator[FieldToEncode]:

@@ -28,6 +28,7 @@ from .operations import (
     IsBetween,
     IsOneOf,
     JoinedNumber,
+    JoinNotAbove,
     NotAbove,
     ParityIs,
     ParityOf,
@@ -108,7 +109,8 @@ class Unused:
 class Check:
     """Bits whose value must be one of ``values``, at most ``limit``, or the parity of the bits at ``parity_of``.
 
-    If ``lowest`` is not 0, the bits are a signed number from ``lowest`` to ``limit``.
+    If ``lowest`` is not 0, the bits are a signed number from ``lowest`` to ``limit``. If ``joined`` is not empty, the
+    bits at these places form the number together, most significant first.
     ``mask`` is the mask of the bits at each place that count, or 0 if all of them count.
     """
 
@@ -121,6 +123,7 @@ class Check:
     odd: bool = False
     mask: int = 0
     lowest: Expression = Expression(0)
+    joined: tuple[BitSpan, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -317,6 +320,9 @@ def _describe_check(check: PlannedCheck) -> Check:
             return replace(check_of_field, limit=highest)
         case IsBetween(lowest=lowest, highest=highest):
             return replace(check_of_field, limit=highest, lowest=lowest)
+        case JoinNotAbove(whole=whole, highest=highest):
+            places = _list_places(whole.fields)
+            return replace(check_of_field, low=whole.fields[-1].low, width=whole.width, limit=highest, joined=places)
         case _:
             assert_never(check)
 

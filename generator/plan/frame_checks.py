@@ -125,11 +125,11 @@ def _checks_of_values(layout: Layout) -> Iterator[Check]:
 def _checks_of_numbers(device: Device, layout: Layout) -> Iterator[Check]:
     """Yield the checks that numbers are in their range, if the bits could contain numbers outside it.
 
-    These numbers are the position, and numbers whose digits are sent separately, such as BCD.
+    These numbers are the position in one field, and numbers whose digits are sent separately, such as BCD.
     """
     position_range = device.range_in(layout)
-    if position_range is not None:
-        position_field = position_range.field
+    position_field = position_range.field if position_range is not None else None
+    if position_range is not None and position_field is not None:
         position_bits = bits_of(layout, position_field)
         highest = position_range.highest
         if position_field.number.signed:
@@ -140,7 +140,7 @@ def _checks_of_numbers(device: Device, layout: Layout) -> Iterator[Check]:
         code = field.code_of_digits
         if code is not None:
             highest = Expression(code.highest(field.widest))
-            if position_range is not None and position_range.field is field:
+            if position_range is not None and position_field is field:
                 highest = position_range.highest
             yield NotAbove(field, bits_of(layout, field), highest, code.name)
 

@@ -12,7 +12,7 @@ from ..model.lookup import assert_never
 from ..model.record import dataclass
 from .codec import LayoutPlan
 from .frame_checks import allowed_values
-from .operations import IsBetween, JoinedNumber, NotAbove
+from .operations import IsBetween, JoinedNumber, JoinNotAbove, NotAbove
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,6 +226,14 @@ class JoinDisagrees:
 
 
 @dataclass(frozen=True, slots=True)
+class JoinTooHigh:
+    """The number of a join is above the highest one, which its fields could hold."""
+
+    whole: JoinedNumber
+    highest: Expression
+
+
+@dataclass(frozen=True, slots=True)
 class OutsideLimits:
     """The member is outside a limit of its register. ``bounds`` are the limits to check."""
 
@@ -244,6 +252,7 @@ Refusal = (
     | DigitTooHigh
     | DigitsDisagree
     | JoinDisagrees
+    | JoinTooHigh
     | OutsideLimits
 )
 
@@ -265,6 +274,9 @@ def refusals(layout_plan: LayoutPlan) -> Iterator[Refusal]:
                 yield from _field_refusals(layout_plan.layout, field)
     for joined_number in layout_plan.joined_numbers:
         yield JoinDisagrees(joined_number)
+    for check in layout_plan.checks:
+        if isinstance(check, JoinNotAbove):
+            yield JoinTooHigh(check.whole, check.highest)
 
 
 def powers_of_two(layout_plan: LayoutPlan) -> frozenset[str]:
@@ -298,7 +310,7 @@ def depends_on_order_code(refusal: Refusal) -> bool:
             return not field.width.is_constant
         case TooWide(width=width):
             return not width.is_constant
-        case TooHigh(highest=highest):
+        case TooHigh(highest=highest) | JoinTooHigh(highest=highest):
             return not highest.is_constant
         case NotBetween(lowest=lowest, highest=highest):
             return not (lowest.is_constant and highest.is_constant)

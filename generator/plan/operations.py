@@ -153,7 +153,25 @@ class IsBetween:
     fault = Fault.RANGE
 
 
-Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetween
+@dataclass(frozen=True, slots=True)
+class JoinNotAbove:
+    """The number that several fields form is at most ``highest``, which is lower than their width allows.
+
+    ``bits`` are those of ``field``, its most significant field.
+    """
+
+    whole: JoinedNumber
+    bits: FieldBits
+    highest: Expression
+    fault = Fault.RANGE
+
+    @property
+    def field(self) -> Field:
+        """Most significant field of the number."""
+        return self.whole.fields[0]
+
+
+Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetween | JoinNotAbove
 
 
 def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:

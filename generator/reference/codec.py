@@ -66,6 +66,15 @@ class CrcResult:
     name: str
     received: int
     computed: int
+    width: int
+
+    @property
+    def has_exchanged_bytes(self) -> bool:
+        """True if the CRC is wrong, but would be correct if its bytes were sent in reverse order."""
+        if self.ok or self.width % 8:
+            return False
+        received_bytes = self.received.to_bytes(self.width // 8, "little")
+        return int.from_bytes(received_bytes, "big") == self.computed
 
     @property
     def ok(self) -> bool:
@@ -209,7 +218,8 @@ def decode(device: Device, placed_layout: PlacedLayout, number: int) -> DecodedF
     problems += problems_of_digits(device, placed_layout, number, binary_number)
     crc = _decode_crc(device, placed_layout, number)
     if crc is not None and not crc.ok:
-        message = report.wrong_crc_message(f"{crc.received:#04x}", f"{crc.computed:#04x}")
+        message_of = report.crc_with_exchanged_bytes if crc.has_exchanged_bytes else report.wrong_crc_message
+        message = message_of(f"{crc.received:#04x}", f"{crc.computed:#04x}")
         problems.append(FrameProblem(Fault.CRC, field=_name_of_crc_field(placed_layout), message=message))
     fields += [_decode_join(placed_layout, join, number, binary_number) for join in placed_layout.layout.joins]
     if placed_layout.layout.has_unused:
@@ -229,7 +239,7 @@ def _decode_crc(device: Device, placed_layout: PlacedLayout, frame: int) -> CrcR
         return None
     received_crc = bits_of_field(placed_field, frame)
     computed_crc = compute(crc, placed_layout, frame)
-    return CrcResult(crc.name, received=received_crc, computed=computed_crc)
+    return CrcResult(crc.name, received=received_crc, computed=computed_crc, width=crc.width)
 
 
 def _name_of_crc_field(placed_layout: PlacedLayout) -> str:
@@ -331,12 +341,10 @@ def _encode_fields(device: Device, placed_layout: PlacedLayout, values: Values) 
     frame_bits = 0
     position_range = device.range_in(placed_layout.layout)
     for placed_field in placed_layout.fields:
-        field_bits = _encode_field(placed_layout, placed_field, values)
-        if position_range is not None and placed_field.name == position_range.field.name:
-            problem = range_message(position_range, placed_field, field_bits, placed_layout)
-            if problem:
-                raise EncodeError(problem)
-        frame_bits |= field_bits << placed_field.low
+        frame_bits |= _encode_field(placed_layout, placed_field, values) << placed_field.low
+    problem = range_message(position_range, placed_layout, frame_bits) if position_range is not None else ""
+    if problem:
+        raise EncodeError(problem)
     return frame_bits
 
 

@@ -49,15 +49,11 @@ def problems_of_position(device: Device, placed_layout: PlacedLayout, binary_num
     as BCD, is not checked here.
     """
     position_range = device.range_in(placed_layout.layout)
-    if position_range is None or position_range.field.kind.digit_code:
+    if position_range is None or any(field.kind.digit_code for field in position_range.fields):
         return
-    position_field = placed_layout.find_field(position_range.field.name)
-    if position_field is None:
-        return
-    position_bits = bits_of_field(position_field, binary_number)
-    message = range_message(position_range, position_field, position_bits, placed_layout)
+    message = range_message(position_range, placed_layout, binary_number)
     if message:
-        yield FrameProblem(Fault.RANGE, field=position_field.name, message=message)
+        yield FrameProblem(Fault.RANGE, field=position_range.name, message=message)
 
 
 def problems_of_digits(
@@ -75,7 +71,7 @@ def problems_of_digits(
         if code is None:
             continue
         highest = code.highest(placed_field.width)
-        if position_range is not None and position_range.field.name == name:
+        if position_range is not None and position_range.name == name:
             highest = position_range.highest.value(placed_layout.parameters)
         sent_bits = bits_of_field(placed_field, frame)
         number = bits_of_field(placed_field, binary_number)
@@ -84,21 +80,29 @@ def problems_of_digits(
             yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 
-def range_message(
-    position_range: PositionRange, placed_field: PlacedField, position_bits: int, placed_layout: PlacedLayout
-) -> str:
+def range_message(position_range: PositionRange, placed_layout: PlacedLayout, binary_number: int) -> str:
     """Return an error message if a position is outside the range of this encoder, or an empty string if it is inside.
 
-    ``position_bits`` is the number formed by the bits of the position.
+    ``binary_number`` is the frame with its Gray code converted to binary. The result is also empty if the order code
+    has no field for the position.
     """
+    placed_fields = placed_layout.find_fields([field.name for field in position_range.fields])
+    if not placed_fields:
+        return ""
     lowest = position_range.lowest.value(placed_layout.parameters)
     highest = position_range.highest.value(placed_layout.parameters)
-    position = signed_or_plain(placed_field.field.number, position_bits, placed_field.width)
+    position = 0
+    for placed_field in placed_fields:
+        position = position << placed_field.width | bits_of_field(placed_field, binary_number)
+    number_kind = position_range.fields[0].number
+    is_signed = number_kind.signed
+    if is_signed:
+        position = signed_or_plain(number_kind, position, placed_fields[0].width)
     if lowest <= position <= highest:
         return ""
-    if placed_field.field.number.signed:
-        return report.outside(f"{placed_field.name} {position}", f"{lowest}", f"{highest}")
-    return report.too_high(placed_field.name, f"{position}", f"{highest}")
+    if is_signed:
+        return report.outside(f"{position_range.name} {position}", f"{lowest}", f"{highest}")
+    return report.too_high(position_range.name, f"{position}", f"{highest}")
 
 
 def problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:

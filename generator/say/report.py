@@ -181,6 +181,11 @@ def wrong_crc_message(received: str, computed: str) -> str:
     return f"expected CRC {computed}, got {received}"
 
 
+def crc_with_exchanged_bytes(received: str, computed: str) -> str:
+    """Return the message for a CRC that would be correct if its bytes were sent in reverse order."""
+    return f"{wrong_crc_message(received, computed)}, which is this CRC with its bytes exchanged"
+
+
 def constant(name: str, actual: str, always: str) -> str:
     """Return the message for a constant with a wrong value. ``always`` is the value that it must have."""
     return f"{name} is {actual}, but it must be {always}"

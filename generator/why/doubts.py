@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..model import Device, PlacedLayout, Ssi, Variant
+from ..model import Device, Interface, PlacedLayout, Spi, Ssi, Variant
 from ..reference import codec
 from ..reference.bits import from_binary, gray_to_binary
 from .hypotheses import TypedFrame, check_constant_bits
@@ -23,6 +23,8 @@ READINGS = (
     "if the bytes are swapped",
     "if every bit is inverted",
 )
+#: Text of the reading of an SPI word whose last bits do not fill the last byte.
+LEFT_ALIGNED = "if it is left-aligned in its bytes"
 #: Name of the position of an encoder if the manual describes no measurement.
 _POSITION_NAME = "position"
 
@@ -78,6 +80,9 @@ def _recorded_frames(
     word comes first, and the other clocks read 0``.
     """
     interface = device.interface(variant.interface)
+    left_aligned_frame = _left_aligned_frame(interface, placed_layout, typed_frame)
+    if left_aligned_frame is not None:
+        yield LEFT_ALIGNED, left_aligned_frame
     has_extra_zeros = not typed_frame.exact and typed_frame.written > placed_layout.bits
     if not isinstance(interface, Ssi) or not has_extra_zeros:
         return
@@ -87,6 +92,16 @@ def _recorded_frames(
         if hypothesis.fits and hypothesis.frame not in known_frames:
             known_frames.add(hypothesis.frame)
             yield f"if {hypothesis.description}", hypothesis.frame
+
+
+def _left_aligned_frame(interface: Interface, placed_layout: PlacedLayout, typed_frame: TypedFrame) -> int | None:
+    """Return the frame at the beginning of the bytes of an SPI word, or None if it fills them or cannot be valid."""
+    extra_bits = typed_frame.written - placed_layout.bits
+    if not isinstance(interface, Spi) or not typed_frame.is_bytes or not 0 < extra_bits < 8:
+        return None
+    frame = typed_frame.number >> extra_bits
+    _, is_possible = check_constant_bits(placed_layout, frame)
+    return frame if is_possible else None
 
 
 def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:

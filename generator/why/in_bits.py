@@ -86,6 +86,10 @@ def moved_frame_hypotheses(
         yield from _idle_command_hypotheses(placed_layout, crc, typed_frame)
         yield from _offsets_after_command(line, placed_layout, crc, typed_frame)
     received_bits = recorded_bits(typed_frame, placed_layout.bits)
+    extra_bits = typed_frame.written - placed_layout.bits
+    if variant.interface == Spi.name and typed_frame.is_bytes and 0 < extra_bits < 8:
+        # A word that does not fill its bytes can be at their beginning. The zeros in front are then received bits.
+        received_bits = received_bits.zfill(typed_frame.written)
     hypotheses_by_rule: list[Hypothesis] = []
     possible_offsets = [offset for offset in line.slips if _can_have(placed_layout, crc, offset)]
     for length in possible_lengths(placed_layout, typed_frame):

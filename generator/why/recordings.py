@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
 
-from ..model import Biss, Crc, Interface, PlacedLayout, Spi, Ssi
+from ..model import Biss, Constant, Crc, Interface, PlacedLayout, Spi, Ssi
 from ..model.record import dataclass
 from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
 
@@ -219,7 +219,10 @@ LINES: Mapping[str, LineMistakes] = MappingProxyType(
             (_TOO_SHORT,),
         ),
         "ssi_lsb_right": LineMistakes(
-            _one_clock_offsets(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)
+            # An encoder does not know how many clocks follow, so the word may also come first.
+            _one_clock_offsets(""),
+            (_WORD_FIRST, _WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_BEHIND, _OTHERS_IN_FRONT),
+            (_TOO_SHORT,),
         ),
         "spi": LineMistakes(
             _one_clock_offsets(", as with the other clock edge"),
@@ -276,6 +279,8 @@ def recording_hypotheses(
         # Some encoders repeat the word while the clock continues.
         repeated_bits = bits_by_part.get("again", "")
         bits_of_proof = sum(len(bits_by_part.get(name, "")) for name in recording.proof)
+        if "zeros" in bits_by_part:
+            bits_of_proof -= _zeros_of_word(placed_layout, bits_by_part["zeros"], is_first=match.start("zeros") == 0)
         hypothesis = frame_hypothesis(
             kind=recording.kind,
             description=recording.text,
@@ -286,6 +291,21 @@ def recording_hypotheses(
             are_determined_right=frame_bits.startswith(repeated_bits),
         )
         yield replace(hypothesis, recording_parts=tuple(bits_by_part.items()))
+
+
+def _zeros_of_word(placed_layout: PlacedLayout, zeros: str, *, is_first: bool) -> int:
+    """Return how many of the extra zeros on one side of a word are no evidence that they do not belong to it.
+
+    They are as many as the layout has at this end of every word, such as the padding of a number. ``is_first`` is true
+    for zeros in front of the word.
+    """
+    zeros_mask = 0
+    for placed_field in placed_layout.fields:
+        if isinstance(placed_field.field.kind, Constant):
+            zeros_mask |= (placed_field.mask & ~placed_field.field.kind.value) << placed_field.low
+    marks = f"{zeros_mask:0{placed_layout.bits}b}"  # 1 for each zero
+    remaining_marks = marks.lstrip("1") if is_first else marks.rstrip("1")
+    return min(len(marks) - len(remaining_marks), len(zeros))
 
 
 def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str) -> Iterator[Hypothesis]:

@@ -59,6 +59,7 @@ function placeCheck(check, parameters) {
     check, low: evaluate(check.low), width: evaluate(check.width),
     limit: check.limit === undefined ? undefined : evaluateExpression(check.limit, parameters),
     lowest: evaluateExpression(check.lowest ?? 0, parameters),
+    joinedPlaces: check.joined?.map(([low, width]) => ({ low: evaluate(low), width: evaluate(width) })),
     coveredPlaces: check.parity_of?.map(([low, width]) => ({ low: evaluate(low), width: evaluate(width) })),
   };
 }
@@ -73,7 +74,8 @@ function decode(placedLayout, number) {
   decoded.fields = placedLayout.fields.flatMap((placedField) => decodeFieldAndRuns(placedField, number, binary));
   decoded.crc = checkCrc(placedLayout, number);
   if (decoded.crc && decoded.crc.received !== decoded.crc.computed) {
-    const message = messageFor("crc", hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
+    const messageName = hasExchangedBytes(decoded.crc) ? "crc_exchanged" : "crc";
+    const message = messageFor(messageName, hex(decoded.crc.received, 2), hex(decoded.crc.computed, 2));
     decoded.problems.push({ fault: "crc", field: decoded.crc.field, message });
   }
   decoded.problems.push(...placedLayout.checks.flatMap((placedCheck) => findProblems(placedCheck, number, binary)));
@@ -223,6 +225,13 @@ function checkCrc(placedLayout, number) {
   return { crc, field: field.name, received, computed: computeCrc(crc, placedLayout, number) };
 }
 
+/** Return whether a CRC is wrong, but would be correct if its bytes were sent in reverse order. */
+function hasExchangedBytes({ crc, received, computed }) {
+  const width = Number(crc.width);
+  if (received === computed || width % 8) return false;
+  return numberOf("big", bytesOf("little", received, width / 8)) === computed;
+}
+
 /** Return the lowest bit that the CRC of a frame covers, and the number of these bits. */
 function placeOfCoveredBits(placedLayout) {
   const { width } = findCrcField(placedLayout);
@@ -239,9 +248,10 @@ function computeCrc(crc, placedLayout, number) {
 
 /** Return a list with the problem if the bits at the place of a check are wrong, otherwise an empty list. */
 function findProblems(placedCheck, number, binary) {
-  const { check, low, width, limit, lowest, coveredPlaces } = placedCheck;
+  const { check, low, width, limit, lowest, coveredPlaces, joinedPlaces } = placedCheck;
   // A parity covers the bits as sent, before Gray code is converted.
-  const checkedBits = extractBits(coveredPlaces ? number : binary, low, width);
+  const checkedBits = joinedPlaces
+    ? joinPlaces(joinedPlaces, binary) : extractBits(coveredPlaces ? number : binary, low, width);
   const checkedNumber = check.says === "outside" ? BigInt.asIntN(width, checkedBits) : checkedBits;
   const rightValues = coveredPlaces ? [computeParity(number, coveredPlaces, check)]
     : (check.values ?? []).map((listedValue) => toBigInt(listedValue) & ones(width));
@@ -254,6 +264,10 @@ function findProblems(placedCheck, number, binary) {
     : describeProblem(placedCheck, checkedNumber, rightValues[0]);
   return [{ fault: check.fault, field: check.field, message }];
 }
+
+/** Return the number that the bits at several places form, most significant first. */
+const joinPlaces = (places, number) => places.reduce(
+  (sum, { low, width }) => (sum << BigInt(width)) | extractBits(number, low, width), 0n);
 
 /** Return the message about a wrong number. Its name in the table is that of the check. */
 function describeProblem({ check, limit, lowest, coveredPlaces }, checkedNumber, rightValue) {

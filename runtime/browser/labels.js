@@ -163,8 +163,9 @@ function explainWrongPart(family, code) {
   const { part, partText } = candidates.reduce(
     (best, candidate) => (candidate.rank < best.rank ? candidate : best));
   const partProblem = partText ? messageFor("has_part", part.name, partText) : messageFor("has_no_part", part.name);
+  const validValues = part.values.join(", ") + (part.open ? messageFor("unlisted_values", part.open) : "");
   return new UnknownCode(
-    messageFor("wrong_part", code, partProblem, part.values.join(", "), listNearestCodes([family], code)), true);
+    messageFor("wrong_part", code, partProblem, validValues, listNearestCodes([family], code)), true);
 }
 
 /** Return whether a label has letters or digits of the family, apart from a wrong part and the tail. */

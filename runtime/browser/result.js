@@ -231,7 +231,8 @@ function introduceExplanations(decoded, hasNoise) {
 
 /** Return whether a frame has a transmission error: a wrong CRC or length, or without a CRC, a wrong constant. */
 const isCorrupted = ({ problems, crc }) => problems.some(
-  ({ fault }) => ["crc", "length", "constant"].includes(fault)) && !(crc && crc.received === crc.computed);
+  ({ fault }) => ["crc", "length", "constant"].includes(fault))
+  && !(crc && (crc.received === crc.computed || hasExchangedBytes(crc)));
 
 /** Return the sentence on readings of a frame without a CRC that fit equally well, in a list, or an empty list. */
 function describeEqualReadings(decoded, explanations) {

@@ -642,11 +642,20 @@ function writeReceivedBits(placedLayout, typedFrame) {
   return typedFrame.number.toString(2).padStart(bitCount, "0");
 }
 
+/** Return whether the typed bytes of an SPI word have more bits than the word, but fewer than a whole byte more. */
+function isWordInBytes(placedLayout, typedFrame) {
+  const extraBits = (typedFrame?.written ?? 0) - placedLayout.bits;
+  return interfaceOf(placedLayout)?.name === "spi" && Boolean(typedFrame?.isBytes) && extraBits > 0 && extraBits < 8;
+}
+
 /** The frames with bits around them. A frame is searched at every bit only if no rule of the line finds it. */
 function tryMovedFrames(placedLayout, crc, typedFrame) {
   const lineRules = lineRulesOf(placedLayout);
   if (!lineRules || !placedLayout.bits) return [];
-  const receivedText = writeReceivedBits(placedLayout, typedFrame);
+  const writtenText = writeReceivedBits(placedLayout, typedFrame);
+  // A word that does not fill its bytes can be at their beginning. The zeros in front of it are then received bits.
+  const receivedText = isWordInBytes(placedLayout, typedFrame)
+    ? writtenText.padStart(typedFrame.written, "0") : writtenText;
   const mayBeEcho = mayHaveBits(typedFrame, placedLayout.bits);
   const commandHypotheses = [
     ...(mayBeEcho ? tryEcho(placedLayout, typedFrame.number) : []),
@@ -762,11 +771,22 @@ function tryRecording(placedLayout, crc, receivedText, [kind, text, pattern, det
   if (!textByPart) return [];
   // A frame that is sent twice is followed by ``again``, perhaps cut off.
   const { frame: frameText, again: repeatedText = "" } = textByPart;
-  const otherBitsRequired = determinedNames.reduce((sum, name) => sum + (textByPart[name] ?? "").length, 0);
   const parts = Object.entries(textByPart).filter(([, partText]) => partText);
+  const zerosOfWord = countZerosOfWord(placedLayout, textByPart.zeros ?? "", parts[0]?.[0] === "zeros");
+  const otherBitsRequired = determinedNames.reduce(
+    (sum, name) => sum + (textByPart[name] ?? "").length, 0) - zerosOfWord;
   return [createFrameHypothesis(
     placedLayout, crc, kind, text, BigInt(`0b${frameText}`),
     { otherBitsRequired, parts, isConsistent: frameText.startsWith(repeatedText) })];
+}
+
+/** Return how many extra zeros on one side of a word the layout also has at this end of every word. */
+function countZerosOfWord(placedLayout, zerosText, isFirst) {
+  const constants = placedLayout.fields.filter(({ field }) => "fixed" in field);
+  const zerosMask = constants.reduce((mask, { field, low, width }) => (
+    mask | (ones(width) & ~toBigInt(field.fixed)) << BigInt(low)), 0n);
+  const [marks] = zerosMask.toString(2).padStart(placedLayout.bits, "0").match(isFirst ? /^1*/u : /1*$/u);
+  return Math.min(marks.length, zerosText.length);
 }
 
 // -- frames of bytes
@@ -1012,6 +1032,13 @@ function numbersRead(placedLayout, number) {
 /** The name of the position, which an encoder in one line has even if it does not state its counts. */
 const positionNameOf = (measure) => measure?.of ?? "position";
 
+/** Return the text and the frame at the beginning of the bytes of an SPI word that does not fill them, in a list. */
+function findLeftAlignedFrame(placedLayout, typedFrame) {
+  if (!isWordInBytes(placedLayout, typedFrame)) return [];
+  const frameNumber = typedFrame.number >> BigInt(typedFrame.written - placedLayout.bits);
+  return hasRightConstants(placedLayout, frameNumber) ? [[TABLE.left_aligned, frameNumber]] : [];
+}
+
 /** Find the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received. */
 function findRecordedFrames(placedLayout, typedFrame) {
   const interface_ = interfaceOf(placedLayout);
@@ -1075,6 +1102,7 @@ function otherPositions({ placedLayout, number, problems, crc, fields, typedFram
   const doubtfulFrames = listDoubtfulFrames(placedLayout, number, position);
   const textsAndFrames = [
     ...doubtfulFrames.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),
+    ...findLeftAlignedFrame(placedLayout, typedFrame),
     ...findRecordedFrames(placedLayout, typedFrame)].filter(([, frameNumber]) => frameNumber !== null);
   return textsAndFrames
     .map(([text, frameNumber]) => [text, positionIn(decode(placedLayout, frameNumber).fields).value])

@@ -37,6 +37,7 @@ MADE_UP += (
     "specs/gray",
     "specs/lowfirst",
     "specs/ring",
+    "specs/ring_split",
     "specs/ring_turns",
     "specs/scale",
     "specs/signs",

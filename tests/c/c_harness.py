@@ -55,6 +55,7 @@ MADE_UP = {
     "gray_parity": SPECS / "gray_parity.yaml",
     "long": SPECS / "long.yaml",
     "long_crc": SPECS / "long_crc.yaml",
+    "ring_split": SPECS / "ring_split.yaml",
     "ring_turns": SPECS / "ring_turns.yaml",
     "scale": SPECS / "scale.yaml",
     "signs": SPECS / "signs.yaml",

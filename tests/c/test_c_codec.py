@@ -198,9 +198,17 @@ def encoded_sample(
         if code is not None:
             values[name] = min(int(values[name]), code.highest(placed_field.width))
         valid = device.range_in(placed.layout)
-        if valid is not None and valid.field.name == name:
+        if valid is not None and valid.name == name:
             lowest, highest = valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
             values[name] = min(max(int(values[name]), lowest), highest)
+    valid = device.range_in(placed.layout)
+    if valid is not None and valid.field is None:
+        parts = placed.find_fields([field.name for field in valid.fields])
+        highest = valid.highest.value(placed.parameters)
+        position = 0
+        for part in parts:
+            position = position << part.width | int(values.pop(part.name))
+        values[valid.name] = min(position, highest)
     if placed.layout.unused:
         values[UNUSED] = random_.getrandbits(64) & unused_mask(placed) if random_.getrandbits(1) else 0
     return encode(device, placed, values)
@@ -272,6 +280,7 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
             "gray_parity": 6,
             "long": 2,
             "long_crc": 2,
+            "ring_split": 5,
             "ring_turns": 8,
             "scale": 9,
             "signs": 3,
@@ -312,6 +321,7 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
         "gray_excess": {"0", "2", "4"},
         "long": {"0", "2", "3"},
         "long_crc": {"0", "2", "3"},
+        "ring_split": {"0", "2", "4"},
         "ring_turns": {"0", "2", "4"},
         "scale": {"0", "2", "3", "4"},
         "signs": {"0", "2", "3", "4"},

@@ -145,7 +145,7 @@ def test_the_readme_unwraps_only_where_the_way_forward_is_shorter(device: Device
     assert positions_in_readme(device, 12)[0] == ("encoder.degrees(3)", "90.0")
 
 
-def test_parts_of_one_revolution_have_no_highest_value(tmp_path: Path) -> None:
+def test_parts_of_one_revolution_are_checked_together(tmp_path: Path) -> None:
     """The upper bits of 5,760 counts are not a number of revolutions, so 1 in them is valid."""
     split = "{name: upper, bits: position_bits - 5}\n          - {name: lower, bits: 5}"
     text = SPECS[1].read_text(encoding="utf-8").replace("{name: position, bits: position_bits}", split)
@@ -154,7 +154,12 @@ def test_parts_of_one_revolution_have_no_highest_value(tmp_path: Path) -> None:
     (ring,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
     assert not report
     placed = ring.layout("word").place(ring.variant("R5760").parameters)
-    assert not codec.decode(ring, placed, FRAMES[5759][0]).problems
+    for position, (frame, is_valid) in FRAMES.items():
+        message = f"position is {position}, but the highest is 5759"
+        problems = [problem.message for problem in codec.decode(ring, placed, frame).problems]
+        assert problems == ([] if is_valid else [message])
+    with pytest.raises(codec.EncodeError, match="position is 5760, but the highest is 5759"):
+        codec.encode(ring, placed, {"position": 5760, "error": False, "warning": False})
 
 
 def test_the_highest_position_of_equal_widths_depends_on_the_order_code(tmp_path: Path) -> None:

@@ -81,13 +81,13 @@ def test_wrong_codes_name_the_part_and_the_nearest(amm5: Device, label: str, mes
     ("family", "label", "message"),
     [
         ("asc85", "ASC8529/SC1", "has resolution '29'; valid values: 20, 21, 22, 23, 24, 25."),
-        ("am36", "AM36/4096-I7", "has no singleturn; valid values: 16, 19."),
+        ("am36", "AM36/4096-I7", "has no singleturn; valid values: 16, 19, and others of the form [0-9]{2}."),
         (
             "am36",
             "AM3617/4096-GG",
             "has singleturn '17' and output 'GG', which cannot be combined; the nearest codes are AM3616/4096-GG",
         ),
-        ("sma21", "SMA21-G1-0050", "has no supply; valid values: 1, 4."),
+        ("sma21", "SMA21-G1-0050", "has no supply; valid values: 1, 4, and others of the form [0-9]."),
         (
             "sma21",
             "SMA21-JP4-0050",

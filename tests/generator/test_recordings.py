@@ -211,6 +211,25 @@ def test_the_alignment_decides_where_zeros_are(tmp_path: Path, decode: Decode) -
     assert (first(data)["kind"], first(data)["reads"]) == ("zeros_in_front", {"position": 0x12345A})
 
 
+def test_a_word_aligned_to_its_last_bit_may_also_come_first(tmp_path: Path, decode: Decode) -> None:
+    """An encoder does not know how many clocks follow."""
+    folder = write_family(tmp_path, "ssi", SSI.replace("msb_left", "lsb_right"), PLAIN, "2^21")
+    data = decode(folder, f"0b{0x12345A:021b}000")
+    assert (first(data)["kind"], first(data)["reads"]) == ("zeros_behind", {"position": 0x12345A})
+    kinds = [reading["kind"] for reading in decode(folder, f"0b{0x12345A:021b}101")["why"]["explanations"]]
+    assert "bits_behind" in kinds
+
+
+def test_zeros_that_the_word_has_are_no_evidence(tmp_path: Path, decode: Decode) -> None:
+    """Each word of 25 bits begins with 4 zeros, so 3 more zeros in front do not show that it comes last."""
+    ssi = SSI.replace("msb_left", "lsb_right")
+    padded = PLAIN.replace("fields:", "fields:\n          - {name: zeros, bits: 4, constant: 0}")
+    folder = write_family(tmp_path, "ssi", ssi, padded, "2^21")
+    reading, *others = decode(folder, f"0b{0x123:025b}000")["why"]["explanations"]
+    assert (reading["kind"], reading["reads"], reading["one_in"]) == ("zeros_behind", {"position": 0x123}, 8 << 4)
+    assert {other["one_in"] for other in others if other["kind"] == "zeros_in_front"} == {1 << 4}
+
+
 def test_nothing_is_certain_without_a_crc(tmp_path: Path, capsys: pytest.CaptureFixture[str], decode: Decode) -> None:
     folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
     main(["decode", "X-A", f"0b{0x12345A:021b}000", "--specs", str(folder)])
@@ -345,3 +364,12 @@ def test_a_rare_mistake_is_rare_only_once() -> None:
 def test_another_frame_helps_only_in_doubt(resolute: Path, decode: Decode) -> None:
     assert decode(resolute, f"0b010{FRAME}")["why"]["another_frame_helps"] is True
     assert decode(resolute, f"0b{'0' * 40}")["why"]["another_frame_helps"] is False
+
+
+def test_each_argument_of_bits_is_a_frame(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
+    frames = [f"0b{position:021b}" for position in (0x12345, 0x12346)]
+    assert main(["decode", "X-A", *frames, "--specs", str(folder)]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith("line 1: X-A")
+    assert "74566" in printed.partition("line 2: X-A")[2]

@@ -66,8 +66,8 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
     assert ssi["record"]["cable_errata"] == ["ssi_cable_400_m", "ssi_cable_50_m"]
     note = ssi["settings"]["Clock Frequency, EL5042 and EP7041-4032"]["note"]
     assert (
-        "the encoder's manual, no cable allows this clock: a cable shorter than 50 m needs a clock below 400 kHz, "
-        "and a longer one needs a lower clock." in note
+        "No row of the table in the encoder's manual allows this clock: its highest clock is below 400 kHz, for a "
+        "cable shorter than 50 m." in note
     )
     biss = data_with_settings(capsys, "AMM5A21/65KSC1", "beckhoff_el5042")
     assert (

@@ -61,6 +61,7 @@ MADE_UP |= dict.fromkeys(
         "gray_parity",
         "lowfirst",
         "ring",
+        "ring_split",
         "ring_turns",
         "scale",
         "signs",
@@ -264,7 +265,7 @@ def limits_of(case: Case, field: Field, width: int) -> tuple[int, int]:
         if minimum is not None and maximum is not None:
             return minimum.value(parameters), maximum.value(parameters)
     valid = case.family.device.range_in(case.layout) if register is None else None
-    if valid is not None and valid.field.name == field.name:
+    if valid is not None and valid.name == field.name:
         return valid.lowest.value(parameters), valid.highest.value(parameters)
     lowest, largest = 0, (1 << width) - 1
     if field.number.zero_means:
@@ -294,10 +295,27 @@ def values_of(case: Case, kind: str, source: random.Random) -> dict[str, int | s
         field = placed_field.field
         if field.carries_data:
             values[placed_field.name] = value_of(case, field, placed_field.width, kind, source)
+    values |= highest_parts(case, values)
     if case.layout.unused:
         every = unused_bits(case.placed)
         values["unused"] = {"zero": 0, "ones": every}.get(kind, source.getrandbits(64) & every)
     return values
+
+
+def highest_parts(case: Case, values: Mapping[str, int | str | bool]) -> dict[str, int]:
+    """Return the parts of the highest position if the values form one in several fields that is above it."""
+    valid = case.family.device.range_in(case.layout) if case.register is None else None
+    if valid is None or valid.field is not None:
+        return {}
+    highest = valid.highest.value(case.placed.parameters)
+    parts = {}
+    position = 0
+    place = sum(part.width for part in case.placed.find_fields([field.name for field in valid.fields]))
+    for part in case.placed.find_fields([field.name for field in valid.fields]):
+        place -= part.width
+        position |= int(values[part.name]) << place
+        parts[part.name] = highest >> place & part.mask
+    return parts if position > highest else {}
 
 
 def unused_bits(placed: PlacedLayout) -> int:

@@ -113,6 +113,7 @@ def test_the_examples_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line
     ("arguments", "message"),
     [
         ([CODE, "--position", "x"], "codewheel: 'x' is not a position; write 1000003, sine:0.5Hz, sine:0.5Hz:90deg"),
+        ([CODE, "--position=-1"], f"codewheel: position -1 is out of range; {CODE} has 0 to 549755813887"),
         ([CODE, "--fault", "x"], "codewheel: 'x' is not a fault; write a name and a rate from 0 to 1"),
         ([CODE, "--flag", "x"], f"codewheel: {CODE} has no flag 'x'; it has: "),
         ([CODE, "--register", "0x12=1"], f"codewheel: {CODE} has no register at 0x12"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import sys
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -55,18 +56,24 @@ class DecodeRequest:
     answers: Mapping[str, str]
 
 
+#: Bits with their prefix that are too many for a byte.
+_BITS_OF_A_FRAME = re.compile(r"0[bB]_*[01](?:_*[01]){8,}")
+
+
 def argument_lines(arguments: Sequence[str]) -> Iterator[FrameLine]:
     """Yield the frames in the arguments, or, for ``-``, the frames on standard input, one per line.
 
-    The arguments form one text, in which each line is a frame. A single frame has no line number. If the arguments
-    contain no frame, their text is yielded as it is, and the decoder then rejects it.
+    The arguments form one text, in which each line is a frame. Arguments of more than 8 bits with the prefix ``0b`` are
+    frames of their own. A single frame has no line number. If the arguments contain no frame, their text is yielded as
+    it is, and the decoder then rejects it.
     """
     if list(arguments) == ["-"]:
         if isinstance(sys.stdin, io.TextIOWrapper):
             sys.stdin.reconfigure(errors="replace")
         yield from frame_lines(_bounded_lines(sys.stdin))
         return
-    joined_arguments = " ".join(arguments)
+    are_frames_of_bits = all(map(_BITS_OF_A_FRAME.fullmatch, arguments))
+    joined_arguments = ("\n" if are_frames_of_bits else " ").join(arguments)
     # As on standard input, only line feeds and carriage returns end a line.
     lines = list(frame_lines(io.StringIO(joined_arguments, newline=None)))
     if not lines:

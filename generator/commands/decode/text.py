@@ -102,11 +102,15 @@ def described_frame(
 
 
 def _is_corrupted(decoded: codec.DecodedFrame) -> bool:
-    """Return whether a frame is corrupted: its CRC, its length or a constant is wrong, and no CRC is correct."""
+    """Return whether a frame is corrupted: its CRC, its length or a constant is wrong, and no CRC is correct.
+
+    A CRC whose bytes are exchanged does not count, because its message says so.
+    """
     faults = {problem.fault for problem in decoded.problems}
     has_correct_crc = decoded.crc is not None and decoded.crc.ok
     has_corruption = not faults.isdisjoint({Fault.CRC, Fault.LENGTH, Fault.CONSTANT})
-    return has_corruption and not has_correct_crc
+    is_explained = decoded.crc is not None and decoded.crc.has_exchanged_bytes
+    return has_corruption and not has_correct_crc and not is_explained
 
 
 def evidence_lines(device: Device) -> Iterator[str]:

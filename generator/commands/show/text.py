@@ -352,7 +352,7 @@ def _position_code_note(device: Device, placed_layout: PlacedLayout) -> str:
 
 
 def register_lines(device: Device, variant: Variant | None) -> list[str]:
-    """Return the section about registers. For an order code (``variant`` is not None), it includes their fields."""
+    """Return the section about registers with their fields. ``variant`` is None for a family."""
     if not device.registers:
         return []
     lines = ["", "Registers"]
@@ -364,7 +364,8 @@ def register_lines(device: Device, variant: Variant | None) -> list[str]:
 def _lines_about_register(device: Device, register: Register, variant: Variant | None) -> list[str]:
     """Return the lines about a register: its facts, its fields and its values.
 
-    For an order code, several fields are listed with their bits. The rules of a single field are among the facts.
+    Several fields are listed with their bits, which depend on the order code in some families. The rules of a single
+    field are among the facts.
     """
     style = style_with(variant.parameters if variant is not None else None)
     heading = style.sentence(say_register.head(device, register, register.name))
@@ -375,14 +376,23 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
         facts += say_field.rules(device, fields[0])
     if facts:
         lines.append(wrap_text(style.paragraph(facts), WIDTH, prefix="    "))
-    if variant is not None and len(fields) > 1:
-        field_rows = []
-        for placed_field in register.layout.place(variant.parameters).fields:
-            place = bits(placed_field.high, placed_field.low)
-            field_rows.append((place, _about_field(device, placed_field.field, style)))
+    if len(fields) > 1:
+        field_rows = [(place, _about_field(device, field, style)) for place, field in _placed_fields(register, variant)]
         lines += two_columns(field_rows, indent=4)
     value_rows = [(hexadecimal(value.value), _about_value(value)) for value in register.values]
     return lines + two_columns(value_rows, indent=4)
+
+
+def _placed_fields(register: Register, variant: Variant | None) -> Iterator[tuple[str, Field]]:
+    """Yield each field of a register with its bits. Without an order code, bits that depend on it are omitted."""
+    if variant is not None:
+        for placed_field in register.layout.place(variant.parameters).fields:
+            yield bits(placed_field.high, placed_field.low), placed_field.field
+        return
+    for field in register.layout.fields:
+        has_fixed_place = field.low.is_constant and field.width.is_constant
+        high = field.low.constant + field.width.constant - 1
+        yield bits(high, field.low.constant) if has_fixed_place else "", field
 
 
 def _about_value(value: Value) -> str:

@@ -127,7 +127,9 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
             message = f"{quoted(exchange.request)} asks for the position, so it needs a 'reply'"
             report.add(_EXCHANGE_RULE, exchange.path, message)
     for exchange in position_exchanges[1:]:
-        message = "a second request asks for the position; use 'other'"
+        first_request = quoted(position_exchanges[0].request)
+        reason = f"programs poll the position with a single request, which is {first_request}"
+        message = f"a second request asks for the position, but {reason}; use 'other'"
         report.add(_EXCHANGE_RULE, exchange.place_of("purpose"), message)
     for layout in interface.layouts:
         report_unused(layout, interface.exchanges, _EXCHANGE_RULE, report)

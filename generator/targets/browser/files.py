@@ -44,7 +44,7 @@ from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import MOST_FRAMES
 from ...why.channels import LEAST_CRC_BITS
 from ...why.diagnosis import CERTAIN, LEAST_BITS
-from ...why.doubts import READINGS
+from ...why.doubts import LEFT_ALIGNED, READINGS
 from ...why.exchanges import (
     ECHO_TEXT,
     FRAMES_TEXT,
@@ -109,10 +109,11 @@ def label_grammar(device: Device) -> Data:
 def _part_data(part: CodePart) -> Data:
     """Return a part of the order code with its values.
 
-    ``only_with`` contains the values of other parts with which the part can have unlisted values.
+    ``only_with`` contains the values of other parts with which the part can have unlisted values, and ``open`` is the
+    regular expression for unlisted values.
     """
     values = [value.text for value in part.values]
-    return without_empty(name=part.name, values=values, only_with=dict(part.open_only_with))
+    return without_empty(name=part.name, values=values, only_with=dict(part.open_only_with), open=part.open)
 
 
 def _spelling_data(device: Device, spelling: Spelling) -> Data:
@@ -356,6 +357,7 @@ def script_table(library: Library) -> Data:
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
         | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT, "echoed": MOST_ECHOED_BYTES},
         "doubts": READINGS,
+        "left_aligned": LEFT_ALIGNED,
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
         "texts": dict(TEXTS),
         "start_bits": START_BITS,

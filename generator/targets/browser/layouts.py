@@ -37,6 +37,7 @@ from ...plan.operations import (
     ConstantNumber,
     IsBetween,
     IsOneOf,
+    JoinNotAbove,
     NotAbove,
     ParityIs,
     ParityOf,
@@ -407,6 +408,9 @@ def _check_message(layout: Layout, check: Check) -> Data:
             message = "not_in_code" if code else "too_high"
         case IsBetween():
             message = "outside"
+        case JoinNotAbove(whole=whole):
+            message = "too_high"
+            field_name = whole.join.name
         case _:
             assert_never(check)
     return without_empty(

@@ -8,7 +8,7 @@ from ...model import Digits, Field
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import LayoutPlan
-from ...plan.operations import AlwaysIs, Check, FieldToDecode, FrameCrc, ParityIs, ZerosAbove
+from ...plan.operations import AlwaysIs, Check, FieldToDecode, FrameCrc, JoinedNumber, ParityIs, ZerosAbove
 from ...plan.values import (
     ActiveFlag,
     DecimalDigits,
@@ -21,7 +21,18 @@ from ...plan.values import (
 )
 from .bits import BitReader
 from .first_byte import FirstByte
-from .literals import Atom, ParameterExpressions, PythonExpression, PythonOperation, call, grouped, mask, number
+from .literals import (
+    Atom,
+    ParameterExpressions,
+    PythonExpression,
+    PythonOperation,
+    call,
+    grouped,
+    join_operands,
+    mask,
+    number,
+    shift_value,
+)
 from .named_values import NamedValues, prefer_names_of_fields
 from .names import ClassNames
 
@@ -241,6 +252,16 @@ class Decoder:
         if isinstance(check, AlwaysIs) and check.value:
             return f"{bits.operand} != {mask(check.value)}"
         return str(bits)
+
+    def joined(self, whole: JoinedNumber) -> PythonExpression:
+        """Return the number that several fields form, from the word at once or from the variables of the fields."""
+        if whole.bits is not None:
+            return self.read.bits(whole.bits)
+        shifted_fields = []
+        for field, low in whole.from_low:
+            shifted_fields.append(shift_value(Atom(self.local(field)), "<<", self.number(low)))
+        # The highest field comes first.
+        return join_operands("|", reversed(shifted_fields))
 
     # -- values
 

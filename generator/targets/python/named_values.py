@@ -7,7 +7,7 @@ from dataclasses import field as dataclass_field
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan
-from ...plan.operations import IsBetween, NotAbove
+from ...plan.operations import IsBetween, JoinNotAbove, NotAbove
 from .literals import Atom, ParameterExpressions, PythonExpression
 from .names import ClassNames
 
@@ -85,6 +85,8 @@ def prefer_names_of_fields(scope: NamedValues, layout_plan: LayoutPlan, class_na
     for check in layout_plan.checks:
         if isinstance(check, (NotAbove, IsBetween)):
             scope.prefer_for_size(unused_name(f"highest_{check.field.name}"), check.highest)
+        if isinstance(check, JoinNotAbove):
+            scope.prefer_for_size(unused_name(f"highest_{check.whole.join.name}"), check.highest)
         if isinstance(check, IsBetween):
             scope.prefer_for_size(unused_name(f"lowest_{check.field.name}"), check.lowest)
     if layout_plan.gray is not None:

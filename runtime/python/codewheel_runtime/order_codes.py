@@ -290,6 +290,8 @@ class OrderCode(NamedTuple):
         part, part_text, _ = min(candidates, key=lambda candidate: (candidate.unlisted_count, candidate.text != ""))
         problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
         valid_values = ", ".join(value.text for value in part.values)
+        if part.open:
+            valid_values += f", and others of the form {part.open}"
         return OrderCodeError(text, part.name, f"{problem}; valid values: {valid_values}", nearest_codes)
 
 

@@ -7,7 +7,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Final, NamedTuple
 
 from ..codec import NO_SUCH_FLAG, assert_never
-from .chunk import Chunk, are_within_limits, bit_mask, compute_crc, compute_parity, np, shift_left, shift_right
+from .chunk import (
+    Chunk,
+    are_within_limits,
+    bit_mask,
+    compute_crc,
+    compute_parity,
+    np,
+    shift_left,
+    shift_right,
+    take_checked_bits,
+)
 from .decode import CHUNK
 from .encode_columns import FirstError, list_names, read_arrays
 from .shape import Column, DigitCoding, Join, Shape, find_width
@@ -274,6 +284,11 @@ def _check_values(words: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
     """
     columns_by_place = {(column.low, column.width): column for column in shape.columns}
     for check in shape.checks:
+        if check.joined and check.limit is not None:
+            joined_numbers = take_checked_bits(Chunk(words, shape.bits), check)
+            is_within = are_within_limits(joined_numbers, check, check.limit)
+            first_error.add(~is_within, shape.position, joined_numbers, allowed=f"at most {check.limit}")
+            continue
         column = columns_by_place.get((check.low, check.width))
         # No column covers constants, and parity bits are computed.
         if column is None or check.parity_of:

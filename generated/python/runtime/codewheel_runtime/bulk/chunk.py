@@ -253,6 +253,16 @@ def _read_short_rows(rows: Any, is_little_endian: bool) -> Any:
     return numbers
 
 
+def take_checked_bits(chunk: Chunk, check: Check) -> Any:
+    """Return the bits of each frame to which a check applies: from one place, or from several that form a number."""
+    if not check.joined:
+        return chunk.take(check.low, check.width)
+    numbers = np.zeros(len(chunk.words[0]), np.uint64)
+    for low, width in check.joined:
+        numbers = shift_left(numbers, width) | chunk.take(low, width)
+    return numbers
+
+
 def are_within_limits(bits: Any, check: Check, limit: int) -> Any:
     """Return an array that is True for each number from ``check.lowest`` to ``limit``, which is the limit of the check.
 

@@ -20,6 +20,7 @@ from .chunk import (
     shift_left,
     shift_right,
     split_into_words,
+    take_checked_bits,
 )
 from .frame_rows import is_arrow, read_rows, read_words
 from .quick_checks import find_quick_checks
@@ -193,7 +194,7 @@ def _find_faults(frames: Any, words: list[Any], shape: Shape) -> Any:
 
 def _pass_check(chunk: Chunk, check: Check) -> Any:
     """Return an array that is True for each frame that passes a check of its parity, limits or allowed values."""
-    bits = chunk.take(check.low, check.width)
+    bits = take_checked_bits(chunk, check)
     if check.parity_of:
         return bits == compute_parity(chunk, check)
     if check.limit is not None:

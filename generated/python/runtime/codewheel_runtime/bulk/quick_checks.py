@@ -108,7 +108,7 @@ def _find_bytes_of(check: Check) -> set[int]:
     """Return the indices of the bytes in which the checked bits, and the fields that a parity covers, begin and end."""
     byte_indices: set[int] = set()
     # A field without bits counts as one bit.
-    for low, width in ((check.low, check.width), *check.parity_of):
+    for low, width in (*(check.joined or ((check.low, check.width),)), *check.parity_of):
         byte_indices |= {low // 8, (low + max(width, 1) - 1) // 8}
     return byte_indices
 

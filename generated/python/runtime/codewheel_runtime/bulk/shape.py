@@ -43,7 +43,8 @@ class Check(NamedTuple):
     The bits must be one of ``values``, or at most ``limit``, or the parity of the bits in ``parity_of``, inverted if
     ``odd``. Each item of ``parity_of`` is the lowest bit and the width of a covered field. ``mask`` selects which bits
     of each covered field count. A mask of 0 selects all. If ``lowest`` is not 0, the bits are a signed number from
-    ``lowest`` to ``limit``.
+    ``lowest`` to ``limit``. If ``joined`` is not empty, the bits at these places form the number together, most
+    significant first.
     """
 
     low: int
@@ -55,6 +56,14 @@ class Check(NamedTuple):
     odd: bool = False
     mask: int = 0
     lowest: int = 0
+    joined: tuple[tuple[int, int], ...] = ()
+
+    def take(self, number: int) -> int:
+        """Return the bits of a frame, given as a number, to which the condition applies."""
+        bits = 0
+        for low, width in self.joined or ((self.low, self.width),):
+            bits = bits << width | number >> low & (1 << width) - 1
+        return bits
 
     def parity(self, number: int) -> int:
         """Return the parity bit for a frame, given as a number, or 0 if the encoder does not send a parity bit."""
@@ -390,7 +399,7 @@ def find_scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
 
 def holds(number: int, check: Check) -> bool:
     """Return whether a frame, given as a number, meets a condition."""
-    bits = (number >> check.low) & ((1 << check.width) - 1)
+    bits = check.take(number)
     if check.parity_of:
         return bits == check.parity(number)
     return check.is_within(bits) if check.limit is not None else bits in check.values

@@ -40,7 +40,7 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     for column in shape.columns:
         number |= _encode_field(fields, column) << column.low
     for check in shape.checks:
-        bits = (number >> check.low) & ((1 << check.width) - 1)
+        bits = check.take(number)
         if not check.is_within(bits):
             raise _limit_error(shape, check, bits)
     # A register can keep bits that belong to no field, at their places. Other unused bits are as in the manual.
@@ -76,6 +76,8 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
 
     ``check`` has these limits, and ``bits`` are its bits.
     """
+    if check.joined:
+        return RangeError(shape.position, bits, f"at most {check.limit}")
     place = (check.low, check.width)
     column = next(candidate for candidate in shape.columns if (candidate.low, candidate.width) == place)
     field = column.field or column.name

@@ -193,7 +193,10 @@ class _FunctionText:
         for index, check in enumerate(shape.checks):
             if check.limit is not None:
                 self.names[f"is_within_{index}"] = check.is_within
+                self.names[f"take_{index}"] = check.take
                 bits = f"number >> {check.low} & {(1 << check.width) - 1:#x}"
+                if check.joined:
+                    bits = f"take_{index}(number)"
                 self._statements.append(f"if not is_within_{index}({bits}): return encode_any(frame)")
 
     def _add_parities(self, shape: Shape) -> None:
