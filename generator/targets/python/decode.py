@@ -31,7 +31,7 @@ from .literals import (
     join_operands,
     mask,
     number,
-    shift_value,
+    shift_left,
 )
 from .named_values import NamedValues, prefer_names_of_fields
 from .names import ClassNames
@@ -256,10 +256,10 @@ class Decoder:
     def joined(self, whole: JoinedNumber) -> PythonExpression:
         """Return the number that several fields form, from the word at once or from the variables of the fields."""
         if whole.bits is not None:
-            return self.read.bits(whole.bits)
+            return self.bit_reader.bits(whole.bits)
         shifted_fields = []
         for field, low in whole.from_low:
-            shifted_fields.append(shift_value(Atom(self.local(field)), "<<", self.number(low)))
+            shifted_fields.append(shift_left(Atom(self.local(field)), self.number(low)))
         # The highest field comes first.
         return join_operands("|", reversed(shifted_fields))
 
