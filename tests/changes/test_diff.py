@@ -71,7 +71,9 @@ demo
   documentation  registers.command.function.save.meaning [words]
   names          C macro MAKER_DEMO_BISS_CLOCK_MAX_HZ: 10000000U → 5000000U; C
                  macro MAKER_DEMO_BISS_REG_CONFIGURATION_ACCESS:
-                 CW_ACCESS_READ_WRITE → CW_ACCESS_READ_ONLY
+                 CW_ACCESS_READ_WRITE → CW_ACCESS_READ_ONLY; C function
+                 maker_demo_biss_write_configuration is gone; C functions with
+                 different code: maker_demo_biss_write_command
 4 changes: 1 breaking, 1 behaviour, 1 compatible, 1 documentation
 generated: 57 of 274 files change; maker_encoders 1.4.2 → 2.0.0, but the spec
   still says 1.4.2
@@ -185,6 +187,8 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 - C macro MAKER_DEMO_BISS_CLOCK_MAX_HZ: 10000000U → 5000000U
 - C macro MAKER_DEMO_BISS_REG_CONFIGURATION_ACCESS: CW_ACCESS_READ_WRITE → CW_ACCESS_READ_ONLY
+- C function maker_demo_biss_write_configuration is gone
+- C functions with different code: maker_demo_biss_write_command
 
 66 of 274 generated files change.
 """,
