@@ -169,7 +169,7 @@ def _combination_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedF
             place=("combinations", combination.name),
             description=f"the combination of {conditions} in {frame.description}",
         )
-        yield subject.existence_fact(FactClass.VERDICT, combination.makes_position.value, "makes_position")
+        yield subject.existence_fact(FactClass.VERDICT, value=combination.makes_position.value, at="makes_position")
         yield from subject.stated_facts(combination)
 
 
@@ -287,11 +287,13 @@ def _control_field_facts(reading: SpecReading, control_field: ControlField, offs
     yield from subject.facts_of_part(FactClass.POSITION, control_field, value=f"{control_field.bits} bits")
     for named_value in control_field.values:
         description = f"value {in_hex(named_value.value)} of {subject.description}"
-        value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
+        value_subject = subject.inside(
+            key=("value", named_value.value), place=("values", named_value.name), description=description
+        )
         yield from value_subject.facts_of_part(FactClass.VALUE, named_value, value="named")
     if control_field.crc:
         # The parameters of a CRC are in the list ``crcs`` of the spec.
-        crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
+        crc_subject = subject.inside(key=("crc",), place=(), description="the control frame's CRC over BiSS")
         crc_subject = replace(crc_subject, place=("crcs", control_field.crc))
         yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))
 
