@@ -56,12 +56,13 @@ def add_interfaces(reading: SpecReading, facts: ComparedFacts) -> None:
         constants_by_frame = _exchange_constants(interface)
         for layout in interface.layouts:
             identity = constants_by_frame.get(layout.name, _NOT_EXCHANGED)
-            _add_frames(reading, interface, layout, identity, facts)
+            _add_frames(reading, interface, layout, identity=identity, facts=facts)
             # The bits of a joined number follow from its fields.
             facts.derived[FactClass.POSITION] += len(layout.joins)
         facts.add(_interface_facts(reading, interface))
-        facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
-    facts.add(timings(reading.device.timings, "", ("timings",)))
+        timings_place: Path = ("interfaces", interface.name, "timings")
+        facts.add(timings(interface.timings, interface=interface.name, owner=timings_place))
+    facts.add(timings(reading.device.timings, interface="", owner=("timings",)))
 
 
 def _exchange_constants(interface: Interface) -> dict[str, str]:
@@ -144,8 +145,11 @@ def _frame_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
             place=order_place,
             may_be_missing=may_be_missing,
         )
-    lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
-    yield frame.detail_fact(FactClass.POSITION, name="length", value=lengths, noun="bits", place=frame.place)
+    # A case is an order code, with a state of the registers that change the frame.
+    length_by_case: dict[CodeAndState, str] = {}
+    for case, parameters in reading.cases(frame.interface).items():
+        length_by_case[case] = str(layout.bits.value(parameters))
+    yield frame.detail_fact(FactClass.POSITION, name="length", value=length_by_case, noun="bits", place=frame.place)
     yield from _combination_facts(frame, layout)
 
 
