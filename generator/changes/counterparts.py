@@ -123,7 +123,8 @@ def _pair_fields_between_neighbors(
     old_neighbors = _find_neighbors(old_fields, new_name_by_old)
     new_neighbors = _find_neighbors(new_fields, paired_new_names)
 
-    # ``low_bits_and_widths`` alternates between the two for each order code: (low, width, low, width).
+    # ``low_bits_and_widths`` alternates between the two for each order code: (low, width, low, width). A field that
+    # moved keeps its widths, so only these, at the odd indices, identify it.
     every_width = slice(1, None, 2)
 
     def identity_of_old(field: Field) -> Hashable:

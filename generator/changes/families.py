@@ -320,8 +320,9 @@ def _compare_answers(
     family_pair: FamilyPair, subject: ChangeSubject, old: Alternative, new: Alternative
 ) -> Iterator[Change]:
     """Yield the changes of the answers to a question that the manual leaves open."""
+    answer_subject = replace(subject, label=f"{subject.label}: answer")
     yield from compare_parts(
-        family_pair, "answer", old.answers, new.answers, replace(subject, label=f"{subject.label}: answer")
+        family_pair, part_kind="answer", old_parts=old.answers, new_parts=new.answers, section_subject=answer_subject
     )
 
 

@@ -48,7 +48,13 @@ def compare_register(family_pair: FamilyPair, subject: ChangeSubject, old: Regis
     """
     yield from _compare_access(family_pair, subject, old, new)
     meaning_subject = replace(subject, label=f"{subject.label}: meaning")
-    yield from compare_parts(family_pair, "meaning", old.meanings, new.meanings, meaning_subject)
+    yield from compare_parts(
+        family_pair,
+        part_kind="meaning",
+        old_parts=old.meanings,
+        new_parts=new.meanings,
+        section_subject=meaning_subject,
+    )
     # All other members of the layout follow from the register, which the caller compares.
     old_layout = replace(new.layout, fields=old.layout.fields, joins=old.layout.joins, gaps=old.layout.gaps)
     yield from compare_members(family_pair, subject.unnamed, old_layout, new.layout)
@@ -211,7 +217,13 @@ def _compare_interface(
         port_subject = subject.inside("port", subject.label)
         yield from compare_members(family_pair, port_subject, old.port, new.port)
         data_id_subject = subject.inside("data_ids", "data ID")
-        yield from compare_parts(family_pair, "data-id", old.data_ids, new.data_ids, data_id_subject)
+        yield from compare_parts(
+            family_pair,
+            part_kind="data-id",
+            old_parts=old.data_ids,
+            new_parts=new.data_ids,
+            section_subject=data_id_subject,
+        )
     elif isinstance(new, Clocked) and isinstance(old, Clocked):
         yield from compare_clocks(family_pair, subject.inside("clock", subject.label), old, new)
     if isinstance(old, Ssi) and isinstance(new, Ssi):
@@ -221,11 +233,23 @@ def _compare_interface(
         yield from _compare_channels(family_pair, subject, old.channels, new.channels)
         control_subject = subject.inside("control_data", "control frame: field")
         yield from compare_parts(
-            family_pair, "control-field", old.control_data, new.control_data, control_subject, _compare_control_values
+            family_pair,
+            part_kind="control-field",
+            old_parts=old.control_data,
+            new_parts=new.control_data,
+            section_subject=control_subject,
+            compare_content=_compare_control_values,
         )
     yield from compare_timings(family_pair, subject, old.timings, new.timings)
     frame_subject = subject.inside("layouts", "frame")
-    frame_changes = compare_parts(family_pair, "frame", old.layouts, new.layouts, frame_subject, _compare_frame)
+    frame_changes = compare_parts(
+        family_pair,
+        part_kind="frame",
+        old_parts=old.layouts,
+        new_parts=new.layouts,
+        section_subject=frame_subject,
+        compare_content=_compare_frame,
+    )
     yield from without_explained_lengths(list(frame_changes))
 
 
@@ -283,7 +307,9 @@ def _compare_control_values(
 ) -> Iterator[Change]:
     """Yield the changes of the values that a field of the BiSS control frame can have."""
     value_subject = replace(subject, label=f"control frame: {new.name}: value")
-    yield from compare_parts(family_pair, "value", old.values, new.values, value_subject)
+    yield from compare_parts(
+        family_pair, part_kind="value", old_parts=old.values, new_parts=new.values, section_subject=value_subject
+    )
 
 
 def compare_timings(
@@ -298,10 +324,10 @@ def compare_timings(
     shared_names = repeated_names(old_timings) | repeated_names(new_timings)
     yield from compare_parts(
         family_pair,
-        "timing",
-        with_distinct_names(old_timings, shared_names),
-        with_distinct_names(new_timings, shared_names),
-        timing_subject,
+        part_kind="timing",
+        old_parts=with_distinct_names(old_timings, shared_names),
+        new_parts=with_distinct_names(new_timings, shared_names),
+        section_subject=timing_subject,
     )
 
 
@@ -328,9 +354,10 @@ def compare_contacts(
     codes: list[str] = []
     for interface in new.interfaces or ("",):  # Without interfaces, it is for all of them.
         codes += family_pair.order_codes_over(interface)
-    exchanged_contacts = _exchanged_contacts(old, new)
-    changes = list(_compare_each_contact(family_pair, subject, old, new, set(sum(exchanged_contacts, ()))))
-    for first, second in exchanged_contacts:
+    exchanged_pairs = _exchanged_contacts(old, new)
+    exchanged_contacts = {contact for pair in exchanged_pairs for contact in pair}
+    changes = list(_compare_each_contact(family_pair, subject, old, new, exchanged_contacts))
+    for first, second in exchanged_pairs:
         signals = {contact.contact: contact.signal for contact in new.contacts}
         first_signal, second_signal = signals[first], signals[second]
         contact_subject = subject.inside(first, f"{subject.label}: contacts {first} and {second}")

@@ -37,9 +37,17 @@ def compare_layout(family_pair: FamilyPair, subject: ChangeSubject, old: Layout,
     """
     yield from _compare_fields(family_pair, subject, old, new)
     join_subject = replace(subject, label=f"{subject.scope}: number")
-    yield from compare_parts(family_pair, "joined", old.joins, new.joins, join_subject)
+    yield from compare_parts(
+        family_pair, part_kind="joined", old_parts=old.joins, new_parts=new.joins, section_subject=join_subject
+    )
     combination_subject = replace(subject, label=f"{subject.scope}: combination")
-    yield from compare_parts(family_pair, "combination", old.combinations, new.combinations, combination_subject)
+    yield from compare_parts(
+        family_pair,
+        part_kind="combination",
+        old_parts=old.combinations,
+        new_parts=new.combinations,
+        section_subject=combination_subject,
+    )
     # A new joined number has no old type, and only its presence is reported.
     old_type_by_name = {join.name: _type_of_join(old, join) for join in old.joins}
     for join in new.joins:
@@ -147,7 +155,9 @@ def _compare_field(
     yield from _compare_type(family_pair, field_subject, _type_of(old), _type_of(new))
     if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _has_data_ids(family_pair.new, new):
         value_subject = replace(field_subject, label=f"{owner_name}.{field.name}: value")
-        yield from compare_parts(family_pair, "value", old.values, new.values, value_subject)
+        yield from compare_parts(
+            family_pair, part_kind="value", old_parts=old.values, new_parts=new.values, section_subject=value_subject
+        )
 
 
 def _compare_type(family_pair: FamilyPair, subject: ChangeSubject, old: str, new: str) -> Iterator[Change]:

@@ -39,12 +39,17 @@ class NameChange:
     new: str | None
 
     @property
+    def is_changed_function(self) -> bool:
+        """Whether it is a function that still exists, with different code."""
+        return self.kind in _KINDS_OF_FUNCTIONS and self.new is not None
+
+    @property
     def text(self) -> str:
         """The change in words, such as ``C macro X24_BITS: 24 → 26``."""
         if self.new is None:
             return f"{self.kind} {self.name} is gone"
-        if self.kind in _KINDS_OF_FUNCTIONS:
-            return f"{self.kind} {self.name} has changed"
+        if self.is_changed_function:
+            return f"{self.kind} {self.name} has different code"
         return f"{self.kind} {self.name}: {_shorten_value(self.old)} → {_shorten_value(self.new)}"
 
 
@@ -60,7 +65,7 @@ def name_changes(
 ) -> tuple[NameChange, ...]:
     """Return the names in C and Python and the files of families that are gone, or have a different value.
 
-    Functions whose code differs have a different value. They come last, because there can be many.
+    The value of a function is its code.
 
     The arguments contain the texts of the generated files by path. Files whose names do not begin with the name of a
     family are left out.
@@ -77,8 +82,7 @@ def name_changes(
             changes.append(NameChange(family=family, kind="file", name=path, old="", new=None))
         changes += _changes_in_file(family, path, old_text, new_text or "")
     # The headers of several interfaces define the same macro, whose change is listed once.
-    changes = list(dict.fromkeys(changes))
-    return tuple(sorted(changes, key=lambda change: change.new is not None and change.kind in _KINDS_OF_FUNCTIONS))
+    return tuple(dict.fromkeys(changes))
 
 
 def _family_of_file(path: str, families: Sequence[str]) -> str:

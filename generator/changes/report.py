@@ -201,9 +201,23 @@ def _family_section(result: DiffResult, family: str) -> Iterator[str]:
 
 
 def _name_change_texts(result: DiffResult, family: str) -> list[str]:
-    """Return texts on the names in generated files of a family that are gone or have a different value."""
+    """Return texts on the names in generated files of a family that are gone or have a different value.
+
+    Functions whose code differs share one text: ``C functions with different code: x24_read, x24_decode``.
+    """
     name_changes = result.files.names if result.files is not None else ()
-    return [name_change.text for name_change in name_changes if name_change.family == family]
+    texts: list[str] = []
+    functions_by_kind: dict[str, list[str]] = {}
+    for name_change in name_changes:
+        if name_change.family != family:
+            continue
+        if name_change.is_changed_function:
+            functions_by_kind.setdefault(name_change.kind, []).append(name_change.name)
+        else:
+            texts.append(name_change.text)
+    for kind, names in functions_by_kind.items():
+        texts.append(f"{kind}s with different code: {', '.join(names)}")
+    return texts
 
 
 def _list_item(change: Change) -> str:

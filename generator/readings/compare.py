@@ -93,8 +93,9 @@ def _nearest_container(fact_place: Path) -> Path:
     """
     if fact_place[0] not in ("interfaces", "manual"):
         return fact_place[:1]
-    has_name_inside = len(fact_place) > 2 and isinstance(fact_place[2], str)
-    return fact_place[:3] if has_name_inside else fact_place[:2]
+    third_steps = fact_place[2:3]  # Empty if the place has only two steps.
+    is_third_step_a_name = any(isinstance(step, str) for step in third_steps)
+    return fact_place[:3] if is_third_step_a_name else fact_place[:2]
 
 
 def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactKey, ComparedFact]]:

@@ -56,12 +56,13 @@ def add_interfaces(reading: SpecReading, facts: ComparedFacts) -> None:
         constants_by_frame = _exchange_constants(interface)
         for layout in interface.layouts:
             identity = constants_by_frame.get(layout.name, _NOT_EXCHANGED)
-            _add_frames(reading, interface, layout, identity, facts)
+            _add_frames(reading, interface, layout, identity=identity, facts=facts)
             # The bits of a joined number follow from its fields.
             facts.derived[FactClass.POSITION] += len(layout.joins)
         facts.add(_interface_facts(reading, interface))
-        facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
-    facts.add(timings(reading.device.timings, "", ("timings",)))
+        timings_place: Path = ("interfaces", interface.name, "timings")
+        facts.add(timings(interface.timings, interface=interface.name, owner=timings_place))
+    facts.add(timings(reading.device.timings, interface="", owner=("timings",)))
 
 
 def _exchange_constants(interface: Interface) -> dict[str, str]:
@@ -144,8 +145,11 @@ def _frame_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedFact]:
             place=order_place,
             may_be_missing=may_be_missing,
         )
-    lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
-    yield frame.detail_fact(FactClass.POSITION, name="length", value=lengths, noun="bits", place=frame.place)
+    # A case is an order code, with a state of the registers that change the frame.
+    length_by_case: dict[CodeAndState, str] = {}
+    for case, parameters in reading.cases(frame.interface).items():
+        length_by_case[case] = str(layout.bits.value(parameters))
+    yield frame.detail_fact(FactClass.POSITION, name="length", value=length_by_case, noun="bits", place=frame.place)
     yield from _combination_facts(frame, layout)
 
 
@@ -169,7 +173,7 @@ def _combination_facts(frame: FactSubject, layout: Layout) -> Iterator[ComparedF
             place=("combinations", combination.name),
             description=f"the combination of {conditions} in {frame.description}",
         )
-        yield subject.existence_fact(FactClass.VERDICT, combination.makes_position.value, "makes_position")
+        yield subject.existence_fact(FactClass.VERDICT, value=combination.makes_position.value, at="makes_position")
         yield from subject.stated_facts(combination)
 
 
@@ -287,11 +291,13 @@ def _control_field_facts(reading: SpecReading, control_field: ControlField, offs
     yield from subject.facts_of_part(FactClass.POSITION, control_field, value=f"{control_field.bits} bits")
     for named_value in control_field.values:
         description = f"value {in_hex(named_value.value)} of {subject.description}"
-        value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
+        value_subject = subject.inside(
+            key=("value", named_value.value), place=("values", named_value.name), description=description
+        )
         yield from value_subject.facts_of_part(FactClass.VALUE, named_value, value="named")
     if control_field.crc:
         # The parameters of a CRC are in the list ``crcs`` of the spec.
-        crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
+        crc_subject = subject.inside(key=("crc",), place=(), description="the control frame's CRC over BiSS")
         crc_subject = replace(crc_subject, place=("crcs", control_field.crc))
         yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))
 

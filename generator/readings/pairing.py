@@ -48,10 +48,11 @@ def _rows_of(facts: ComparedFacts, table_key: FactKey) -> Mapping[int, _Row]:
     """Return the rows of a table that contain numbers, by the number of the row."""
     cells_by_row: dict[int, list[tuple[int, FactValue]]] = defaultdict(list)
     for key, fact in facts.facts.items():
-        # The key of a cell ends with its row and column: ("table", "limits", "3 0").
-        is_cell = key[:2] == table_key and len(key) == 3 and " " in str(key[2])
+        # The key of a cell is that of its table, and then its row and column: ("table", "limits", "3 0").
+        *key_before, last_step = key
+        is_cell = tuple(key_before) == table_key and " " in str(last_step)
         if is_cell:
-            row_number, column = map(int, str(key[2]).split())
+            row_number, column = map(int, str(last_step).split())
             cells_by_row[row_number].append((column, fact.value))
     return {row_number: tuple(cells) for row_number, cells in cells_by_row.items()}
 

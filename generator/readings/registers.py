@@ -122,7 +122,8 @@ def _limit_facts(subject: FactSubject, register: Register) -> Iterator[ComparedF
     for meaning in register.meanings:
         # The condition contains no names, so it can also be the key of the meaning.
         description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
-        yield from subject.inside((description,), ("meanings", meaning.name), description).stated_facts(meaning)
+        meaning_subject = subject.inside(key=(description,), place=("meanings", meaning.name), description=description)
+        yield from meaning_subject.stated_facts(meaning)
 
 
 def _limited_bits_text(register: Register, parameters: Mapping[str, int]) -> str:

@@ -42,6 +42,16 @@ class _Renaming(NamedTuple):
     second_name: str
 
 
+class _ChangedNumbers(NamedTuple):
+    """Numbers as the cause of disagreements: the digits of those that only one of the two readings has.
+
+    For 30 ms in the spec and 50 ms in the second reading, these are ``{"3"}`` and ``{"5"}``.
+    """
+
+    only_in_spec: frozenset[str]
+    only_in_second: frozenset[str]
+
+
 @dataclass(frozen=True)
 class Related:
     """A disagreement, and other disagreements that have the same cause."""
@@ -143,14 +153,14 @@ def _own_cause(disagreement: Disagreement) -> object:
 def _changed_values(disagreement: Disagreement) -> object:
     """Return the numbers in which two values differ, without their units, or the two signals of a contact, or None.
 
-    ``("numbers", {"3"}, {"5"})`` is the cause of 30 ms in the spec and 50 ms in the second reading, and also of 30,000
-    and 50,000 µs. Numbers in positions and addresses are not related to equal numbers elsewhere.
+    30 ms in the spec and 50 ms in the second reading have the same cause as 30,000 and 50,000 µs. Numbers in positions
+    and addresses are not related to equal numbers elsewhere.
     """
     spec_digits = _digits_of_numbers(disagreement.spec_value)
     second_digits = _digits_of_numbers(disagreement.second_value)
     only_in_spec, only_in_second = spec_digits - second_digits, second_digits - spec_digits
     if only_in_spec and only_in_second and disagreement.fact_class not in _CLASSES_WITH_OWN_NUMBERS:
-        return "numbers", frozenset(only_in_spec), frozenset(only_in_second)
+        return _ChangedNumbers(frozenset(only_in_spec), frozenset(only_in_second))
     if disagreement.fact_class is FactClass.PIN:
         return "signals", frozenset((disagreement.spec_value, disagreement.second_value))
     return None
@@ -230,8 +240,7 @@ def _known_change_of_time(disagreement: Disagreement, known_causes: Iterable[obj
         return None
     digits = _digits_of_numbers(disagreement.second_value)
     for cause in known_causes:
-        # The cause is ("numbers", digits in the spec, digits in the second reading).
-        if isinstance(cause, tuple) and cause[0] == "numbers" and cause[2] == digits:
+        if isinstance(cause, _ChangedNumbers) and cause.only_in_second == digits:
             return cause
     return None
 

@@ -289,7 +289,8 @@ class FactSubject:
         self, fact_class: FactClass, model_part: Any, value: str = "present", at: str = ""
     ) -> Iterator[ComparedFact]:
         """Yield the fact that the subject exists, and those that are stated about its ``model_part``."""
-        yield self.existence_fact(fact_class, value, at, getattr(model_part, "name", ""))
+        name = getattr(model_part, "name", "")
+        yield self.existence_fact(fact_class, value=value, at=at, name=name)
         yield from self.stated_facts(model_part)
 
     def detail_fact(

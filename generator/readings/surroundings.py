@@ -127,7 +127,8 @@ def _characteristic_facts(reading: SpecReading) -> Iterator[ComparedFact]:
         yield from subject.facts_of_part(FactClass.CHARACTERISTIC, characteristic)
         for index, quantity_value in enumerate(characteristic.values):
             description = f"{quantity_value.quantity} {index + 1} of {subject.description}"
-            yield from subject.inside((index,), ("values", index), description).stated_facts(quantity_value)
+            quantity_subject = subject.inside(key=(index,), place=("values", index), description=description)
+            yield from quantity_subject.stated_facts(quantity_value)
 
 
 def _table_facts(reading: SpecReading) -> Iterator[ComparedFact]:

@@ -119,9 +119,11 @@ class TouchedFacts:
         if facts_from_elsewhere:
             section_facts = SectionFacts([*section_facts.facts, *facts_from_elsewhere], passage.section.words)
         likely_facts = [fact for _, fact in section_facts.likely_facts(passage)]
-        # Facts about the edition come first, in reverse order.
+        # Facts about the edition come first: its revision and date, then the rows of the history, the newest first.
         if facts_from_elsewhere and facts_from_elsewhere[0].is_of_edition:
-            likely_facts = [*reversed(facts_from_elsewhere), *likely_facts]
+            newest_first = list(reversed(facts_from_elsewhere))
+            newest_first.sort(key=lambda fact: fact.path.startswith("manual.history"))
+            likely_facts = [*newest_first, *likely_facts]
         all_facts = list(dict.fromkeys((*likely_facts, *section_facts.facts)))
         touched_facts = self._list_by_item(likely_facts, all_facts, passage)
         return touched_facts, max(len(section_facts.facts), len(touched_facts))
@@ -176,9 +178,13 @@ class TouchedFacts:
         if group_count > _MAX_EQUAL:
             return inserted_facts
         equal_facts = list(chain.from_iterable(equal_facts_by_value.values()))
-        containing_facts = [fact for fact in facts if change.is_in(fact)]
+        quoting_facts = [fact for fact in facts if change.is_quoted_in(fact)]
+        containing_facts = dict.fromkeys((*quoting_facts, *(fact for fact in facts if change.is_in(fact))))
+        # A fact that equals the text also contains it. It is listed once.
+        listed_facts = set(equal_facts)
+        other_facts = [fact for fact in containing_facts if fact not in listed_facts]
         most_containing = _MAX_EQUAL - group_count
-        return inserted_facts + equal_facts + containing_facts[:most_containing]
+        return inserted_facts + equal_facts + other_facts[:most_containing]
 
     def _facts_of_referring_items(self, item: str, passage: Passage) -> list[CitingFact]:
         """Return a fact of each item that refers to ``item`` by its path or name, for at most 3 items.
@@ -225,6 +231,8 @@ class _Change:
         changed_words = removed_words or list(passage.old)
         shown_old_text, _ = passage.shown
         self._text = ""
+        #: The changed words with the word before and the word after them: `` preset setting enable ``.
+        self._phrase = ""
         self._old_context = ""
         # The text is only compared if new words replace it. ``spaced`` adds a space at each end, so that only whole
         # words match.
@@ -232,6 +240,12 @@ class _Change:
         if is_replaced:
             self._text = spaced(" ".join(changed_words))
             self._old_context = spaced(shown_old_text)
+            words_before, words_after = (
+                shown_old_text.partition("[")[0].split(),
+                shown_old_text.partition("]")[2].split(),
+            )
+            if words_before and words_after:
+                self._phrase = spaced(" ".join((words_before[-1], *changed_words, words_after[0])))
         self._adds_row = not passage.old
         self._inserted_text = spaced(" ".join(passage.new)) if self._adds_row else ""
         # The shown text marks the changed words by brackets: ``at most [ 10 ] MHz``.
@@ -284,7 +298,13 @@ class _Change:
         contains_number = any(len(word) > 1 and word in self._numbers for word in fact.words)
         contains_text = len(self._text) > _SHORTEST_TEXT and self._text in fact.text
         contains_label = any(f" {label.casefold()} " in fact.text for label in self._labels)
-        return contains_number or contains_text or contains_label or self._is_named_before(fact)
+        return (
+            contains_number or contains_text or contains_label or self.is_quoted_in(fact) or self._is_named_before(fact)
+        )
+
+    def is_quoted_in(self, fact: CitingFact) -> bool:
+        """Return whether a text contains the changed words between the same two words as in the old passage."""
+        return bool(self._phrase) and self._phrase in fact.text
 
     def _is_named_before(self, fact: CitingFact) -> bool:
         """Return whether the words directly before the change are the name of a fact with several words."""

@@ -237,7 +237,9 @@ def plain_line(line: str) -> str:
     with_tabs = line.strip().strip("|").replace("|", "\t")
     ascii_line = unicodedata.normalize("NFKC", with_tabs).translate(_PLAIN_MARKS)
     without_markup = _MARKUP_CHARACTERS.sub(" ", ascii_line)
+    # Two or more spaces before a page become a tab: "4.3 Preset    17" becomes "4.3 Preset\t17".
     with_tab_before_page = re.sub(r"(?<![^\S\t])[^\S\t]{2,}(\d{1,4})$", r"\t\1", without_markup)
+    # "max.  10 \t MHz" becomes "max. 10 \t MHz", and then "max. 10\tMHz".
     with_single_spaces = re.sub(r"[^\S\t]+", " ", with_tab_before_page)
     return re.sub(r" ?\t[ \t]*", "\t", with_single_spaces).strip()
 
@@ -284,6 +286,7 @@ def _words_without_numbers(lines: Iterable[str], title_by_number: Mapping[str, s
         is_reference = _have_same_start(listed_title, reference["title"])
         return '"' if is_reference else reference[0]
 
+    # A word that is divided at the end of a line: "resolu-\ntion" becomes "resolution".
     without_hyphens = re.sub(r"(?<=[a-zà-ÿ])-\n(?=[a-zà-ÿ])", "", "\n".join(lines))
     without_pages = _PAGE_REFERENCE.sub("", without_hyphens)
     return WORD.findall(_SECTION_REFERENCE.sub(without_number, without_pages))
@@ -291,6 +294,7 @@ def _words_without_numbers(lines: Iterable[str], title_by_number: Mapping[str, s
 
 def joined_letters(words: Iterable[str]) -> str:
     """Return the letters of words as one text, such as the letters of a running head without its page."""
+    # All characters except letters are removed: "AMM5A - 12" becomes "AMMA".
     return re.sub(r"[\W\d_]+", "", "".join(words))
 
 

@@ -71,9 +71,11 @@ demo
   documentation  registers.command.function.save.meaning [words]
   names          C macro MAKER_DEMO_BISS_CLOCK_MAX_HZ: 10000000U → 5000000U; C
                  macro MAKER_DEMO_BISS_REG_CONFIGURATION_ACCESS:
-                 CW_ACCESS_READ_WRITE → CW_ACCESS_READ_ONLY
+                 CW_ACCESS_READ_WRITE → CW_ACCESS_READ_ONLY; C function
+                 maker_demo_biss_write_configuration is gone; C functions with
+                 different code: maker_demo_biss_write_command
 4 changes: 1 breaking, 1 behaviour, 1 compatible, 1 documentation
-generated: 57 of 274 files change; maker_encoders 1.4.2 → 2.0.0, but the spec
+generated: 57 of 303 files change; maker_encoders 1.4.2 → 2.0.0, but the spec
   still says 1.4.2
 """
 
@@ -134,7 +136,7 @@ def test_as_data(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     exit_code, out, _ = diff(capsys, "v1.0:specs", "specs", "--json")
     data = json.loads(out)
     validator.validate(data)
-    assert (exit_code, data["impact"], data["generated"]["files"]) == (1, "breaking", 274)
+    assert (exit_code, data["impact"], data["generated"]["files"]) == (1, "breaking", 303)
     assert data["counts"] == {"documentation": 1, "compatible": 1, "behaviour": 1, "breaking": 1}
     assert data["changes"][1] == {
         "family": "demo",
@@ -185,8 +187,10 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 - C macro MAKER_DEMO_BISS_CLOCK_MAX_HZ: 10000000U → 5000000U
 - C macro MAKER_DEMO_BISS_REG_CONFIGURATION_ACCESS: CW_ACCESS_READ_WRITE → CW_ACCESS_READ_ONLY
+- C function maker_demo_biss_write_configuration is gone
+- C functions with different code: maker_demo_biss_write_command
 
-66 of 274 generated files change.
+66 of 303 generated files change.
 """,
     )
 

@@ -89,8 +89,8 @@ def test_c_names_besides_macros() -> None:
         "C enumerator ACME_ENC_MODE_FAST is gone",
         "C constant ACME_ENC_A17 is gone",
         "C member acme_enc_reply.speed: uint8_t speed → uint16_t speed",
+        "C function acme_enc_crc has different code",
         "C function acme_enc_reply_is_expected is gone",
-        "C function acme_enc_crc has changed",
     ]
     assert texts("c/include/acme/enc_biss.h", C_NAMES, C_NAMES.replace("/* the start value */", "")) == []
 
@@ -98,7 +98,7 @@ def test_c_names_besides_macros() -> None:
 def test_a_python_function_whose_code_differs() -> None:
     old = 'def crc(data: bytes) -> int:\n    """Return the CRC."""\n    return 0\n'
     path = "python/src/acme_encoders/enc.py"
-    assert texts(path, old, old.replace("return 0", "return 1")) == ["Python function enc.crc has changed"]
+    assert texts(path, old, old.replace("return 0", "return 1")) == ["Python function enc.crc has different code"]
     assert texts(path, old, old.replace("Return the CRC", "Compute the CRC")) == []
 
 

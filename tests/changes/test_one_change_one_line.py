@@ -136,3 +136,22 @@ def test_steps_that_use_a_register_with_another_name_and_length_do_not_change() 
         "register-gone: register 60h preset_enable is gone",
         "register-new: registers 60h to 61h opener is new",
     ]
+
+
+def test_two_contacts_with_exchanged_signals_are_one_line() -> None:
+    first, second = (
+        ('{contact: "1", signal: Ground}', '{contact: "1", signal: Clock}'),
+        (
+            '{contact: "2", signal: Clock}',
+            '{contact: "2", signal: Ground}',
+        ),
+    )
+    assert lines(first, second) == ["contact: connector plug: contacts 1 and 2: signals Ground and Clock exchanged"]
+
+
+def test_a_contact_affects_the_order_codes_of_all_interfaces_of_its_connector() -> None:
+    two_interfaces = ("interfaces: [ssi]\n    contacts:", "interfaces: [ssi, biss]\n    contacts:")
+    (change,) = compare(
+        devices([two_interfaces]), devices([two_interfaces, ("signal: Ground}", "signal: not connected}")])
+    )
+    assert len(change.codes) == 8  # All codes are 12: 4 for each interface.

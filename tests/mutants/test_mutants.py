@@ -65,7 +65,7 @@ def mutant_at(trial: Trial, name: str, path: tuple[str | int, ...], key: str, mi
 
 @pytest.mark.slow
 def test_a_wrong_value_that_passes_is_classified_by_its_effect(trial: Trial) -> None:
-    title = mutant_at(trial, "am36", ("documents", "renishaw"), "title", "digit misread")
+    title = mutant_at(trial, "asc85", ("documents", "onstepx"), "title", "digit misread")
     assert trial.verdict(title).word == "code"  # The titles of documents are data of the Python package.
     source = mutant_at(trial, "am36", ("crcs",), "source", "extra zero")
     assert trial.verdict(source).word == "texts"
