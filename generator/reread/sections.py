@@ -294,7 +294,7 @@ def _words_without_numbers(lines: Iterable[str], title_by_number: Mapping[str, s
 
 def joined_letters(words: Iterable[str]) -> str:
     """Return the letters of words as one text, such as the letters of a running head without its page."""
-    # All characters except letters are removed: "AMM5A - 12" becomes "AMMA".
+    # All characters except letters are removed: "ABC5A - 12" becomes "ABCA".
     return re.sub(r"[\W\d_]+", "", "".join(words))
 
 
