@@ -34,6 +34,7 @@ READERS = {
     "reads a device that reduced_to_codes has reduced to the order codes": {
         "commands/show/text.py",
         "targets/c/single.py",
+        "targets/c/single_usage.py",
         "targets/docs/order_code_page.py",
         "targets/docs/verdict_table.py",
     },

@@ -278,7 +278,7 @@ def test_a_biss_master_gets_the_crc_of_each_order_code() -> None:
     assert layout is not None
     lengths = data_lengths(device, layout)
     assert only_crc(device, layout, lengths) is None
-    lines = master_settings(device, layout, None, lengths, (), False).splitlines()
+    lines = master_settings(device, layout, crc=None, lengths=lengths, ids=(), one_encoder=False).splitlines()
     by_code = {line.split(":")[0].strip(): line for line in lines if line.startswith("  CRB")}
     assert by_code["CRB12EN"].endswith("12 bits, with status bits 13, with CRC 13, without a CRC")
     expected = "with CRC 21, CRC of 8 bits, x^8 + x^5 + x^3 + x^2 + x + 1, start value 0x5A, sent inverted"

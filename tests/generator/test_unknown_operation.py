@@ -71,7 +71,7 @@ ASKING = {
     "biss": {("data_channels", "_active_level")},
     "python": {
         ("codec", "_field_attributes"),
-        ("codec", "_position_with"),
+        ("codec", "usable_position"),
         ("decode", "_place_comment"),
         ("facts", "_field_record"),
         ("first_byte", "_codes_by_first_byte"),
