@@ -3370,7 +3370,7 @@
     ];
   }
 
-  /** The bytes do not begin and end with the frame, or are inverted. */
+  /** The bytes do not begin and end with the frame, are inverted, or have their bits in reverse order. */
   function tryMovedBytes(placedLayout, crc, data) {
     const { texts } = TABLE;
     const byteCount = placedLayout.bits / 8;
@@ -3395,7 +3395,9 @@
       }
     }
     if (extraBytes === 0) hypotheses.push(
-      assumeFrame("all_inverted", texts.bytes_inverted, data.map((byte) => byte ^ 0xFF)));
+      assumeFrame("all_inverted", texts.bytes_inverted, data.map((byte) => byte ^ 0xFF)),
+      assumeFrame("bits_reversed_in_bytes", texts.bits_reversed_in_bytes,
+        data.map((byte) => Number(reverseBits(BigInt(byte), 8)))));
     return hypotheses;
   }
 

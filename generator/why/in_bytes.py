@@ -16,7 +16,7 @@ from ..model import (
     number_from_bytes,
     number_to_bytes,
 )
-from ..reference.bits import parity_bit
+from ..reference.bits import parity_bit, reflect
 from .exchanges import usual_values_of
 from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
@@ -88,10 +88,11 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
 def _displaced_byte_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, first_bytes: Sequence[int]
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which extra bytes surround the frame, its first byte is missing, or all bits are inverted.
+    """Yield hypotheses in which extra bytes surround the frame, its first byte is missing, or bits are changed.
 
-    Up to 4 bytes may precede or follow the frame, such as an echoed request. If the first byte is missing, an extra
-    byte may follow the frame. ``first_bytes`` are the possible values of a missing first byte.
+    All bits may be inverted, or the bits of each byte may be in reverse order. Up to 4 bytes may precede or follow the
+    frame, such as an echoed request. If the first byte is missing, an extra byte may follow the frame. ``first_bytes``
+    are the possible values of a missing first byte.
     """
     frame_length = placed_layout.bits // 8
     extra_bytes = len(received_bytes) - frame_length
@@ -136,6 +137,13 @@ def _displaced_byte_hypotheses(
             placed_layout=placed_layout,
             crc=crc,
             frame=inverted_frame,
+        )
+        yield _frame_hypothesis(
+            kind="bits_reversed_in_bytes",
+            description=TEXTS["bits_reversed_in_bytes"],
+            placed_layout=placed_layout,
+            crc=crc,
+            frame=bytes(reflect(byte, 8) for byte in received_bytes),
         )
 
 

@@ -529,7 +529,9 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
         if case.layout.in_bytes:
             yield case.text(number ^ 0xFF)
             yield case.text(number ^ 0xFF << bits - 8)
-            data = number_to_bytes(case.layout, number, bits).hex()
+            frame = number_to_bytes(case.layout, number, bits)
+            data = frame.hex()
+            yield bytes(int(f"{byte:08b}"[::-1], 2) for byte in frame).hex()
             yield data * 2
             yield f"1A{data}"
             yield "1A"

@@ -338,6 +338,7 @@ def byte_mistakes(code: str, source: random.Random) -> Iterator[Plant]:
     yield Plant(code, frame[1:].hex(), "first_byte_lost")
     yield Plant(code, (frame[1:] + random_byte).hex(), "first_byte_lost")
     yield Plant(code, bytes(byte ^ 0xFF for byte in frame).hex(), "all_inverted")
+    yield Plant(code, bytes(int(f"{byte:08b}"[::-1], 2) for byte in frame).hex(), "bits_reversed_in_bytes")
     yield Plant(
         code,
         (data + bytes([int(crc("".join(f"{byte:08b}" for byte in data), 0x12F, invert=False), 2)])).hex(),

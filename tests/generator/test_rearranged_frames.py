@@ -62,6 +62,21 @@ def test_the_bits_of_each_byte_are_reversed(capsys: pytest.CaptureFixture[str]) 
     assert explanation["reads"] == {"position": 0xABCDE}
 
 
+#: A reply of a TS5700 with the position 7000519.
+REPLY = bytes.fromhex("02 20 C7 D1 6A 5E")
+REVERSED_REPLY = bytes(int(f"{byte:08b}"[::-1], 2) for byte in REPLY).hex(" ")
+RS485_LINE = "rs485,low_byte_first:control=8:0x02,status=8,position=24,crc=8:0x101"
+
+
+@pytest.mark.parametrize(("code", "name"), [("TS5700N8401", "singleturn"), (RS485_LINE, "position")])
+def test_the_bits_of_each_byte_are_reversed_over_rs485(
+    code: str, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    explanation = why(capsys, code, REVERSED_REPLY)[0]
+    assert explanation["kind"] == "bits_reversed_in_bytes"
+    assert explanation["reads"][name] == 7000519
+
+
 def test_constants_contradict_a_frame_without_a_crc(capsys: pytest.CaptureFixture[str]) -> None:
     word = f"1010{0x1234:016b}0011"
     texts = {
