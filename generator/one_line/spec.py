@@ -353,7 +353,11 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
             yield _keys_of_number(field) + note
         case FlagField():
             effect = f", makes_position: {field.verdict}" if has_position else ""
-            yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANING_BY_VERDICT[field.verdict]}"
+            levels = {flag.level for flag in line.fields if isinstance(flag, FlagField)}
+            # 'check' expects a text about the level of a flag that differs from all others.
+            note = f", note: The line states that it is active {field.level}." if len(levels) > 1 else ""
+            when_active = f"when_active: {_MEANING_BY_VERDICT[field.verdict]}"
+            yield f"name: {name}, active: {field.level}{effect}, {when_active}{note}"
         case FillerField(name="zero"):
             yield f"name: {name}, bits: {field.bits}, constant: 0"
         case FillerField():

@@ -265,6 +265,7 @@ LINES = [
     "ssi,gray:multiturn=12,singleturn=13",
     "ssi,gray:multiturn=12,singleturn=13,parity=odd",
     "ssi,right,clock=500kHz:zero=3,position=13,error=high",
+    "ssi:position=10,ocf=low:error,cof=high:error,lin=high:warning,inc=high:status,dec=high:status,parity=even",
     "spi,mode=1:parity=even,error=high,position=14",
     "spi,low_byte_first,clock=1.5MHz:position=16,crc=8:0x1d",
     "rs485,request=1A,low_byte_first,baud=2500000:control=8:0x1a,status=8,position=24,crc=8:0x1",
