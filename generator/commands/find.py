@@ -26,7 +26,7 @@ _ABOUT = (
     "All frames have the same length and begin with the first data bit. 0b... shows every bit. 0x... has four bits per "
     "digit, unless --bits gives their number. For RS-485, a frame is a sequence of bytes in hexadecimal. Turn the "
     "shaft between the frames, because bits that never change cannot be identified. The exit code is 0 if there is a "
-    "proposal, and 1 if all frames are equal."
+    "proposal, and 1 if all frames are equal or the line is dead."
 )
 #: Number of bits in the longest frame, by interface, and for all other interfaces.
 _LONGEST_FRAME = {"rs485": 1024}
@@ -62,11 +62,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the proposals, the most likely first.
 
     Raises:
-        CommandError: A frame or a position is malformed (exit code 2), or all frames are equal (exit code 1).
+        CommandError: A frame or a position is malformed (exit code 2), or all frames are equal or from a dead line (exit
+            code 1).
     """
     from ..layout_search.answers import answer_with_lines
     from ..layout_search.frames import NoLayout
-    from ..layout_search.search import find_layouts
+    from ..layout_search.search import find_layouts, lacks_frames
 
     recording = _read_recording(arguments)
     try:
@@ -78,7 +79,8 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(_json_data(recording, proposals))
     else:
         first_frame = _frame_texts(arguments.frame)[0]
-        print(*_text_lines(recording, proposals, first_frame), sep="\n")
+        has_too_few_frames = lacks_frames(recording, layouts[0])
+        print(*_text_lines(recording, proposals, first_frame, has_too_few_frames=has_too_few_frames), sep="\n")
     return 0
 
 
@@ -234,8 +236,13 @@ def _proposal_data(proposal: PossibleLine) -> dict[str, Any]:
     }
 
 
-def _text_lines(recording: RecordedFrames, proposals: Sequence[PossibleLine], first_frame: str) -> Iterator[str]:
-    """Yield the proposals as lines of text, and the commands to continue with the first proposal."""
+def _text_lines(
+    recording: RecordedFrames, proposals: Sequence[PossibleLine], first_frame: str, *, has_too_few_frames: bool
+) -> Iterator[str]:
+    """Yield the proposals as lines of text, and the commands to continue with the first proposal.
+
+    If there are too few frames for a proposal, a request for more frames replaces the commands.
+    """
     number_of_frames = count_with_unit(len(recording.frames), "frame")
     length = count_with_unit(recording.bits, "bit")
     yield f"{number_of_frames} of {length}, most likely layout first"
@@ -248,6 +255,9 @@ def _text_lines(recording: RecordedFrames, proposals: Sequence[PossibleLine], fi
             yield f"      {equal_line.reason}"
     most_likely_line = proposals[0].line
     yield ""
+    if has_too_few_frames:
+        yield "Too few frames to confirm a layout. Record about twenty while the shaft turns."
+        return
     yield "To continue with the first one:"
     yield f"  codewheel decode {shlex.quote(most_likely_line)} {shlex.quote(first_frame)}"
     yield f"  {command_for_spec(most_likely_line)}"

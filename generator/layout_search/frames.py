@@ -10,6 +10,8 @@ from functools import cached_property
 FEWEST = 2
 #: Maximum number of frames whose values are compared. A CRC must be correct in all frames.
 MOST_FRAMES = 60
+#: Fewest bits of a frame whose bits are all equal because the line is dead. In shorter frames, this may be chance.
+_LEAST_EQUAL_BITS = 12
 
 
 class NoLayout(ValueError):
@@ -33,6 +35,12 @@ class RecordedFrames:
         """The bits in which each frame differs from the first frame. Frames that are equal to it are omitted."""
         first_frame = self.frames[0]
         return tuple(frame ^ first_frame for frame in self.frames if frame != first_frame)
+
+    @property
+    def is_dead_line(self) -> bool:
+        """True if all bits of each frame are equal, and the frames are so long that this is not chance."""
+        all_ones = (1 << self.bits) - 1
+        return self.bits >= _LEAST_EQUAL_BITS and set(self.frames) <= {0, all_ones}
 
     @cached_property
     def changing(self) -> tuple[bool, ...]:

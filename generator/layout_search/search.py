@@ -16,6 +16,10 @@ MOST_LAYOUTS = 3
 _MOST_MORE_BITS = 20.0
 #: Evidence in bits above which a CRC is not correct by chance, so that layouts without a CRC are not considered.
 _CERTAIN_EVIDENCE = 30
+#: Evidence in bits from which a CRC confirms a layout: it fits by chance in fewer than one of 250 recordings.
+_CONFIRMING_EVIDENCE = 8
+#: Number of different frames from which a layout without a CRC can be preferred.
+_FEWEST_WITHOUT_CRC = 5
 #: Bits that describe a parity bit: in its usual place, in the other place, and in addition to a CRC.
 _PARITY_BITS, _OTHER_PLACE_BITS, _WITH_CRC_BITS = 4.0, 2.0, 4.0
 #: Difference of two costs in bits, below which the frames do not decide between Gray code and binary.
@@ -44,8 +48,10 @@ def find_layouts(recording: RecordedFrames) -> list[FoundLayout]:
     Layouts that differ only in whether constant bits belong to the position are represented by the best one.
 
     Raises:
-        NoLayout: All frames are equal.
+        NoLayout: All frames are equal, or come from a dead line.
     """
+    if recording.is_dead_line:
+        raise NoLayout("dead line: all bits of each frame are equal; check the wires and the supply of the encoder")
     if len(set(recording.frames)) < FEWEST:
         raise NoLayout("all frames are equal; turn the shaft, and give at least 2 different frames")
     best_first = sorted(_possible_layouts(recording), key=attrgetter("cost"))
@@ -55,6 +61,13 @@ def find_layouts(recording: RecordedFrames) -> list[FoundLayout]:
     layouts = _merge_undecided_codes(list(best_of_group.values()))
     highest_cost = layouts[0].cost + _MOST_MORE_BITS
     return [layout for layout in layouts[:MOST_LAYOUTS] if layout.cost <= highest_cost]
+
+
+def lacks_frames(recording: RecordedFrames, layout: FoundLayout) -> bool:
+    """Return whether there are too few frames to prefer a layout: fewer than five, and no CRC that confirms it."""
+    if layout.crc is not None and layout.crc.evidence >= _CONFIRMING_EVIDENCE:
+        return False
+    return len(set(recording.frames)) < _FEWEST_WITHOUT_CRC
 
 
 def _possible_layouts(recording: RecordedFrames) -> Iterator[FoundLayout]:

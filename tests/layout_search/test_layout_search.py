@@ -202,6 +202,21 @@ def test_wrong_arguments(run: Run, arguments: list[str], message: str) -> None:
     assert message in err
 
 
+@pytest.mark.parametrize("frames", [["0xFFFF"] * 3, ["0x0000"] * 3, ["0xFFFF", "0x0000", "0xFFFF", "0x0000"]])
+def test_a_dead_line_has_no_layout(run: Run, frames: list[str]) -> None:
+    code, out, err = run("find", "ssi", *frames)
+    assert (code, out) == (1, "")
+    assert "dead line: all bits of each frame are equal" in err
+
+
+@pytest.mark.parametrize("frames", [["0xFFFE", "0x1234"], ["0xFFFF", "0xFFFF", "0x1234"]])
+def test_too_few_frames(run: Run, frames: list[str]) -> None:
+    code, out, _ = run("find", "ssi", *frames)
+    assert code == 0
+    assert "Too few frames" in out
+    assert "To continue" not in out
+
+
 def test_a_part_of_a_byte_is_no_frame_over_rs485(run: Run) -> None:
     code, out, err = run("find", "rs485", "000F", "000E", "--bits", "12")
     assert (code, out) == (2, "")
