@@ -62,8 +62,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the proposals, the most likely first.
 
     Raises:
-        CommandError: A frame or a position is malformed (exit code 2), or all frames are equal or from a dead line (exit
-            code 1).
+        CommandError: A frame or a position is malformed (exit code 2), or all frames are equal or come from a dead line
+            (exit code 1).
     """
     from ..layout_search.answers import answer_with_lines
     from ..layout_search.frames import NoLayout

@@ -303,6 +303,11 @@ def write_number(bits: str) -> str:
     return f"Write 0b and all {bits} bits in the order sent, or 0x and hex digits"
 
 
+def write_separately(bits: str) -> str:
+    """Return the remedy for several numbers in the place of one frame of ``bits`` bits."""
+    return f"If these are several frames, write each on its own line, as 0b and all {bits} bits, or 0x and hex digits"
+
+
 def write_bits(bits: str, length: str) -> str:
     """Return the remedy for a wrong number of bits, for a frame of ``bits`` bits in ``length`` bytes."""
     return f"Write 0b and all {bits} bits in the order sent, or {length} hex bytes with zeros in front"

@@ -83,6 +83,12 @@ function areDecimalNumbers(texts, bitCount) {
 /** Return several words with their prefixes if each is a frame of one of these sizes, or [], as digits.py does. */
 function wordsOf(words, sizes) {
   if (words.length < 2) return [];
+  if (words.every((word) => /^0b[01]{9,}$/i.test(word.replaceAll("_", "")))) return words;
+  const [bitCount] = sizes;
+  const areNumbers = words.every((word) => word.length >= FEWEST_DIGITS_OF_NUMBER) && areDecimalNumbers(words, bitCount);
+  if (areNumbers && BigInt(`0x${words.join("")}`) >> BigInt(bitCount)) {
+    return words.map((word) => `0b${BigInt(word).toString(2).padStart(bitCount, "0")}`);
+  }
   const framesBySize = sizes.map((bitCount) => (
     sizes.includes(words.length * bitCount) ? [] : wordsOfSize(words, bitCount)));
   return framesBySize.find((frames) => frames.length) ?? [];

@@ -11,6 +11,8 @@ class FrameText extends Error {
 
 /** Most bits of a frame over BiSS, SSI and SPI. */
 const MOST_FRAME_BITS = 128;
+/** Number of digits from which a piece of digits is not a byte in hexadecimal. */
+const FEWEST_DIGITS_OF_NUMBER = 3;
 const LONGEST_QUOTE = TABLE.limits.quote;
 /** Return a text in quotes, with ... after its first characters if it is long, and with escapes for invisible ones. */
 function quoteText(text) {
@@ -89,6 +91,8 @@ function binaryDigits(pieces, bitCount) {
   const longest = Math.max(...lengths);
   if (longest === 1 && pieces.length > Math.ceil(bitCount / 8)) return digits;
   if (pieces.length === 1 || longest <= 2) return "";
+  const mayBeHexWords = pieces.every((piece) => piece.length === 4) && digits.length <= 2 * Math.ceil(bitCount / 8);
+  if (mayBeHexWords) return "";
   const lacksZeros = lengths.size > 1 && longest <= 8 && !hasLeadingZero(pieces);
   return lacksZeros ? pieces.map((piece) => piece.padStart(8, "0")).join("") : digits;
 }
@@ -103,14 +107,30 @@ function withLeadingZeros(pieces) {
     return areBytes && cannotBeHex
       ? pieces.map((piece) => formatBytes([parseInt(piece, 2)])) : pieces;
   }
+  const arePrefixedBytes = pieces.length > 1 && pieces.every((piece) => /^0b[01]{1,8}$/i.test(piece));
+  if (arePrefixedBytes && longest === 10) return pieces.map((piece) => formatBytes([parseInt(piece.slice(2), 2)]));
   return longest === 2 && !hasLeadingZero(pieces) ? pieces.map((piece) => piece.padStart(2, "0")) : pieces;
+}
+
+/** Return whether a piece is a number in binary with its prefix. */
+const isBinaryNumber = (piece) => /^0b[01]+$/i.test(piece);
+
+/** Return whether pieces are several numbers that cannot be one frame of ``bitCount`` bits, as digits.py does. */
+function areSeveralNumbers(pieces, bitCount) {
+  if (withLeadingZeros(pieces).filter(isBinaryNumber).length > 1) return true;
+  const digits = pieces.join("");
+  const areLongDigits = /^[0-9]*[2-9][0-9]*$/.test(digits)
+    && pieces.some((piece) => piece.length >= FEWEST_DIGITS_OF_NUMBER);
+  return pieces.length > 1 && areLongDigits && digits.length > 2 * Math.ceil(bitCount / 8);
 }
 
 /** Return the numbers of hex bytes, which are written in pieces of whole bytes. */
 function bytesIn(text) {
-  return withLeadingZeros(text.split(/\s+/)).flatMap((piece) => {
+  const pieces = withLeadingZeros(text.split(/\s+/));
+  const areBinary = pieces.filter(isBinaryNumber).length > 1;
+  return pieces.flatMap((piece) => {
     const digits = piece.replace(/^0x/i, "");
-    if (!/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
+    if (areBinary || !/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
     const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
     if (evenDigits.length === 1) throw new FrameText(messageFor("one_digit", quoteText(piece), digits));
     if (evenDigits.length % 2) throw new FrameText(messageFor("odd", quoteText(piece)));
@@ -123,13 +143,15 @@ function bytesIn(text) {
  * If ``areBytesExact``, bytes of another length have exactly the bits that are written.
  */
 function numberIn(text, bitCount, areBytesExact) {
+  if (areSeveralNumbers(text.replaceAll("_", "").trim().split(/\s+/), bitCount)) throw new FrameText(
+    messageFor("no_bits", quoteText(text), bitCount, messageFor("write_separately", bitCount)));
   const prefixedText = withPrefix(text, bitCount);
   let compactText = prefixedText.replace(/[\s_]/g, "");
   if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
   const pieces = prefixedText.split(/\s+/);
   const isPieceOfBytes = (piece) => /^(0x)?([0-9a-f]{2})+$/i.test(piece);
   if (pieces.length > 1 && pieces.every(isPieceOfBytes)) {
-    if (pieces.every((piece) => /^[01]{2}$/.test(piece))) throw new FrameText(messageFor("bits_or_bytes", quoteText(text)));
+    if (pieces.every((piece) => /^[01]+$/.test(piece))) throw new FrameText(messageFor("bits_or_bytes", quoteText(text)));
     compactText = "0x" + pieces.map((piece) => piece.replace(/^0x/i, "")).join("");
     const writtenBits = 4 * (compactText.length - 2);
     if (areBytesExact && (writtenBits < bitCount || writtenBits >= bitCount + 8)) return makeTypedFrame(

@@ -68,3 +68,52 @@ def test_a_live_recording_is_decoded_without_delay() -> None:
 
     first, *_ = frame_lines(["0x60AB"])
     assert next(separate_frames(frame_lines(live_lines()), (16,))).text == first.text
+
+
+BYTES = ("0b00000010", "0b00100000", "0b11000111", "0b11010001", "0b01101010", "0b01011110")
+
+
+@pytest.mark.parametrize(
+    ("code", "words", "values"),
+    [
+        ("AS5045", ("0b011000000000100001", "0b001111111111100001"), [0x600, 0x3FF]),
+        ("AS5048A", ("0b1111111111111111", "0b0111111111111101"), [0x3FFF, 0x3FFD]),
+        ("ssi:position=13", ("8191", "4096"), [8191, 4096]),
+        # The second word lacks its last bit, so it is a frame with an error.
+        ("ssi:position=10", ("0b0000000011", "0b000000010"), [3]),
+    ],
+)
+def test_words_are_frames_with_quotes_and_without(
+    code: str, words: tuple[str, ...], values: list[int], capsys: Capture
+) -> None:
+    for arguments in (words, (" ".join(words),)):
+        main(["decode", code, *arguments, "--json"])
+        frames_read = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert len(frames_read) == len(words)
+        fields = [field for frame in frames_read for field in frame["fields"]]
+        assert [field["value"] for field in fields if field["name"] == "position"] == values
+
+
+def test_bytes_in_binary_are_one_frame(capsys: Capture) -> None:
+    for arguments in (BYTES, (" ".join(BYTES),)):
+        assert main(["decode", "TS5700N8401", *arguments]) == 0
+        assert "7000519 counts" in capsys.readouterr().out
+    assert main(["decode", "MT6701", "0b01010000 0b11111100 0b00000000"]) == 1
+    assert "not a frame" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("code", "words", "message"),
+    [
+        ("ssi:position=16", ("1234", "5678"), "If these are several frames, write each on its own line"),
+        ("RESOLUTE-26", ("0b0110", "0b0111"), "If these are several frames, write each on its own line"),
+        ("TLE5012B", ("0000", "0000"), "could be bits or hex bytes. Prefix it with 0b or 0x"),
+        ("TS5700N8401", ("0b0110", "0b0111"), "'0b0110' is not hex"),
+    ],
+)
+def test_words_with_several_meanings_are_rejected(
+    code: str, words: tuple[str, ...], message: str, capsys: Capture
+) -> None:
+    for arguments in (words, (" ".join(words),)):
+        assert main(["decode", code, *arguments]) == 2
+        assert message in capsys.readouterr().err

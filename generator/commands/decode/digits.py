@@ -19,6 +19,14 @@ _BINARY_NUMBER = re.compile(r"0[bB][01]+")
 _SEPARATORS = re.compile(r"[\s'\",;\[\](){}<>]+")
 #: The suffixes of numbers in C.
 _HEX_SUFFIX = re.compile(r"[uUlL]+$")
+#: Fewest digits that show that numbers are decimal. In hex, 1 of 80,000 texts of this length has no letter.
+_FEWEST_DECIMAL_DIGITS = 24
+#: Number of digits from which a piece of digits is not a byte in hexadecimal.
+_FEWEST_DIGITS_OF_NUMBER = 3
+#: A byte in binary with its prefix, whose leading zeros may be missing.
+_PREFIXED_BYTE = re.compile(r"0[bB][01]{1,8}")
+#: Bits with their prefix that are too many for a byte.
+_PREFIXED_FRAME = re.compile(r"0[bB][01]{9,}")
 #: Bits with the prefix 0b, or with the misspelled prefix b. The prefix consists of hex digits too.
 _PREFIXED_BITS = re.compile(r"0?[bB][01]+")
 
@@ -51,6 +59,7 @@ def _binary_digits(pieces: Sequence[str], bits: int) -> str:
     """Return the bits of a frame from groups of zeros and ones, or "" if the groups may also be hex or decimal.
 
     The digits are bits if there are as many as the frame has bits, or if the groups have one digit or more than two.
+    Groups of four may also be words in hex, unless these would be more bytes than the frame has.
     Groups of different lengths are bytes whose leading zeros are missing, unless one of them begins with a zero.
     """
     digits = "".join(pieces)
@@ -64,6 +73,9 @@ def _binary_digits(pieces: Sequence[str], bits: int) -> str:
         return digits
     if len(pieces) == 1 or longest <= 2:
         return ""
+    have_bytes_in_hex = all(len(piece) == 4 for piece in pieces) and len(digits) <= 2 * byte_count
+    if have_bytes_in_hex:
+        return ""
     have_different_lengths = len(set(map(len, pieces))) > 1
     are_bytes_without_zeros = have_different_lengths and longest <= 8 and not _has_leading_zero(pieces)
     if are_bytes_without_zeros:
@@ -74,12 +86,16 @@ def _binary_digits(pieces: Sequence[str], bits: int) -> str:
 def with_leading_zeros(pieces: Sequence[str]) -> Sequence[str]:
     """Return bytes in hex or binary, whose leading zeros may be missing, as two hex digits each: ``FF 01``.
 
-    The pieces are returned as they are if one begins with a zero, which shows that no leading zeros are missing, or if
-    zeros and ones may be whole bytes in hex.
+    Bytes with the prefix ``0b`` are also accepted if one of them has 8 digits. The pieces are returned as they are if
+    one begins with a zero, which shows that no leading zeros are missing, or if zeros and ones may be whole bytes in
+    hex.
     """
     if all(map(_ZEROS_AND_ONES.fullmatch, pieces)):
         return _binary_bytes_as_hex(pieces)
     longest = max(map(len, pieces), default=0)
+    are_prefixed_bytes = len(pieces) > 1 and all(map(_PREFIXED_BYTE.fullmatch, pieces))
+    if are_prefixed_bytes and longest == len("0b") + 8:
+        return [f"{int(piece, 2):02X}" for piece in pieces]
     if longest != 2 or _has_leading_zero(pieces):
         return pieces
     return [piece.zfill(2) for piece in pieces]
@@ -158,17 +174,56 @@ def words_of(text: str, sizes: Sequence[int]) -> list[str]:
     """Return the words in a text with several frames, such as ``{0x7FFE, 0x3FFF}``, each with its prefix.
 
     ``sizes`` are the possible numbers of bits of a frame. The list is empty for any other text, and if the words could
-    also be one longer frame.
+    also be one longer frame. Words of more than 8 bits with the prefix ``0b`` are always frames of their own, and so
+    are decimal numbers that are too large for a frame if they are hexadecimal.
     """
     words = [word for word in _SEPARATORS.split(text) if word]
     if len(words) < 2:
         return []
+    if all(_PREFIXED_FRAME.fullmatch(word.replace("_", "")) for word in words):
+        return words
+    are_numbers = min(map(len, words)) >= _FEWEST_DIGITS_OF_NUMBER and are_decimal_numbers(words, sizes[0])
+    if are_numbers and int("".join(words), 16) >> sizes[0]:
+        return [f"0b{int(word):0{sizes[0]}b}" for word in words]
     for bits in sizes:
         frames = _words_of_size(words, bits)
         is_possible_size = len(words) * bits in sizes
         if frames and not is_possible_size:
             return frames
     return []
+
+
+def are_decimal_numbers(texts: Sequence[str], bits: int) -> bool:
+    """Return whether all texts are decimal numbers, although single ones could also be hexadecimal.
+
+    Either one of them is too large for a frame of ``bits`` bits if it is hexadecimal, or they have 24 or more digits
+    together, among which hexadecimal numbers would have letters.
+    """
+    if len(texts) < 2 or not all(map(_DECIMAL_DIGITS.fullmatch, texts)):
+        return False
+    digits = "".join(texts)
+    are_bits = set(digits) <= {"0", "1"}
+    fit_in_frame = all(int(text) >> bits == 0 for text in texts)
+    if are_bits or not fit_in_frame:
+        return False
+    is_too_large_in_hex = any(int(text, 16) >> bits for text in texts)
+    return is_too_large_in_hex or len(digits) >= _FEWEST_DECIMAL_DIGITS
+
+
+def are_several_numbers(pieces: Sequence[str], bits: int) -> bool:
+    """Return whether pieces are several numbers that cannot be one frame of ``bits`` bits.
+
+    They are binary numbers with the prefix ``0b`` that are not bytes, or decimal digits that would be more bytes than
+    the frame has.
+    """
+    binary_count = sum(_BINARY_NUMBER.fullmatch(piece) is not None for piece in with_leading_zeros(pieces))
+    if binary_count > 1:
+        return True
+    digits = "".join(pieces)
+    are_bits = set(digits) <= {"0", "1"}
+    are_long_digits = digits.isdecimal() and not are_bits and max(map(len, pieces)) >= _FEWEST_DIGITS_OF_NUMBER
+    frame_bytes = (bits + 7) // 8  # rounded up
+    return len(pieces) > 1 and are_long_digits and len(digits) > 2 * frame_bytes
 
 
 def _words_of_size(words: Sequence[str], bits: int) -> list[str]:

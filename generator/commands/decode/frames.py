@@ -27,7 +27,14 @@ from ...reference.registers import decode_register
 from ...say import notations
 from ...say import report as say_report
 from ...why.hypotheses import LEAST_EQUAL_BITS, TypedFrame
-from .digits import bits_of_bytes, meanings_of_long_number, possible_meanings, with_leading_zeros, with_prefix
+from .digits import (
+    are_several_numbers,
+    bits_of_bytes,
+    meanings_of_long_number,
+    possible_meanings,
+    with_leading_zeros,
+    with_prefix,
+)
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis
@@ -104,9 +111,11 @@ def frame_bytes(frame_text: str) -> bytes:
         FrameTextError: A piece is not hex, or has an odd number of digits.
     """
     frame = b""
-    for piece in with_leading_zeros(frame_text.split()):
+    pieces = with_leading_zeros(frame_text.split())
+    are_binary = sum(_BINARY_NUMBER.fullmatch(piece) is not None for piece in pieces) > 1
+    for piece in pieces:
         quoted_piece = quoted(visible(piece))
-        if not _HEX_NUMBER.fullmatch(piece):
+        if are_binary or not _HEX_NUMBER.fullmatch(piece):
             raise FrameTextError(say_report.not_hex(quoted_piece))
         has_prefix = piece[:2] in ("0x", "0X")
         digits = piece[2:] if has_prefix else piece
@@ -156,6 +165,8 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     Raises:
         FrameTextError: The text has a different form.
     """
+    if are_several_numbers(frame_text.replace("_", "").split(), placed.bits):
+        raise _number_error(placed, frame_text, say_report.write_separately(str(placed.bits)))
     prefixed_text = with_prefix(frame_text, placed.bits)
     without_gaps = _GAPS_IN_NUMBERS.sub("", prefixed_text)
     if _BINARY_NUMBER.fullmatch(without_gaps):
@@ -164,7 +175,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     pieces = prefixed_text.split()
     are_bytes = len(pieces) > 1 and all(map(_WHOLE_BYTES.fullmatch, pieces))
     if are_bytes:
-        _reject_bits_in_pairs(pieces, frame_text)
+        _reject_zeros_and_ones(pieces, frame_text)
         # Each byte may have its own prefix.
         hex_bytes = [_WHOLE_BYTES.sub(r"\1", piece) for piece in pieces]
         without_gaps = "0x" + "".join(hex_bytes)
@@ -209,14 +220,13 @@ def _number_error(placed: PlacedLayout | PlacedChannels, frame_text: str, remedy
     return FrameTextError(say_report.no_bits(quoted_text, str(placed.bits), remedy))
 
 
-def _reject_bits_in_pairs(pieces: Sequence[str], frame_text: str) -> None:
+def _reject_zeros_and_ones(pieces: Sequence[str], frame_text: str) -> None:
     """Raise ``FrameTextError`` if pieces such as ``10 01 11`` could be either bits or bytes.
 
-    This is possible if all pieces are two digits without a prefix, and all digits are 0 or 1.
+    This is possible if all digits are 0 or 1, and no piece has a prefix.
     """
-    are_two_characters = all(len(piece) == 2 for piece in pieces)
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
-    if are_two_characters and are_zeros_and_ones:
+    if are_zeros_and_ones:
         raise FrameTextError(say_report.bits_or_bytes(quoted(visible(frame_text))))
 
 

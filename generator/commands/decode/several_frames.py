@@ -11,15 +11,13 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import INTERFACES, Device, Variant
 from ...say.notations import DIGITS
-from .digits import words_of
+from .digits import are_decimal_numbers, words_of
 from .frames import FrameLine
 
 #: Number of lines that show whether numbers are decimal, and whether the first column counts the lines.
 _SAMPLE = 20
 #: Fewest lines that show a column that counts the lines.
 _FEWEST_ROWS = 3
-#: Fewest digits that show that numbers are decimal. In hex, 1 of 80,000 texts of this length has no letter.
-_DECIMAL_DIGITS = 24
 _DECIMAL = re.compile(DIGITS["decimal"])
 #: The number of a line, a separator of CSV, and a frame of at least 3 characters: ``12,40276`` or ``12;0x9D54``.
 _NUMBERED_ROW = re.compile(r"(?P<number>0|[1-9][0-9]{0,8})[ ]*[,;\t][ ]*(?P<frame>[0-9A-Za-z]{3,})")
@@ -53,7 +51,7 @@ def separate_frames(lines: Iterable[FrameLine], sizes: Sequence[int]) -> Iterato
     if has_header and not is_table:
         rows = sample
     frame_texts = [_without_line_number(row.text) if has_numbered_rows else row.text for row in rows]
-    are_decimal = _are_decimal(frame_texts, sizes[0])
+    are_decimal = are_decimal_numbers(frame_texts, sizes[0])
     for line in itertools.chain(rows, remaining_lines):
         text = _without_line_number(line.text) if has_numbered_rows else line.text
         if are_decimal and _DECIMAL.fullmatch(text):
@@ -91,23 +89,6 @@ def _without_line_number(text: str) -> str:
     """Return the frame in a row such as ``12,40276``, or any other text as it is."""
     row = _NUMBERED_ROW.fullmatch(text)
     return row["frame"] if row is not None else text
-
-
-def _are_decimal(texts: Sequence[str], bits: int) -> bool:
-    """Return whether all texts are decimal numbers, although single ones could also be hexadecimal.
-
-    Either one of them is too large for a frame of ``bits`` bits if it is hexadecimal, or they have 24 or more digits
-    together, among which hexadecimal numbers would have letters.
-    """
-    if len(texts) < 2 or not all(map(_DECIMAL.fullmatch, texts)):
-        return False
-    digits = "".join(texts)
-    are_bits = set(digits) <= {"0", "1"}
-    fit_in_frame = all(int(text) >> bits == 0 for text in texts)
-    if are_bits or not fit_in_frame:
-        return False
-    is_too_large_in_hex = any(int(text, 16) >> bits for text in texts)
-    return is_too_large_in_hex or len(digits) >= _DECIMAL_DIGITS
 
 
 def _split_into_words(line: FrameLine, sizes: Sequence[int]) -> list[FrameLine]:

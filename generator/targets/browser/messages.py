@@ -38,6 +38,7 @@ MESSAGES = {
     "bits_or_bytes": report.bits_or_bytes("{0}"),
     "no_bits": report.no_bits("{0}", "{1}", "{2}"),
     "write_number": report.write_number("{0}"),
+    "write_separately": report.write_separately("{0}"),
     "write_bits": report.write_bits("{0}", "{1}"),
     "no_order_code": report.no_order_code("{0}", "{1}"),
     "write_any": report.write_any(),
