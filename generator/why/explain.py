@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from ..model import Crc, Device, PlacedLayout, Rs485, Variant
+from ..model import Crc, Device, PlacedLayout, Rs485, Spi, Variant
 from ..say.plain_text import count_with_unit
 from .diagnosis import (
     Diagnosis,
@@ -24,6 +24,7 @@ from .exchanges import exchange_hypotheses
 from .hypotheses import LEAST_EQUAL_BITS, MISTAKES, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .in_bits import (
     all_hypotheses,
+    data_bits_of_zero_reply,
     moved_frame_hypotheses,
     other_answer_hypotheses,
 )
@@ -59,6 +60,9 @@ def explain_bits(
         return dead_line
     if is_valid:
         return None
+    zero_reply = _diagnose_zero_reply(variant, placed_layout, crc, typed_frame)
+    if zero_reply is not None:
+        return zero_reply
     missing = _missing_part(device, variant, placed_layout, typed_frame)
     if crc is None:
         hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
@@ -334,9 +338,29 @@ def _diagnose_equal_bits(variant: Variant, number: int, bit_count: int, doubt: s
         cause = "a broken wire" if level else "a short circuit"
         other_causes = "wires A and B" if variant.interface == Rs485.name else "the clock"
         explanation_text = TEXTS["line_stuck"].format(level, cause, other_causes)
-    # The first bit can be 0 or 1, and all others must equal it. More than 62 bits do not make this more certain.
-    bits_that_agree = min(bit_count - 1, 62)
-    one_in = 1 << bits_that_agree
+    # The first bit can be 0 or 1, and all others must equal it.
+    return _diagnosis_of_dead_line(explanation_text, bits_that_agree=bit_count - 1)
+
+
+def _diagnose_zero_reply(
+    variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
+) -> Diagnosis | None:
+    """Explain an SPI word with a right command and at least 12 zeros: nothing drives the line after the command.
+
+    Return None for any other frame.
+    """
+    if variant.interface != Spi.name:
+        return None
+    data_bits = data_bits_of_zero_reply(placed_layout, crc, typed_frame)
+    if data_bits < LEAST_EQUAL_BITS:
+        return None
+    return _diagnosis_of_dead_line(TEXTS["zero_reply"], bits_that_agree=data_bits)
+
+
+def _diagnosis_of_dead_line(explanation_text: str, bits_that_agree: int) -> Diagnosis:
+    """Return the diagnosis of a dead line, whose only explanation matches by chance if some bits agree."""
+    # More than 62 bits do not make the explanation more certain.
+    one_in = 1 << min(bits_that_agree, 62)
     frequency = MISTAKES["line_stuck"]
     explanation = Explanation(
         kind="line_stuck",

@@ -197,6 +197,18 @@ def _offsets_after_command(
             )
 
 
+def data_bits_of_zero_reply(placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame) -> int:
+    """Return the number of bits after the command of an SPI word if all of them are 0, and otherwise 0.
+
+    The command must be right, and it must have a constant, which shows that it is a command.
+    """
+    command, command_bits = _bits_during_command(placed_layout, crc)
+    data_bits = placed_layout.bits - command_bits
+    has_command = _constant_bits_from(placed_layout, data_bits) > 0
+    is_command_and_zeros = typed_frame.may_have(placed_layout.bits) and typed_frame.number == command << data_bits
+    return data_bits if has_command and is_command_and_zeros else 0
+
+
 def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[int, int]:
     """Return the first bits of a word, before its data, and their number: ``(0x8021, 16)``.
 

@@ -53,6 +53,8 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "line_may_be_stuck": "every bit is {0}. A dead line looks the same, {1}",
         "crc_is_correct": "and the CRC is correct too",
         "has_no_crc": "and there is no CRC to distinguish it",
+        "zero_reply": "every bit after the command is 0: the encoder does not drive the line. Check for a short "
+        "circuit, the supply and the chip select",
     }
 )
 #: Bits that BiSS sends before the frame, which a CRC may also cover, with the text.

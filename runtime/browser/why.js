@@ -23,7 +23,7 @@ function deadLine(decoded) {
   if (isRegister) return "";
   const { receivedNumber, bitCount } = measureReceived(decoded);
   const hasEqualBits = receivedNumber === 0n || receivedNumber === ones(bitCount);
-  if (bitCount < TABLE.likely.equal_bits || !hasEqualBits) return "";
+  if (bitCount < TABLE.likely.equal_bits || !hasEqualBits) return hasZeroReply(decoded) ? texts.zero_reply : "";
   const level = receivedNumber ? 1 : 0;
   if (isValidWithEqualBits(placedLayout, problems, level)) {
     return fillTemplate(texts.line_may_be_stuck, level, placedLayout.crc ? texts.crc_is_correct : texts.has_no_crc);
@@ -31,6 +31,15 @@ function deadLine(decoded) {
   const lineFault = level ? "a broken wire" : "a short circuit";
   const otherCause = interface_?.name === "rs485" ? "wires A and B" : "the clock";
   return fillTemplate(texts.line_stuck, level, lineFault, otherCause);
+}
+
+/** Return whether an invalid SPI word consists of a right command with a constant, and of at least 12 zeros. */
+function hasZeroReply({ placedLayout, typedFrame, problems, interface: interface_ }) {
+  const isInvalidWord = interface_?.name === "spi" && placedLayout && typedFrame
+    && problems.some(({ fault }) => fault === "crc" || fault === "length");
+  if (!isInvalidWord || !mayHaveBits(typedFrame, placedLayout.bits)) return false;
+  const { command, remainingBits, assumedBits } = findCommand(placedLayout);
+  return assumedBits > 0 && remainingBits >= TABLE.likely.equal_bits && typedFrame.number === command;
 }
 
 /** Return the bits that make the frame valid if one of them is inverted: the usual cause if only some frames fail. */
@@ -686,23 +695,32 @@ function tryFrameAtEveryBit(placedLayout, crc, receivedText) {
 }
 
 /**
- * The bits during the command of SPI are missing, idle because only MISO was recorded, or intact before shifted data. Missing
- * and idle bits are assumed to be those that the layout expects.
+ * Return the constants of the bits that are sent during the command of SPI, the number of these bits, of the bits after
+ * them, and of the constants. The numbers are 0 if the command does not consist of whole bytes.
  */
-function tryCommandBits(placedLayout, crc, typedFrame) {
-  if (interfaceOf(placedLayout)?.name !== "spi") return [];
-  const [coveredLow, coveredBits] = crc ? placeOfCoveredBits(placedLayout) : [0, placedLayout.bits];
+function findCommand(placedLayout) {
+  const [coveredLow, coveredBits] = placedLayout.crc ? placeOfCoveredBits(placedLayout) : [0, placedLayout.bits];
   const isDuringCommand = (placedField) => "fixed" in placedField.field || placedField.low >= coveredLow + coveredBits;
   const fields = [...placedLayout.fields].sort((placedField, otherField) => otherField.low - placedField.low);
   const dataIndex = fields.findIndex((placedField) => !isDuringCommand(placedField));
   const commandFields = fields.slice(0, dataIndex < 0 ? fields.length : dataIndex);
   const remainingBits = commandFields.at(-1)?.low ?? placedLayout.bits;
   const commandBits = placedLayout.bits - remainingBits;
-  if (!commandBits || commandBits % 8) return [];
+  if (!commandBits || commandBits % 8) return { command: 0n, commandBits: 0, remainingBits: 0, assumedBits: 0 };
   const constants = commandFields.filter(({ field }) => "fixed" in field);
   const command = constants.reduce(
     (sum, placedField) => sum | (toBigInt(placedField.field.fixed) << BigInt(placedField.low)), 0n);
-  const assumedBits = constants.reduce((sum, { width }) => sum + width, 0);
+  return { command, commandBits, remainingBits, assumedBits: constants.reduce((sum, { width }) => sum + width, 0) };
+}
+
+/**
+ * The bits during the command of SPI are missing, idle because only MISO was recorded, or intact before shifted data. Missing
+ * and idle bits are assumed to be those that the layout expects.
+ */
+function tryCommandBits(placedLayout, crc, typedFrame) {
+  if (interfaceOf(placedLayout)?.name !== "spi") return [];
+  const { command, commandBits, remainingBits, assumedBits } = findCommand(placedLayout);
+  if (!commandBits) return [];
   const assumeCommand = (text, evidence) => ({
     ...createFrameHypothesis(placedLayout, crc, "command_left_out", text,
       command | extractBits(typedFrame.number, 0, remainingBits)),

@@ -403,6 +403,18 @@ def test_reasons_for_what_no_device_has(name: str, ask: Ask) -> None:
 
 
 @pytest.mark.slow
+def test_zeros_after_a_command_over_spi(ask: Ask) -> None:
+    library = library_of("../specs/infineon/tle5012b")
+    case = next(
+        case for layout_cases in cases(library.devices[0]) for case in layout_cases if case.layout.name == "angle"
+    )
+    texts = ["80 21 00 00 00 00", "0x802100000000", "0xCDACFEF6"]
+    expected = [expected_explanations(case, text) for text in texts]
+    assert [bool(reasons and reasons[0]) for reasons in expected] == [False, False, True]
+    assert ask(library, "node")("reasons", [{**case.data, "frames": texts}]) == [expected]
+
+
+@pytest.mark.slow
 def test_a_frame_of_no_bits_is_not_looked_for(ask: Ask) -> None:
     """The data channel TMP of an iC-MR is off for this order code. The page and the command do not explain its bits."""
     library = library_of("../specs/ichaus/icmr")

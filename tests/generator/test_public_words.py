@@ -51,6 +51,16 @@ def test_a_command_in_the_place_of_a_reply_with_a_crc(capsys: Capture) -> None:
     assert "angle_request" in explanation["text"]
 
 
+@pytest.mark.parametrize("word", ["80 21 00 00 00 00", "0x802100000000"])
+def test_zeros_after_a_command(word: str, capsys: Capture) -> None:
+    """The encoder does not drive the line: neither its position nor its CRC explains the zeros."""
+    (explanation,) = explanations_of(capsys, "TLE5012B", word)
+    assert explanation["kind"] == "line_stuck"
+    text = printed(capsys, "TLE5012B", word)
+    assert "Every bit after the command is 0: the encoder does not drive the line" in text
+    assert "No common mistake" not in text
+
+
 @pytest.mark.parametrize("word", ["80 21 CD AC 1F 0B", "80 21 CD AC FF F6"])
 def test_a_reply_that_repeats_its_command_is_no_echo(word: str, capsys: Capture) -> None:
     """infineonforums.com, thread 6107: the line carries the command 8021h, the angle and the safety word."""
