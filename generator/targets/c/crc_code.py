@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Crc
 from ...model.record import dataclass
-from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, carrier_of, reflect, word_table
+from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, covered_data_of, reflect, word_table
 from ...plan.operations import FrameCrc
 from .about import about_crc
 from .codec import StructCodec
@@ -48,16 +48,16 @@ class CrcCode:
 
     @property
     def in_bytes(self) -> bool:
-        return self.function.carrier is CoveredData.BYTES
+        return self.function.covered_data is CoveredData.BYTES
 
     @property
     def is_fold(self) -> bool:
-        return self.function.form is CrcMethod.FOLD
+        return self.function.method is CrcMethod.FOLD
 
     @property
     def can_be_bitwise(self) -> bool:
         """True if the function uses a table, which a macro can replace by a computation bit by bit."""
-        return self.function.form is CrcMethod.TABLE
+        return self.function.method is CrcMethod.TABLE
 
     @property
     def is_reflected(self) -> bool:
@@ -83,7 +83,7 @@ def crc_code(context: HeaderContext, function: CrcFunction, codecs: Sequence[Str
     """
     users = [codec for codec in codecs if _uses_function(codec, function)]
     return CrcCode(
-        name=context.crc_name(function.crc, function.carrier.value),
+        name=context.crc_name(function.crc, function.covered_data.value),
         function=function,
         about=tuple(about_crc(context.device, function)),
         table=_table_entries(function) if users else (),
@@ -107,7 +107,7 @@ def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
     """
     has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
     has_own_function = bool(codec.bits_crcs)
-    return has_crc and not has_own_function and carrier_of(codec.struct.layout) is function.carrier
+    return has_crc and not has_own_function and covered_data_of(codec.struct.layout) is function.covered_data
 
 
 def _table_entries(function: CrcFunction) -> tuple[int, ...]:
@@ -116,9 +116,9 @@ def _table_entries(function: CrcFunction) -> tuple[int, ...]:
     A CRC in straight-line code (``FOLD``) has a table only for frames that are words.
     """
     crc = function.crc
-    if function.form is CrcMethod.TABLE:
-        is_reflected = function.carrier is CoveredData.BYTES and crc.refin
+    if function.method is CrcMethod.TABLE:
+        is_reflected = function.covered_data is CoveredData.BYTES and crc.refin
         return byte_table(crc.width, crc.poly, is_reflected)
-    if function.form is CrcMethod.FOLD and function.in_words:
+    if function.method is CrcMethod.FOLD and function.ends_words:
         return word_table(crc.width, crc.poly)
     return ()
