@@ -261,19 +261,19 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
     """
     choices_and_indices: list[tuple[Mapping[str, _Choice], int | None]] = []
     for choices in itertools.product(*spelling.choices):
-        choice_by_part = dict(zip(codes.names, choices, strict=True))
-        choices_and_indices.append((choice_by_part, codes.first_index(choice_by_part)))
+        part_choices = dict(zip(codes.names, choices, strict=True))
+        choices_and_indices.append((part_choices, codes.first_index(part_choices)))
     # The combinations with open parts that lead to an order code.
     allowed: set[tuple[_Choice, ...]] = set()
     for choice_by_part, index in choices_and_indices:
         if index is not None and _parts_with_pattern(choice_by_part):
             allowed.add(tuple(choice_by_part.values()))
-    open_choices = [_list_patterns(choices) for choices in spelling.choices]
+    patterns_of_parts = [_list_patterns(choices) for choices in spelling.choices]
     open_codes_of_spelling = []
     for choice_by_part, index in choices_and_indices:
         unlisted = _parts_with_pattern(choice_by_part)
         if index is None:
-            is_needed = _is_matched_by_open_pattern(tuple(choice_by_part.values()), open_choices, allowed)
+            is_needed = _is_matched_by_open_pattern(tuple(choice_by_part.values()), patterns_of_parts, allowed)
         else:
             is_needed = bool(unlisted) or not spelling.is_listed
         if is_needed:
