@@ -182,19 +182,20 @@ class CoveredData(Enum):
 class CrcFunction:
     """Function that computes ``crc``.
 
-    A CRC that covers bytes in one frame and bits in another has two functions, which differ in ``covered_data``.
-    ``ends_words`` is true if some frame with this CRC is received as one number, a word, rather than as bytes.
+    ``carrier`` is the kind of data that it covers, and ``form`` its method. ``alone`` is true if the CRC needs no other
+    function. ``in_words`` is true if the CRC ends frames that are words: received as one number rather than as bytes.
     """
 
     crc: Crc
-    covered_data: CoveredData
-    method: CrcMethod
-    ends_words: bool
+    carrier: CoveredData
+    form: CrcMethod
+    alone: bool
+    in_words: bool
 
     @property
     def steps(self) -> tuple[FoldStep, ...]:
         """Steps that reduce any 64-bit word to its remainder. Empty if the CRC cannot be folded."""
-        return fold_plan(self.crc.width, self.crc.poly, _LONGEST_WORD_BITS) if self.method is CrcMethod.FOLD else ()
+        return fold_plan(self.crc.width, self.crc.poly, _LONGEST_WORD_BITS) if self.form is CrcMethod.FOLD else ()
 
 
 def kinds_of_covered_data(device: Device, crc: Crc) -> tuple[CoveredData, ...]:
@@ -225,19 +226,21 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
     """
     for crc in device.crcs:
         ends_words = any(not layout.in_bytes and _has_crc(layout, crc) for _, layout in device.layouts())
-        for covered_data in kinds_of_covered_data(device, crc):
+        kinds = kinds_of_covered_data(device, crc)
+        is_only_function = len(kinds) == 1
+        for covered_data in kinds:
             method = method_of(crc, covered_data)
             # Folding needs a frame in which the CRC covers all other bits.
             if covered_data is CoveredData.BITS and not checks_whole_words(device, crc):
                 method = CrcMethod.TABLE
-            yield CrcFunction(crc=crc, covered_data=covered_data, method=method, ends_words=ends_words)
+            yield CrcFunction(crc=crc, carrier=covered_data, form=method, alone=is_only_function, in_words=ends_words)
 
 
 def function_of(device: Device, layout: Layout, crc: Crc) -> CrcFunction:
     """Return the function that computes ``crc``, a CRC of the family, at the end of a layout."""
     covered_data = covered_data_of(layout)
     for function in crc_functions(device):
-        if function.covered_data is covered_data and function.crc == crc:
+        if function.carrier is covered_data and function.crc == crc:
             return function
     raise AssertionError(f"'{crc.name}' is not a CRC of '{layout.name}'")
 

@@ -309,17 +309,17 @@ class JoinedNumber:
             yield field, low
             low += field.width
 
-    def combine(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
+    def joined(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
         """Return the number that the fields form together, for an order code with these parameters.
 
         ``numbers`` has the number in each field, by the name of the field.
         """
         return sum(numbers[field.name] << low.value(parameters) for field, low in self.from_low)
 
-    def split(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
+    def parts(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
         """Split ``number`` into the numbers of the fields that form it, and return them by the names of the fields.
 
-        This is the inverse of ``combine``. ``parameters`` are those of an order code.
+        This is the inverse of ``joined``. ``parameters`` are those of an order code.
         """
         field_numbers: dict[str, int] = {}
         for field, low in self.from_low:

@@ -51,13 +51,13 @@ def plan_procedure(device: Device, procedure: Procedure) -> ProcedurePlan:
 
     The plan also contains the checks of the arguments, which are made before the first operation.
     """
-    # A procedure may unlock a register, write it, and lock it again.
+    # A procedure may unlock a register, write it, and lock it again. That last write gets ``closes=True``.
     indices_that_lock_again = _indices_of_steps_that_lock_again(device, procedure.steps)
     operations: list[PlannedStep] = []
     for index, step in enumerate(procedure.steps):
         operation = _operation_of_step(device, procedure, step)
         if index in indices_that_lock_again and isinstance(operation, WriteRegister):
-            operation = replace(operation, locks_again=True)
+            operation = replace(operation, closes=True)
         operations.append(operation)
     operations_with_limits = _note_changed_limits(device, operations)
     verified_operations = tuple(_add_verification(operations_with_limits))
@@ -148,7 +148,7 @@ def _makes_writes_effective(write: WriteRegister) -> bool:
 
     This is a write to a register that cannot be read, such as a command register, or one that locks a register again.
     """
-    return write.locks_again or not write.register.readable
+    return write.closes or not write.register.readable
 
 
 def _writes_same_place(write: WriteRegister, earlier_write: WriteRegister) -> bool:
@@ -168,7 +168,7 @@ def _can_be_read_back(write: WriteRegister) -> bool:
     unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
     has_fixed_unused_bits = all(field.is_fixed for field in unused_fields)
     keeps_value = register.readable and not register.clears_itself
-    return keeps_value and not write.locks_again and has_fixed_unused_bits
+    return keeps_value and not write.closes and has_fixed_unused_bits
 
 
 def _slices_to_verify(write: WriteRegister) -> Iterator[BitSlice]:

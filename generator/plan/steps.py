@@ -84,8 +84,8 @@ class WriteRegister:
 
     ``bit_slices`` are the affected bytes, or empty if the position of the field depends on the order code. In each, the
     bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``. If an argument is written to the whole
-    register, ``determines_limits`` are the parameters in it on which limits of later steps depend. ``locks_again`` is
-    true if the write locks a register that an earlier step unlocked. It is made even if a step in between fails.
+    register, ``determines_limits`` are the parameters in it on which limits of later steps depend. ``closes`` is true
+    if the write locks a register that an earlier step unlocked. It is made even if a step in between fails.
     """
 
     step: WriteStep | ModifyStep
@@ -94,7 +94,7 @@ class WriteRegister:
     bit_slices: tuple[BitSlice, ...]
     value: ValueSource
     determines_limits: tuple[Parameter, ...] = ()
-    locks_again: bool = False
+    closes: bool = False
 
     @property
     def calls(self) -> tuple[MasterCall, ...]:

@@ -116,7 +116,7 @@ def test_values_that_a_procedure_writes(run: ProcedurePlan) -> None:
     values = [write.value for write in writes]
     position = run.procedure.arguments[0]
     assert values == [FixedNumber(0x5A), AsMember(position, "preset"), FixedNumber(1), FixedNumber(1), FixedNumber(0)]
-    assert [write.locks_again for write in writes] == [False, False, False, False, True]
+    assert [write.closes for write in writes] == [False, False, False, False, True]
     verified = [operation.write for operation in run.operations if isinstance(operation, VerifyWrite)]
     assert verified == writes[:3]
 
@@ -351,8 +351,8 @@ def test_numbers_of_several_fields(by_hand: Device) -> None:
     codec = plan(by_hand, "gray_word")
     (position,) = codec.joined_numbers
     parameters = dict(by_hand.variant("HABG").parameters)
-    assert position.combine({"turns": 5, "angle": 10}, parameters) == 5 * 32 + 10
-    assert position.split(5 * 32 + 10, parameters) == {"turns": 5, "angle": 10}
+    assert position.joined({"turns": 5, "angle": 10}, parameters) == 5 * 32 + 10
+    assert position.parts(5 * 32 + 10, parameters) == {"turns": 5, "angle": 10}
     assert position.width.value(parameters) == 3 + 5
     assert position.depends
     assert position.bits is not None

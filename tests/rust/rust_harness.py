@@ -210,9 +210,9 @@ def _path(struct: Struct) -> str:
 
 
 def _crc_arguments(crc: CrcFunction) -> str:
-    if crc.covered_data is CoveredData.BYTES:
+    if crc.carrier is CoveredData.BYTES:
         return "&bytes(words.next().unwrap())"
-    bits = "" if crc.method is CrcMethod.FOLD else ", number(words) as u32"
+    bits = "" if crc.form is CrcMethod.FOLD else ", number(words) as u32"
     return f"word(words.next().unwrap()){bits}"
 
 

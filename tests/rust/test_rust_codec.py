@@ -187,13 +187,13 @@ def test_crcs(program: Program) -> None:
     pairs = []
     for index, function in enumerate(program.family.crcs):
         for length in range(33):
-            if function.covered_data is CoveredData.BYTES:
+            if function.carrier is CoveredData.BYTES:
                 data = random_.randbytes(length)
                 pairs.append((f"c {index} x{data.hex()}", f"{compute_bytes(function.crc, data):X}"))
             else:
                 bits = min(2 * length, 64)
                 number = random_.getrandbits(bits)
-                expected = compute_bits(function.crc, number, 64 if function.method is CrcMethod.FOLD else bits)
+                expected = compute_bits(function.crc, number, 64 if function.form is CrcMethod.FOLD else bits)
                 pairs.append((f"c {index} {number:X} {bits}", f"{expected:X}"))
     check(program, pairs)
 

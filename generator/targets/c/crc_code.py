@@ -48,16 +48,16 @@ class CrcCode:
 
     @property
     def in_bytes(self) -> bool:
-        return self.function.covered_data is CoveredData.BYTES
+        return self.function.carrier is CoveredData.BYTES
 
     @property
     def is_fold(self) -> bool:
-        return self.function.method is CrcMethod.FOLD
+        return self.function.form is CrcMethod.FOLD
 
     @property
     def can_be_bitwise(self) -> bool:
         """True if the function uses a table, which a macro can replace by a computation bit by bit."""
-        return self.function.method is CrcMethod.TABLE
+        return self.function.form is CrcMethod.TABLE
 
     @property
     def is_reflected(self) -> bool:
@@ -83,7 +83,7 @@ def crc_code(context: HeaderContext, function: CrcFunction, codecs: Sequence[Str
     """
     users = [codec for codec in codecs if _uses_function(codec, function)]
     return CrcCode(
-        name=context.crc_name(function.crc, function.covered_data.value),
+        name=context.crc_name(function.crc, function.carrier.value),
         function=function,
         about=tuple(about_crc(context.device, function)),
         table=_table_entries(function) if users else (),
@@ -107,7 +107,7 @@ def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
     """
     has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
     has_own_function = bool(codec.bits_crcs)
-    return has_crc and not has_own_function and covered_data_of(codec.struct.layout) is function.covered_data
+    return has_crc and not has_own_function and covered_data_of(codec.struct.layout) is function.carrier
 
 
 def _table_entries(function: CrcFunction) -> tuple[int, ...]:
@@ -116,9 +116,9 @@ def _table_entries(function: CrcFunction) -> tuple[int, ...]:
     A CRC in straight-line code (``FOLD``) has a table only for frames that are words.
     """
     crc = function.crc
-    if function.method is CrcMethod.TABLE:
-        is_reflected = function.covered_data is CoveredData.BYTES and crc.refin
+    if function.form is CrcMethod.TABLE:
+        is_reflected = function.carrier is CoveredData.BYTES and crc.refin
         return byte_table(crc.width, crc.poly, is_reflected)
-    if function.method is CrcMethod.FOLD and function.ends_words:
+    if function.form is CrcMethod.FOLD and function.in_words:
         return word_table(crc.width, crc.poly)
     return ()

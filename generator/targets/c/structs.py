@@ -180,7 +180,8 @@ class LayoutStruct:
         number_by_field = {field.name: values.get(field.name, _default_value(field)) for field in fields}
         for joined_number in self.plan.joined_numbers:
             if joined_number.name in values:
-                number_by_field |= joined_number.split(values[joined_number.name], parameters)
+                # The numbers of its fields.
+                number_by_field |= joined_number.parts(values[joined_number.name], parameters)
         # C sets all members after the first one to 0.
         if not any(number_by_field.values()):
             return "0U"
@@ -188,7 +189,7 @@ class LayoutStruct:
         for field in fields:
             initial_values += self._initial_values(field, number_by_field[field.name])
         for joined_number in self.plan.joined_numbers:
-            number = joined_number.combine(number_by_field, parameters)
+            number = joined_number.joined(number_by_field, parameters)
             initial_values.append(c_number(number, hexadecimal=True))
         if self.unused:
             initial_values.append("0U")
