@@ -74,8 +74,11 @@ def _find_revision(
     if wanted_edition == BY_REGISTERS and code_match is not None:
         return edition_by_registers(device, code_match, register_bytes)
     if wanted_edition != BY_LABEL:
+        # Without an order code, this also reports ``BY_REGISTERS`` as an edition that does not exist.
         return revision_for(device, wanted_edition)
-    revision = edition_by_label(device, code_match) if code_match is not None else ""
+    revision = ""
+    if code_match is not None:
+        revision = edition_by_label(device, code_match)
     if not revision:
         example = device.manual.revision
         raise UnknownEdition(f"cannot infer the edition from this label; give its revision, such as {example}")

@@ -252,7 +252,8 @@ def _schema_reference(folder: Path, kind: str) -> str:
 
 def manufacturer_text(schema: str) -> str:
     """Return the text of a manufacturer file."""
-    return _template_text("manufacturer").replace(_SCHEMA_IN_TEMPLATES.format("manufacturer"), schema)
+    schema_in_template = _SCHEMA_IN_TEMPLATES.format("manufacturer")
+    return _template_text("manufacturer").replace(schema_in_template, schema)
 
 
 def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> str:
@@ -261,7 +262,8 @@ def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> st
     ``like`` is one of ``LIKE``, or empty for a singleturn encoder over BiSS.
     """
     spec_text = _template_text(like or "biss-singleturn")
-    spec_text = spec_text.replace(_SCHEMA_IN_TEMPLATES.format("device"), schema)
+    schema_in_template = _SCHEMA_IN_TEMPLATES.format("device")
+    spec_text = spec_text.replace(schema_in_template, schema)
     spec_text = spec_text.replace(f"manufacturer: {_TEMPLATE_MANUFACTURER}\n", f"manufacturer: {manufacturer}\n")
     order_code = name.replace("_", "-").upper()
     return spec_text.replace("MY-ENCODER", order_code).replace("my_encoder", name)

@@ -104,17 +104,17 @@ class FileFormat:
         title: The tool, in running text.
         suffix: Suffix of the file, with its dot.
         comment: Beginning of a comment line, or ``<!--`` in XML.
-        needs: Kind of place that the format can write, a key of ``PLACE_KINDS``.
+        kind_of_place: Kind of place that the format can write, a key of ``PLACE_KINDS``.
         reader: Program of the tool that has been seen to read such files, or empty if none is public.
-        highest: Highest number that the reader accepts, or None.
+        highest_number: Highest number that the reader accepts, or None.
     """
 
     title: str
     suffix: str
     comment: str
-    needs: str
+    kind_of_place: str
     reader: str
-    highest: int | None = None
+    highest_number: int | None = None
 
 
 _XML = "<!--"

@@ -235,11 +235,11 @@ def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
         return
     yield from counted_problems[:MAX_PROBLEMS]
     ended_early = len(counted_problems) < len(file_problems)
-    number = f"at least {unlisted_count}" if ended_early else str(unlisted_count)
+    count_text = f"at least {unlisted_count}" if ended_early else str(unlisted_count)
     if unlisted_count == 1:
-        message = f"there is {number} more problem from here on; it is reported once these are fixed"
+        message = f"there is {count_text} more problem from here on; it is reported once these are fixed"
     else:
-        message = f"there are {number} more problems from here on; they are reported once these are fixed"
+        message = f"there are {count_text} more problems from here on; they are reported once these are fixed"
     yield replace(counted_problems[MAX_PROBLEMS], rule=TOO_MANY, path="", message=message)
 
 

@@ -91,29 +91,43 @@ def _find_gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
         yield _Gap(below=field_below, above=None, low=end_of_field_below, width=width_above)
 
 
-def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: LayoutSite) -> bool:
+def check_all_bits_covered(
+    fields: Sequence[Field], layout_width: Expression, gap_content: str, site: LayoutSite
+) -> bool:
     """Return whether every bit of a layout belongs to a field, for all order codes, and report the first gap if not.
 
-    ``gaps`` is the content of bits that belong to no field. If the spec defines it, such bits are allowed.
+    ``gap_content`` is the content of bits that belong to no field. If the spec defines it, such bits are allowed.
     """
-    if gaps:
+    if gap_content:
         return True
     for parameters in site.parameter_sets:
-        # A field with a width of 0 does not exist for this order code.
-        present_fields = [field for field in fields if field.width.value(parameters)]
-        present_fields.sort(key=lambda field: field.low.value(parameters))
-        starts = [*(field.low for field in present_fields), bits]
-        ends_below = [ZERO, *(field.low + field.width for field in present_fields)]
-        # The first gap ends at the lowest field, and the last one at the end of the layout.
-        for end_below, start in zip(ends_below, starts, strict=True):
-            first_uncovered = end_below.value(parameters)
-            next_covered = start.value(parameters)
-            if next_covered > first_uncovered:
-                gap_text = bits_text(next_covered - 1, first_uncovered) + values_text(parameters, start, end_below)
-                remedy = "add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
-                site.report("bits-without-field", f"no field covers {gap_text}; {remedy}")
-                return False
+        gap_text = _first_gap_text(fields, layout_width, parameters)
+        if gap_text:
+            remedy = "add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
+            site.report("bits-without-field", f"no field covers {gap_text}; {remedy}")
+            return False
     return True
+
+
+def _first_gap_text(fields: Sequence[Field], layout_width: Expression, parameters: Mapping[str, int]) -> str:
+    """Return the lowest bits that belong to no field for an order code with these parameters, or an empty string.
+
+    An example is ``bits 7:4 with singleturn_bits = 17``.
+    """
+    # A field with a width of 0 does not exist for this order code.
+    present_fields = [field for field in fields if field.width.value(parameters)]
+    present_fields.sort(key=lambda field: field.low.value(parameters))
+    ranges = [(field.low, field.low + field.width) for field in present_fields]
+    # The last gap ends at the end of the layout, as if a field began there.
+    ranges.append((layout_width, layout_width))
+    end_below = ZERO
+    for start, end in ranges:
+        first_uncovered = end_below.value(parameters)
+        next_covered = start.value(parameters)
+        if next_covered > first_uncovered:
+            return bits_text(next_covered - 1, first_uncovered) + values_text(parameters, start, end_below)
+        end_below = end
+    return ""
 
 
 def in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], Expression]:

@@ -150,11 +150,12 @@ def _documented_bits(register: Register, variant: Variant) -> tuple[int, int]:
     number = 0
     mask = 0
     for placed_field in register.layout.place(variant.parameters).fields:
-        documented = placed_field.field.documented(variant.parameters)
+        documented_value = placed_field.field.documented(variant.parameters)
         is_inside = placed_field.low + placed_field.width <= 8 * register.length
-        if documented is not None and is_inside:
-            value = codec.number_of_text(documented) if isinstance(documented, str) else documented
-            number |= (value & placed_field.mask) << placed_field.low
+        if documented_value is not None and is_inside:
+            if isinstance(documented_value, str):
+                documented_value = codec.number_of_text(documented_value)
+            number |= (documented_value & placed_field.mask) << placed_field.low
             mask |= placed_field.mask << placed_field.low
     return number, mask
 

@@ -289,12 +289,14 @@ class Device:
     def has_verdict(self, interface: str, layout: Layout) -> bool:
         """Return True if frames of this layout have a verdict on the position: whether it is usable.
 
-        They contain the position, or they are a data channel in the same frame with bits that show this.
+        They contain the position, or they are a data channel in the same frame with bits that show this, such as an
+        error bit.
         """
         if self.sends_position(interface, layout):
             return True
-        frame = channel_frame(self.interface(interface))
-        return frame is not None and layout in frame.layouts and layout.judges_position
+        frame_of_channels = channel_frame(self.interface(interface))
+        is_channel = frame_of_channels is not None and layout in frame_of_channels.layouts
+        return is_channel and layout.judges_position
 
     def range_in(self, layout: Layout) -> PositionRange | None:
         """Return the range of valid positions in frames of this layout, or None if its field can hold no other numbers.

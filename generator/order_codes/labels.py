@@ -75,13 +75,13 @@ AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 class UnknownOrderCode(ValueError):
     """The order code does not exist. The message names the wrong part and its valid values.
 
-    ``close`` is true if this message should be shown: either all but one part of the text matches the family, or the
-    text cannot belong to any family.
+    ``names_mistake`` is true if the message names the mistake in the text: all but one part of it match the family, the
+    parts cannot be combined, or the text is empty or too long. It is false if the text belongs to another family.
     """
 
-    def __init__(self, message: str, close: bool) -> None:
+    def __init__(self, message: str, names_mistake: bool) -> None:
         super().__init__(message)
-        self.close = close
+        self.names_mistake = names_mistake
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,10 +152,10 @@ def find_code(device: Device, text: str) -> LabelMatch:
     """
     if len(text) > LONGEST:
         message = too_long(start=text[:_SHOWN_CHARACTERS], length=str(len(text)), longest=str(LONGEST))
-        raise UnknownOrderCode(message, close=True)
+        raise UnknownOrderCode(message, names_mistake=True)
     label = without_blanks(text).upper()
     if not label:
-        raise UnknownOrderCode(EMPTY, close=True)
+        raise UnknownOrderCode(EMPTY, names_mistake=True)
     # A part of the code itself may look like /Sxxx, which is a special model only after the code.
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
         label_pattern = expression_of_code(device.order_code, spelling) + AFTER
@@ -246,7 +246,7 @@ def _variant_with_parts(
     variant = _fitting_variant(device, listed_values)
     if variant is None:
         message = _clash_message(device, label, value_by_part, listed_values)
-        raise UnknownOrderCode(message, close=True)
+        raise UnknownOrderCode(message, names_mistake=True)
     unlisted_parts = tuple(name for name, value in listed_values.items() if value is None)
     if unlisted_parts:
         printed_values = {name: value or value_by_part[name] for name, value in listed_values.items()}
@@ -381,7 +381,7 @@ def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
     candidates = list(_possible_wrong_parts(device, label))
     if not candidates:
         message = not_of_family(code=label, family=device.name.upper(), nearest=nearest)
-        return UnknownOrderCode(message, close=False)
+        return UnknownOrderCode(message, names_mistake=False)
     likeliest = min(candidates)  # ``_WrongPart`` is ordered by its members.
     part = device.order_code.parts[likeliest.position]
     valid_values = ", ".join(value.text for value in part.values)
@@ -389,7 +389,7 @@ def _unknown_code_error(device: Device, label: str) -> UnknownOrderCode:
         valid_values += unlisted_values(part.open)
     problem = has_part(part.name, likeliest.text) if likeliest.is_present else has_no_part(part.name)
     message = wrong_part(code=label, problem=problem, valid=valid_values, nearest=nearest)
-    return UnknownOrderCode(message, close=True)
+    return UnknownOrderCode(message, names_mistake=True)
 
 
 def _possible_wrong_parts(device: Device, label: str) -> Iterator[_WrongPart]:

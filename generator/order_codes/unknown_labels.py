@@ -54,9 +54,9 @@ def _reasons(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
         try:
             find_code(device, text)
         except UnknownOrderCode as error:
-            if error.close or length_of_name:
+            if error.names_mistake or length_of_name:
                 length = max(length_of_name, _length_before_parts(device))
-                yield _Reason(matching_characters=length, is_close=error.close, message=str(error))
+                yield _Reason(matching_characters=length, is_close=error.names_mistake, message=str(error))
 
 
 def _without_marks(text: str) -> str:

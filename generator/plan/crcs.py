@@ -182,8 +182,8 @@ class CoveredData(Enum):
 class CrcFunction:
     """Function that computes ``crc``.
 
-    ``alone`` is true if the CRC needs no other function. ``in_words`` is true if the CRC ends frames that are one
-    number.
+    ``carrier`` is the kind of data that it covers, and ``form`` its method. ``alone`` is true if the CRC needs no other
+    function. ``in_words`` is true if the CRC ends frames that are words: received as one number rather than as bytes.
     """
 
     crc: Crc
@@ -198,7 +198,7 @@ class CrcFunction:
         return fold_plan(self.crc.width, self.crc.poly, _LONGEST_WORD_BITS) if self.form is CrcMethod.FOLD else ()
 
 
-def carriers(device: Device, crc: Crc) -> tuple[CoveredData, ...]:
+def kinds_of_covered_data(device: Device, crc: Crc) -> tuple[CoveredData, ...]:
     """Return the kinds of data, BYTES or BITS or both, that a CRC covers in the frames and registers of a family.
 
     If no frame or register has this CRC, its parameters decide: reflected input is defined only for bytes, and a CRC
@@ -206,14 +206,14 @@ def carriers(device: Device, crc: Crc) -> tuple[CoveredData, ...]:
     """
     layouts = [layout for _, layout in device.layouts()]
     layouts += (register.layout for register in device.registers)
-    used_carriers = [carrier_of(layout) for layout in layouts if _has_crc(layout, crc)]
-    if used_carriers:
-        return tuple(carrier for carrier in (CoveredData.BYTES, CoveredData.BITS) if carrier in used_carriers)
+    used_kinds = [covered_data_of(layout) for layout in layouts if _has_crc(layout, crc)]
+    if used_kinds:
+        return tuple(kind for kind in (CoveredData.BYTES, CoveredData.BITS) if kind in used_kinds)
     suggests_bytes = crc.refin or crc.width % 8 == 0
     return (CoveredData.BYTES,) if suggests_bytes else (CoveredData.BITS,)
 
 
-def carrier_of(layout: Layout) -> CoveredData:
+def covered_data_of(layout: Layout) -> CoveredData:
     """Return the kind of data, BYTES or BITS, that the CRC at the end of a layout covers."""
     return CoveredData.BYTES if layout.crc_covers_bytes else CoveredData.BITS
 
@@ -221,25 +221,26 @@ def carrier_of(layout: Layout) -> CoveredData:
 def crc_functions(device: Device) -> Iterator[CrcFunction]:
     """Yield the CRC functions that the generated code for a family needs, in the order of its CRCs.
 
-    A CRC that covers bytes in one frame and bits in another has two functions: first over bytes, then over bits.
+    A CRC that covers bytes in one frame and bits in another has two functions: first over bytes, then over bits. If
+    frames with this CRC are words, which are numbers of up to 64 bits, the code may also need a table for words.
     """
     for crc in device.crcs:
-        crc_carriers = carriers(device, crc)
-        in_words = any(not layout.in_bytes and _has_crc(layout, crc) for _, layout in device.layouts())
-        for carrier in crc_carriers:
-            form = form_of(crc, carrier)
+        ends_words = any(not layout.in_bytes and _has_crc(layout, crc) for _, layout in device.layouts())
+        kinds = kinds_of_covered_data(device, crc)
+        is_only_function = len(kinds) == 1
+        for covered_data in kinds:
+            method = method_of(crc, covered_data)
             # Folding needs a frame in which the CRC covers all other bits.
-            if carrier is CoveredData.BITS and not checks_whole_words(device, crc):
-                form = CrcMethod.TABLE
-            is_alone = len(crc_carriers) == 1
-            yield CrcFunction(crc=crc, carrier=carrier, form=form, alone=is_alone, in_words=in_words)
+            if covered_data is CoveredData.BITS and not checks_whole_words(device, crc):
+                method = CrcMethod.TABLE
+            yield CrcFunction(crc=crc, carrier=covered_data, form=method, alone=is_only_function, in_words=ends_words)
 
 
 def function_of(device: Device, layout: Layout, crc: Crc) -> CrcFunction:
     """Return the function that computes ``crc``, a CRC of the family, at the end of a layout."""
-    carrier = carrier_of(layout)
+    covered_data = covered_data_of(layout)
     for function in crc_functions(device):
-        if function.carrier is carrier and function.crc == crc:
+        if function.carrier is covered_data and function.crc == crc:
             return function
     raise AssertionError(f"'{crc.name}' is not a CRC of '{layout.name}'")
 
@@ -271,9 +272,9 @@ def is_checked_by_division(crc: Crc, layout: Layout) -> bool:
     return is_remainder_of_word and (can_be_folded(crc) or 8 <= crc.width <= 32)
 
 
-def form_of(crc: Crc, carrier: CoveredData) -> CrcMethod:
+def method_of(crc: Crc, covered_data: CoveredData) -> CrcMethod:
     """Return the method by which generated code computes a CRC over bits or bytes. A wide CRC is not folded."""
-    if carrier is CoveredData.BYTES:
+    if covered_data is CoveredData.BYTES:
         return CrcMethod.XOR if crc.is_xor else CrcMethod.TABLE
     is_narrow = crc.width <= _WIDEST_FOLD
     return CrcMethod.FOLD if can_be_folded(crc) and is_narrow else CrcMethod.TABLE

@@ -297,6 +297,11 @@ class JoinedNumber:
     bits: FieldBits | None
 
     @property
+    def name(self) -> str:
+        """Name of the join."""
+        return self.join.name
+
+    @property
     def from_low(self) -> Iterator[tuple[Field, Expression]]:
         """Yield its fields, lowest first, each with the position of its lowest bit in the number."""
         low = Expression(0)

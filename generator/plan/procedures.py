@@ -51,14 +51,15 @@ def plan_procedure(device: Device, procedure: Procedure) -> ProcedurePlan:
 
     The plan also contains the checks of the arguments, which are made before the first operation.
     """
-    closing_indices = _closing_steps(device, procedure.steps)
+    # A procedure may unlock a register, write it, and lock it again. That last write gets ``closes=True``.
+    indices_that_lock_again = _indices_of_steps_that_lock_again(device, procedure.steps)
     operations: list[PlannedStep] = []
     for index, step in enumerate(procedure.steps):
         operation = _operation_of_step(device, procedure, step)
-        if index in closing_indices and isinstance(operation, WriteRegister):
+        if index in indices_that_lock_again and isinstance(operation, WriteRegister):
             operation = replace(operation, closes=True)
         operations.append(operation)
-    operations_with_limits = _set_limiting_parameters(device, operations)
+    operations_with_limits = _note_changed_limits(device, operations)
     verified_operations = tuple(_add_verification(operations_with_limits))
     writes = [operation for operation in verified_operations if isinstance(operation, WriteRegister)]
     checked_arguments = [checked_argument(device, argument, writes) for argument in procedure.arguments]
@@ -80,7 +81,7 @@ def _changes_frames(device: Device, write: WriteRegister) -> bool:
     return False
 
 
-def _set_limiting_parameters(device: Device, operations: Sequence[PlannedStep]) -> Iterator[PlannedStep]:
+def _note_changed_limits(device: Device, operations: Sequence[PlannedStep]) -> Iterator[PlannedStep]:
     """Yield the operations. Writes that change limits of later writes list the parameters that they change.
 
     These are writes of an argument to a whole register, such as the resolution, that contains a parameter in the limits
@@ -122,9 +123,9 @@ def _add_verification(operations: Iterable[PlannedStep]) -> Iterator[PlannedStep
     """Yield the operations, with a ``VerifyWrite`` for each write that can be read back before it takes effect.
 
     The manuals have no such step, but a corrupted BiSS write can be echoed as if it had been stored. Written values
-    take effect with a later write to a register that cannot be read, such as a command register, or with a closing
-    write. They are read back just before it, or before the same register is written again. A write that no such write
-    follows is not read back.
+    take effect with a later write to a register that cannot be read, such as a command register, or with one that
+    locks a register again. They are read back just before it, or before the same register is written again. A write
+    that no such write follows is not read back.
     """
     unverified_writes: list[WriteRegister] = []
     for operation in operations:
@@ -239,19 +240,19 @@ def _written_value(register: Register, step: WriteStep, argument: Argument | Non
     return AsMember(argument, member) if member else AsNumber(argument)
 
 
-def _closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
+def _indices_of_steps_that_lock_again(device: Device, steps: Sequence[Step]) -> frozenset[int]:
     """Return the indices of the steps that lock a register again after an earlier step of the procedure unlocked it.
 
     Some registers accept writes only while another register, ``opened_by``, contains a certain number. An opening step
-    writes this number. Its closing step is the next step that writes a different number to the same register. Steps
-    that write an argument of the procedure neither open nor close.
+    writes this number. The next step that writes a different number to the same register locks it again. Steps that
+    write an argument of the procedure do neither.
     """
     written_names = {step.register for step in steps if isinstance(step, WriteStep | ModifyStep)}
     used_registers = [register for register in device.registers if register.name in written_names]
     locked_registers = [register for register in used_registers if register.opened_by]
     # Names of the registers that contain the number that unlocks another register.
     names_of_open_registers: set[str] = set()
-    closing_indices: set[int] = set()
+    indices_that_lock_again: set[int] = set()
     for index, step in enumerate(steps):
         # Without a fixed value, a step writes an argument.
         if not isinstance(step, WriteStep | ModifyStep) or step.value is None:
@@ -263,8 +264,8 @@ def _closing_steps(device: Device, steps: Sequence[Step]) -> frozenset[int]:
             names_of_open_registers.add(step.register)
         elif controlled_registers and step.register in names_of_open_registers:
             names_of_open_registers.discard(step.register)
-            closing_indices.add(index)
-    return frozenset(closing_indices)
+            indices_that_lock_again.add(index)
+    return frozenset(indices_that_lock_again)
 
 
 def _controls_access(step: WriteStep | ModifyStep, locked_register: Register) -> bool:

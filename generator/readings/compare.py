@@ -106,13 +106,13 @@ def _facts_by_path(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple
     """
     text_facts = [fact for fact in spec.facts.values() if fact.fact_class in _TEXT_CLASSES]
     spec_fact_by_path = {dotted_path(fact.place): fact for fact in text_facts}
-    for path, (numbers, second_place) in second.printed_numbers.items():
+    for path, printed_numbers in second.printed_numbers.items():
         spec_fact = spec_fact_by_path.get(path)
         if spec_fact is None:
             spec_fact = ComparedFact(
                 fact_class=FactClass.TEXT, key=(NUMBERS, path), value="", description=f"numbers in {path}", place=()
             )
-        yield spec_fact.key, replace(spec_fact, value=numbers, place=second_place)
+        yield spec_fact.key, replace(spec_fact, value=printed_numbers.text, place=printed_numbers.place)
     for key, spec_fact in spec.facts.items():
         if spec_fact.fact_class is FactClass.SECTION and dotted_path(spec_fact.place) not in second.printed_numbers:
             sections = _sections_at(spec_fact.place, second)

@@ -186,7 +186,7 @@ def _held_parameter_facts(reading: SpecReading, parameter: Parameter) -> Iterato
 
     The bits that hold the parameter identify its limits.
     """
-    bits_text = reading.bits_at(parameter.read_from)
+    bits_text = reading.describe_bits(parameter.read_from)
     register = reading.register(parameter.register)
     for bound_name, bound in (("min", parameter.min), ("max", parameter.max)):
         if bound is not None:

@@ -152,6 +152,13 @@ class WordBits:
         return next(iter(distinct_words.values()), None)
 
 
+class PrintedNumbers(NamedTuple):
+    """The numbers in a text, such as ``5V 10ms``, or the sections that a source cites, with their place."""
+
+    text: str
+    place: Path
+
+
 @dataclasses.dataclass(slots=True)
 class ComparedFacts:
     """All facts of a reading. ``derived`` counts the facts that follow from other facts.
@@ -165,7 +172,7 @@ class ComparedFacts:
     words: dict[FactKey, WordBits] = dataclasses.field(default_factory=dict)
     derived: Counter[FactClass] = dataclasses.field(default_factory=Counter)
     names: dict[FactKey, FactNames] = dataclasses.field(default_factory=dict)
-    printed_numbers: Mapping[str, tuple[str, Path]] = dataclasses.field(default_factory=dict)
+    printed_numbers: Mapping[str, PrintedNumbers] = dataclasses.field(default_factory=dict)
     sections: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     decided: Sequence[str] = ()
 
@@ -241,7 +248,7 @@ class SpecReading:
             # A parameter without an interface is the same over all of them.
             if parameter.interface and parameter.interface != interface:
                 continue
-            name_of_bits = self.bits_at(parameter.read_from)
+            name_of_bits = self.describe_bits(parameter.read_from)
             for bound in (parameter.min, parameter.max):
                 if bound is not None:
                     yield f"{name_of_bits} = {bound}", {parameter.name: bound}
@@ -250,7 +257,7 @@ class SpecReading:
             for answer_number, answer in enumerate(alternative.answers[1:], 2):
                 yield f"answer {answer_number} of alternative {number}", answer.sets
 
-    def bits_at(self, path: str) -> str:
+    def describe_bits(self, path: str) -> str:
         """Return the bits at a path ``register.field``: ``register 0x49 bits 7:4``, or the path if there is none."""
         register, field = self._field_at(path)
         if register is None or field is None:
@@ -267,7 +274,7 @@ class SpecReading:
         for named_value in field.values if field is not None else ():
             if named_value.name == name:
                 number_text = in_hex(named_value.value)
-        return f"{self.bits_at(path)} is {number_text}"
+        return f"{self.describe_bits(path)} is {number_text}"
 
     def _field_at(self, path: str) -> tuple[Register | None, Field | None]:
         """Return the register and the field of ``register.field``, each None if it does not exist."""

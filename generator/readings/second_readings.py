@@ -37,7 +37,7 @@ def facts_of(reading: SpecReading) -> ComparedFacts:
     facts.add(surroundings.surroundings(reading))
     facts.add(texts.content_facts(reading))
     facts.add(texts.text_facts(reading))
-    facts.printed_numbers = texts.numbers_by_path(reading)
+    facts.printed_numbers = texts.printed_numbers_by_path(reading)
     facts.sections = texts.sections_by_path(reading)
     facts.decided = reading.document.data.get("decided", ())
     return facts

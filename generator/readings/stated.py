@@ -436,7 +436,7 @@ def _referred_text(reading: SpecReading, member: ModelMember, referred_names: An
         case "register":
             thing_texts = {_register_text(reading, name) for name in names}
         case "dotted":
-            thing_texts = {reading.bits_at(name) for name in names}
+            thing_texts = {reading.describe_bits(name) for name in names}
         case "procedure":
             return program_texts(reading, names)
         case _:

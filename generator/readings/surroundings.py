@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..language.document import Path
-from ..model import Alarm, Connector, Edition, Manual
+from ..model import Alarm, Connector, Edition, Field, Layout, Manual
 from .reading import ComparedFact, FactClass, FactKey, SpecReading, comparable_text, interface_label, register_text
 from .stated import FactSubject
 from .texts import numbers_in
@@ -83,20 +83,24 @@ def _alarm_bits_texts(reading: SpecReading, alarm: Alarm) -> Iterator[str]:
     """Yield the places of an alarm: ``register 0x49 bit 3``, a whole register, and its bit in each frame.
 
     An alarm in frames belongs to a field group. Its bits are given for each frame with that group: ``bit 3 of … over
-    SSI``.
+    SSI``. ``reading`` is the spec, or a second transcript of the manual, from which the facts are compared.
     """
     register = reading.register(alarm.register) if alarm.register else None
     if register is not None and alarm.field:
-        yield reading.bits_at(f"{alarm.register}.{alarm.field}")
+        yield reading.describe_bits(f"{alarm.register}.{alarm.field}")
     elif register is not None:
         yield register_text(register)
     if not alarm.group:
         return
     for interface, layout in reading.device.layouts():
-        for field in layout.fields:
-            if (field.group, field.name) == (alarm.group, alarm.field):
-                for bit_text in reading.bits_in_frames(interface.name, layout, field):
-                    yield f"{bit_text} over {interface.short}"
+        for field in _fields_of_alarm(layout, alarm):
+            for bit_text in reading.bits_in_frames(interface.name, layout, field):
+                yield f"{bit_text} over {interface.short}"
+
+
+def _fields_of_alarm(layout: Layout, alarm: Alarm) -> list[Field]:
+    """Return the fields of a frame that send an alarm: those with its name and from its field group."""
+    return [field for field in layout.fields if field.group == alarm.group and field.name == alarm.field]
 
 
 def _history_facts(reading: SpecReading, manual: Manual) -> Iterator[ComparedFact]:

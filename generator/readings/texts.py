@@ -12,7 +12,7 @@ from typing import Any
 from ..language.document import Path, label_of
 from ..language.schema_files import PROSE
 from ..loading.from_mapping import parse_sources
-from .reading import ComparedFact, FactClass, SpecReading
+from .reading import ComparedFact, FactClass, PrintedNumbers, SpecReading
 
 #: First part of the keys of numbers in texts, and of cited sections.
 NUMBERS, CITED = "numbers", "cited"
@@ -57,7 +57,7 @@ def content_facts(reading: SpecReading) -> Iterator[ComparedFact]:
 def text_facts(reading: SpecReading) -> Iterator[ComparedFact]:
     """Yield a fact for every text with numbers, and one for every source with sections, identified by their places."""
     for place, text in prose_texts((), reading.document.data):
-        numbers_or_sections = _compared_text(place[-1], text)
+        numbers_or_sections = _numbers_or_sections(place[-1], text)
         if not numbers_or_sections:
             continue
         if is_source(place[-1]):
@@ -83,7 +83,7 @@ def is_source(key: str | int) -> bool:
     return key == "source" or str(key).endswith("_source")
 
 
-def _compared_text(key: str | int, text: str) -> str:
+def _numbers_or_sections(key: str | int, text: str) -> str:
     """Return the part of a text that is compared: its numbers, or the sections of the manual that a source cites.
 
     Citations of other documents are left out.
@@ -95,17 +95,18 @@ def _compared_text(key: str | int, text: str) -> str:
     return ", ".join(sorted(sections))
 
 
-def numbers_by_path(reading: SpecReading) -> dict[str, tuple[str, Path]]:
-    """Return the numbers, or cited sections, that a second reading has under ``found`` for texts of the spec.
+def printed_numbers_by_path(reading: SpecReading) -> dict[str, PrintedNumbers]:
+    """Return the numbers, or cited sections, that the second reader of a manual read for texts of the spec.
 
-    The keys are the paths of the texts. Each value has its place in the second reading:
-    ``{"registers.mode.meaning": ("5V 10ms", ("found", "registers.mode.meaning"))}``.
+    A second reading is a transcript of the same manual that was written without the spec. Its key ``found`` lists texts
+    by the path of the text in the spec, such as ``registers.mode.meaning``. From ``at 5 V, 10 ms`` there, the result is
+    ``5V 10ms`` with its place in the second reading.
     """
-    numbers_and_places: dict[str, tuple[str, Path]] = {}
+    printed_numbers: dict[str, PrintedNumbers] = {}
     for path, text in reading.document.data.get("found", {}).items():
         member_name = path.rpartition(".")[2]
-        numbers_and_places[path] = (_compared_text(member_name, text), ("found", path))
-    return numbers_and_places
+        printed_numbers[path] = PrintedNumbers(text=_numbers_or_sections(member_name, text), place=("found", path))
+    return printed_numbers
 
 
 def sections_by_path(reading: SpecReading) -> dict[str, list[str]]:

@@ -387,7 +387,8 @@ class VirtualEncoder:
         """
         if layout is None:
             return ()
-        return tuple(self.place(layout).find_fields(layout.names_in(self._position_name)))
+        field_names = layout.names_in(self._position_name)
+        return tuple(self.place(layout).find_fields(field_names))
 
     @cached_property
     def _not_ready_flags(self) -> set[str]:

@@ -57,7 +57,7 @@ def find_order_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[D
             match = find_code(family.device, text)
         except UnknownOrderCode as error:
             # An error with similar order codes is more helpful.
-            if error.close or not error_message:
+            if error.names_mistake or not error_message:
                 error_message = str(error)
             continue
         if not edition:

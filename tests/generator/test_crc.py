@@ -7,7 +7,7 @@ from itertools import product
 
 import pytest
 from codewheel.model import Crc
-from codewheel.plan.crcs import CoveredData, CrcMethod, can_be_folded, fold_plan, form_of
+from codewheel.plan.crcs import CoveredData, CrcMethod, can_be_folded, fold_plan, method_of
 from codewheel.reference.bits import compute_bits, compute_bytes
 
 
@@ -98,11 +98,11 @@ def test_no_plan_is_shorter(width: int, poly: int) -> None:
 
 
 def test_form_follows_from_the_parameters() -> None:
-    assert form_of(crc(6, 0x03), CoveredData.BITS) is CrcMethod.FOLD
-    assert form_of(crc(6, 0x03, 1), CoveredData.BITS) is CrcMethod.TABLE
-    assert form_of(crc(16, 0x90D9), CoveredData.BITS) is CrcMethod.TABLE
-    assert form_of(crc(8, 0x01, 0, True, True), CoveredData.BYTES) is CrcMethod.XOR
-    assert form_of(crc(8, 0x01, 0, True, False), CoveredData.BYTES) is CrcMethod.TABLE
+    assert method_of(crc(6, 0x03), CoveredData.BITS) is CrcMethod.FOLD
+    assert method_of(crc(6, 0x03, 1), CoveredData.BITS) is CrcMethod.TABLE
+    assert method_of(crc(16, 0x90D9), CoveredData.BITS) is CrcMethod.TABLE
+    assert method_of(crc(8, 0x01, 0, True, True), CoveredData.BYTES) is CrcMethod.XOR
+    assert method_of(crc(8, 0x01, 0, True, False), CoveredData.BYTES) is CrcMethod.TABLE
 
 
 def test_leading_zeros_do_not_change_a_crc_with_start_0() -> None:

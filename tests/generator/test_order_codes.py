@@ -101,7 +101,7 @@ def test_wrong_codes_of_the_other_families(
     with pytest.raises(UnknownOrderCode) as caught:
         find_code(devices[family], label)
     assert message in str(caught.value)
-    assert caught.value.close
+    assert caught.value.names_mistake
 
 
 @pytest.mark.parametrize(

@@ -126,18 +126,19 @@ def _check_source(source_text: str, path: Path, master: WrittenMaster, report: D
             report.add("undefined-reference", path, message)
 
 
-def _check_item_name(name: str, path: Path, report: DocumentReport, valid_names: tuple[str, ...] = _ITEM_NAMES) -> bool:
+def _check_item_name(name: str, path: Path, report: DocumentReport, *, only_numbers: bool = False) -> bool:
     """Return True if an item with this name exists in records, and report the name otherwise.
 
-    A record describes an encoder for a master. Its items are words and numbers. ``valid_names`` are all of them, or
-    only the names of numbers.
+    A record describes an encoder for a master. Its items are words, such as the interface, and numbers, such as the
+    resolution. With ``only_numbers``, the name of a word is reported too.
     """
+    valid_names = tuple(NUMBERS) if only_numbers else _ITEM_NAMES
     if name in valid_names:
         return True
     if name in _ITEM_NAMES:
         message = f"{quoted(name)} of the record is a word, not a number"
     else:
-        noun = "number" if valid_names is not _ITEM_NAMES else "item"
+        noun = "number" if only_numbers else "item"
         message = f"the record has no {noun} {quoted(name)}{suggest_word(name, valid_names)}"
     report.add("undefined-reference", path, message)
     return False
@@ -310,7 +311,7 @@ def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: Document
     for key, keyed_by_setting in (("names", file.names), ("words", file.words)):
         for setting_name in keyed_by_setting:
             _check_setting_name(setting_name, (*file.path, key, setting_name), master, report, at_key=True)
-    needs_names = FILE_FORMATS[file.format].needs == "name"
+    needs_names = FILE_FORMATS[file.format].kind_of_place == "name"
     has_names = file.has("names")
     if needs_names and not has_names:
         report.add("setting-shape", file.path, f"the format {quoted(file.format)} needs 'names'")
@@ -378,7 +379,7 @@ def _check_expression(expression_text: int | str, path: Path, report: DocumentRe
         report.add("bad-expression", path, str(error))
         return
     for name in expression.parameters:
-        _check_item_name(name, path, report, valid_names=tuple(NUMBERS))
+        _check_item_name(name, path, report, only_numbers=True)
 
 
 def _check_choice(choice: WrittenChoice, report: DocumentReport) -> None:

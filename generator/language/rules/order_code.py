@@ -13,7 +13,7 @@ from ..document import Path
 from ..problems import WORDS_ONLY, DocumentReport, quoted
 from ..written_codes import WrittenCodePart, WrittenCodeValue, WrittenParameter, WrittenSpelling
 from ..written_parts import WrittenSpec
-from .parts import origins_of
+from .parts import keys_of_origin
 
 #: Largest number of codes of one family. More indicate an error, because the largest catalogs list a few hundred.
 MAX_CODES = 10_000
@@ -109,6 +109,7 @@ def _find_ambiguity(spec: WrittenSpec) -> str:
     pieces[::2] = map(_without_blanks, pieces[::2])
     # With parts of fixed length, each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
+    # For each part, a function that tells whether a text is one of its labels.
     label_tests = {part.name: _label_test(part) for part in parts}
     first_codes: dict[str, _Code] = {}  # The first code with each text.
     for code in _compose_codes(spec) or ():
@@ -117,13 +118,11 @@ def _find_ambiguity(spec: WrittenSpec) -> str:
         if first_code is not code:
             choices_text = f"as {_choices_text(first_code)}, and as {_choices_text(code)}"
             return f"the code {quoted(code.text)} occurs twice: {choices_text}"
-        if has_fixed_lengths:
-            continue
-        readings = _yield_readings(code_text, pieces, label_tests)
-        two_readings = list(itertools.islice(readings, 2))
-        if len(two_readings) == 2:
-            reading, other_reading = (_reading_text(names_of_parts, labels) for labels in two_readings)
-            return f"the code {quoted(code.text)} can be read as {reading}, and as {other_reading}"
+        if not has_fixed_lengths:
+            first_readings = list(itertools.islice(_yield_readings(code_text, pieces, label_tests), 2))
+            if len(first_readings) == 2:
+                reading, other_reading = [_reading_text(names_of_parts, labels) for labels in first_readings]
+                return f"the code {quoted(code.text)} can be read as {reading}, and as {other_reading}"
     return ""
 
 
@@ -263,7 +262,7 @@ def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
 
     An order code can set a parameter that is read from a register if the register has no default.
     """
-    origins = origins_of(parameter)
+    origins = keys_of_origin(parameter)
     if not origins:
         return None
     needs_order_code = origins[0] == "read_from" and _lacks_default(spec, parameter)
@@ -346,7 +345,8 @@ def _required_parameters(spec: WrittenSpec, codes: Sequence[_Code]) -> list[str]
     names = []
     for name, parameter in spec.parameters.items():
         is_read_and_set = bool(parameter.read_from) and name in set_by_codes
-        if not origins_of(parameter) or is_read_and_set:
+        only_codes_can_set = not keys_of_origin(parameter)
+        if only_codes_can_set or is_read_and_set:
             names.append(name)
     return names
 

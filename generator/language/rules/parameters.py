@@ -21,9 +21,9 @@ from .parts import (
     field_lists,
     interface_name_of,
     interfaces,
+    keys_of_origin,
     layouts_of_interfaces,
     measurements,
-    origins_of,
     with_groups_expanded,
 )
 
@@ -260,7 +260,7 @@ def check_parameter_origin(spec: WrittenSpec, report: DocumentReport) -> None:
     excludes limits.
     """
     for name, parameter in spec.parameters.items():
-        origins = origins_of(parameter)
+        origins = keys_of_origin(parameter)
         if len(origins) > 1:
             second_origin = origins[1]
             problem = f"{join_words(map(quoted, origins))} each define {quoted(name)}; keep one"

@@ -233,7 +233,7 @@ def readable_names(field_list: FieldList, groups: Groups) -> list[str]:
     return names
 
 
-def origins_of(parameter: WrittenParameter) -> list[str]:
+def keys_of_origin(parameter: WrittenParameter) -> list[str]:
     """Return the keys of a parameter that say where its value comes from, such as ``equals`` for an expression.
 
     The list is empty if order codes set the parameter.

@@ -120,19 +120,26 @@ class _Rate(NamedTuple):
 
 
 def _yield_rates(interface: WrittenInterface) -> Iterator[_Rate]:
-    """Yield the clock limits of an interface, including those for cable lengths, or its baud rate."""
+    """Yield the clock limits of an interface, including those for cable lengths, or its baud rate.
+
+    ``port``, ``clock`` and each row of the cable lengths have their path in the spec, and their values as ``part``.
+    """
     if isinstance(interface, WrittenRs485):
-        if interface.port.is_valid("baud"):
-            yield _Rate((*interface.port.path, "baud"), interface.port.part.baud, unit="baud")
+        serial_port = interface.port
+        if serial_port.is_valid("baud"):
+            baud = serial_port.part.baud
+            yield _Rate((*serial_port.path, "baud"), baud, unit="baud")
         return
     for clock in interface.clock:
-        for key, limit_hz in (("min_hz", clock.part.min_hz), ("max_hz", clock.part.max_hz)):
+        limits = clock.part
+        for key, limit_hz in (("min_hz", limits.min_hz), ("max_hz", limits.max_hz)):
             if limit_hz is not None:
                 yield _Rate((*clock.path, key), limit_hz, unit="Hz")
     if isinstance(interface, WrittenSsi):
         for row in interface.cable_lengths:
             if row.is_valid("below_hz"):
-                yield _Rate((*row.path, "below_hz"), row.part.below_hz, unit="Hz")
+                limit_hz = row.part.below_hz
+                yield _Rate((*row.path, "below_hz"), limit_hz, unit="Hz")
 
 
 def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:

@@ -229,7 +229,8 @@ def check_evidence(spec: WrittenSpec, report: DocumentReport) -> None:
         if is_repeated:
             problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
             report.add("evidence-grade", ("evidence", "implementations", index), problem)
-    _check_vectors(evidence, by_name(spec.with_invalid_parts.examples), report)
+    examples = by_name(spec.with_invalid_parts.examples)
+    _check_examples(evidence, examples, report)
     if not spec.evidence.is_valid("grade"):
         return
     for problem in _yield_missing_support(evidence):
@@ -238,7 +239,7 @@ def check_evidence(spec: WrittenSpec, report: DocumentReport) -> None:
         _check_sources(spec, report)
 
 
-def _check_vectors(evidence: Evidence, examples: Mapping[str, WrittenExample], report: DocumentReport) -> None:
+def _check_examples(evidence: Evidence, examples: Mapping[str, WrittenExample], report: DocumentReport) -> None:
     """Check ``vectors``, the names of the examples that support the evidence, such as frames from real hardware.
 
     None of them may consist of equal bits. If the grade needs data from hardware, one must be data from an encoder.

@@ -30,7 +30,7 @@ from ...model import (
 from ...model.known_crcs import KNOWN_CRCS
 from ...model.layout import have_lengths
 from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, expression_of_code
-from ...plan.crcs import CoveredData, carriers
+from ...plan.crcs import CoveredData, kinds_of_covered_data
 from ...plan.frames import FrameDispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
@@ -216,10 +216,10 @@ def _crc_data(device: Device, crc: Crc) -> Data:
     ``others`` are the similar CRCs over bits, and ``byte_others`` those over bytes. Each is left out if no such frame
     has the CRC.
     """
-    carriers_of_crc = carriers(device, crc)
+    covered_data = kinds_of_covered_data(device, crc)
     similar_crcs = {
-        "others": other_crcs_over_bits(crc) if CoveredData.BITS in carriers_of_crc else (),
-        "byte_others": other_crcs_over_bytes(crc) if CoveredData.BYTES in carriers_of_crc else (),
+        "others": other_crcs_over_bits(crc) if CoveredData.BITS in covered_data else (),
+        "byte_others": other_crcs_over_bytes(crc) if CoveredData.BYTES in covered_data else (),
     }
     others = {name: _similar_crcs(crc, similar) for name, similar in similar_crcs.items()}
     return _crc_parameters(crc) | {"text": crc.polynomial} | without_empty(**others)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ...model import Crc, Device, Layout, Parameter, Register, RegisterMeaning, Timing
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.crcs import carriers
+from ...plan.crcs import kinds_of_covered_data
 from ...plan.frames import held_parameters
 from ...say.order_code import describe_timing as say_timing
 from .comments import HEADER_STYLE
@@ -51,7 +51,7 @@ class HeaderContext:
 
         If frames need the CRC over both, there are two functions, and the one over bits ends in ``_bits``.
         """
-        is_second_function = carried_as == "bits" and len(carriers(self.device, crc)) > 1
+        is_second_function = carried_as == "bits" and len(kinds_of_covered_data(self.device, crc)) > 1
         ending = "_bits" if is_second_function else ""
         return f"{self.prefix}_crc_{crc.name}{ending}"
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Crc
 from ...model.record import dataclass
-from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, carrier_of, reflect, word_table
+from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, covered_data_of, reflect, word_table
 from ...plan.operations import FrameCrc
 from .about import about_crc
 from .codec import StructCodec
@@ -107,7 +107,7 @@ def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
     """
     has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
     has_own_function = bool(codec.bits_crcs)
-    return has_crc and not has_own_function and carrier_of(codec.struct.layout) is function.carrier
+    return has_crc and not has_own_function and covered_data_of(codec.struct.layout) is function.carrier
 
 
 def _table_entries(function: CrcFunction) -> tuple[int, ...]:

@@ -182,13 +182,16 @@ class CEncoder:
     def _parity_of_members(self, parity: ParityOf) -> CExpression:
         """Return the parity of the members that a parity bit covers: 1 if they have an odd number of 1 bits.
 
-        An example is ``cw_parity((uint32_t)in->position)``.
+        An example is ``cw_parity((uint32_t)in->position)``. The width of a field can depend on the order code, so its
+        greatest width (``widest``) counts.
         """
-        bits_and_widths = [(self._bits_of_member(field), field.widest) for field in parity.of]
-        # The reader itself casts several members to one type, and splits a wide member into halves of 32 bits.
-        is_one_short_member = len(bits_and_widths) == 1 and bits_and_widths[0][1] <= 32
-        if is_one_short_member:
-            bits_and_widths = [(CCast("uint32_t", bits), width) for bits, width in bits_and_widths]
+        covered_fields = parity.of
+        bits_and_widths = [(self._bits_of_member(field), field.widest) for field in covered_fields]
+        # ``self.reader`` writes the C code of the parity. It casts several members to one type, and splits a member of
+        # more than 32 bits into halves. A single shorter member is cast here.
+        if len(covered_fields) == 1 and covered_fields[0].widest <= 32:
+            bits, width = bits_and_widths[0]
+            bits_and_widths = [(CCast("uint32_t", bits), width)]
         return self.reader.parity(bits_and_widths, parity.mask)
 
     def _unsigned_bits_of_member(self, field: Field) -> CExpression:

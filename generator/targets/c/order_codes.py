@@ -60,7 +60,7 @@ class _Choice:
     """
 
     text: str
-    is_open: bool
+    is_pattern: bool
     label: str = ""
 
     @property
@@ -97,8 +97,9 @@ def patterns_of_expression(expression: str) -> tuple[str, ...]:
 def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
     """Return the patterns that a unit of a regular expression stands for, the longest first.
 
-    ``[0-9]{1,2}`` gives ``##`` and ``#``, or at the end of an expression the single pattern ``#~``. The result is empty
-    if there is no mark for the characters, or for more than ``_MOST_PATTERNS`` repetitions.
+    In patterns, ``#`` is a digit and ``~`` a digit that may be missing. ``[0-9]{1,2}`` gives ``##`` and ``#``, or at
+    the end of an expression the single pattern ``#~``. The result is empty if there is no mark for the characters, or
+    if they are repeated too often.
     """
     mark = _mark_of_characters(match["unit"])
     if match["maybe"]:
@@ -106,10 +107,12 @@ def _repeat_unit(match: re.Match[str], *, is_last: bool) -> tuple[str, ...]:
     else:
         fewest = int(match["least"] or 1)
         most = int(match["most"] or fewest)
+    # Each number of repetitions can be a pattern.
     if not mark or most > _MOST_PATTERNS:
         return ()
     if mark == "#" and is_last:
-        return ("#" * fewest + "~" * (most - fewest),)
+        required_digits, optional_digits = "#" * fewest, "~" * (most - fewest)
+        return (required_digits + optional_digits,)
     return tuple(mark * count for count in range(most, fewest - 1, -1))
 
 
@@ -201,14 +204,14 @@ def _split_optional_digits(choices: Sequence[_Choice]) -> Sequence[_Choice]:
     """Return the choices with a pattern for each number of optional digits: ``##`` and ``#`` for ``#~``."""
     choices_with_fixed_length: list[_Choice] = []
     for choice in choices:
-        if not choice.is_open:
+        if not choice.is_pattern:
             choices_with_fixed_length.append(choice)
             continue
         text_without_optional_digits = choice.text.rstrip("~")
         number_of_optional_digits = len(choice.text) - len(text_without_optional_digits)
         for digits in range(number_of_optional_digits, -1, -1):
             pattern = text_without_optional_digits + "#" * digits
-            choices_with_fixed_length.append(_Choice(pattern, is_open=True))
+            choices_with_fixed_length.append(_Choice(pattern, is_pattern=True))
     return choices_with_fixed_length
 
 
@@ -221,16 +224,18 @@ class _Codes:
         #: Indices of the order codes by the names of some parts and by their texts.
         self._indices: dict[tuple[str, ...], dict[tuple[str, ...], list[int]]] = {}
 
-    def first_index(self, chosen: Mapping[str, _Choice]) -> int | None:
-        """Return the index of the first order code that has the listed texts in ``chosen``, or None.
+    def first_index(self, choice_by_part: Mapping[str, _Choice]) -> int | None:
+        """Return the index of the first order code that has the chosen texts, or None.
 
-        ``chosen`` contains a text or a pattern for each part. An order code is skipped if its values do not allow an
-        open part to have other values.
+        For each part of the order code, such as ``bits`` in ``X-{bits}``, a listed text or a pattern for unlisted
+        values is chosen. An order code is skipped if its texts for the other parts do not allow unlisted values.
         """
-        part_names = tuple(name for name, choice in chosen.items() if not choice.is_open)
-        listed_texts = tuple(chosen[name].text for name in part_names)
-        for index in self._indices_by_texts(part_names).get(listed_texts, ()):
-            if _may_have_open_parts(self._device.variants[index], self._device.order_code.parts, chosen):
+        names_with_text = tuple(name for name, choice in choice_by_part.items() if not choice.is_pattern)
+        listed_texts = tuple(choice_by_part[name].text for name in names_with_text)
+        indices = self._indices_by_texts(names_with_text).get(listed_texts, ())
+        for index in indices:
+            variant = self._device.variants[index]
+            if _allows_unlisted_values(variant, self._device.order_code.parts, choice_by_part):
                 return index
         return None
 
@@ -256,36 +261,36 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
     """
     choices_and_indices: list[tuple[Mapping[str, _Choice], int | None]] = []
     for choices in itertools.product(*spelling.choices):
-        chosen = dict(zip(codes.names, choices, strict=True))
-        choices_and_indices.append((chosen, codes.first_index(chosen)))
+        part_choices = dict(zip(codes.names, choices, strict=True))
+        choices_and_indices.append((part_choices, codes.first_index(part_choices)))
     # The combinations with open parts that lead to an order code.
     allowed: set[tuple[_Choice, ...]] = set()
-    for chosen_by_part, index in choices_and_indices:
-        if index is not None and _open_parts(chosen_by_part):
-            allowed.add(tuple(chosen_by_part.values()))
-    open_choices = [_open_choices(choices) for choices in spelling.choices]
+    for choice_by_part, index in choices_and_indices:
+        if index is not None and _parts_with_pattern(choice_by_part):
+            allowed.add(tuple(choice_by_part.values()))
+    patterns_of_parts = [_list_patterns(choices) for choices in spelling.choices]
     open_codes_of_spelling = []
-    for chosen_by_part, index in choices_and_indices:
-        unlisted = _open_parts(chosen_by_part)
+    for choice_by_part, index in choices_and_indices:
+        unlisted = _parts_with_pattern(choice_by_part)
         if index is None:
-            is_needed = _is_matched_by_open_pattern(tuple(chosen_by_part.values()), open_choices, allowed)
+            is_needed = _is_matched_by_open_pattern(tuple(choice_by_part.values()), patterns_of_parts, allowed)
         else:
             is_needed = bool(unlisted) or not spelling.is_listed
         if is_needed:
-            shown_texts = {name: choice.shown for name, choice in chosen_by_part.items()}
+            shown_texts = {name: choice.shown for name, choice in choice_by_part.items()}
             label_pattern = fill_pattern(without_blanks(spelling.pattern), shown_texts)
             open_codes_of_spelling.append(OpenCode(pattern=label_pattern, code=index, unlisted=unlisted))
     return sorted(open_codes_of_spelling, key=lambda open_code: len(open_code.unlisted))
 
 
-def _open_parts(chosen: Mapping[str, _Choice]) -> tuple[str, ...]:
+def _parts_with_pattern(choice_by_part: Mapping[str, _Choice]) -> tuple[str, ...]:
     """Return the names of the parts for which a pattern is chosen."""
-    return tuple(name for name, choice in chosen.items() if choice.is_open)
+    return tuple(name for name, choice in choice_by_part.items() if choice.is_pattern)
 
 
-def _open_choices(choices: Sequence[_Choice]) -> list[_Choice]:
+def _list_patterns(choices: Sequence[_Choice]) -> list[_Choice]:
     """Return the choices that are patterns."""
-    return [choice for choice in choices if choice.is_open]
+    return [choice for choice in choices if choice.is_pattern]
 
 
 def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
@@ -296,7 +301,7 @@ def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
     has_own_texts = any(value.part == part.name for value in spelling.values)
     if has_own_texts:
         texts_on_label = values_by_spelling(part, spelling).items()
-        choices = [_Choice(value, is_open=False, label=text) for text, value in texts_on_label]
+        choices = [_Choice(value, is_pattern=False, label=text) for text, value in texts_on_label]
         if choices:
             return choices
     return _list_choices(part)
@@ -304,24 +309,24 @@ def _choices_of_spelling(part: CodePart, spelling: Spelling) -> list[_Choice]:
 
 def _list_choices(part: CodePart) -> list[_Choice]:
     """Return the listed values of a part, and its patterns if it is open."""
-    choices = [_Choice(value.text, is_open=False) for value in part.values]
+    choices = [_Choice(value.text, is_pattern=False) for value in part.values]
     if part.open:
-        choices += [_Choice(pattern, is_open=True) for pattern in patterns_of_expression(part.open)]
+        choices += [_Choice(pattern, is_pattern=True) for pattern in patterns_of_expression(part.open)]
     return choices
 
 
-def _may_have_open_parts(variant: Variant, parts: Sequence[CodePart], chosen: Mapping[str, _Choice]) -> bool:
+def _allows_unlisted_values(variant: Variant, parts: Sequence[CodePart], choice_by_part: Mapping[str, _Choice]) -> bool:
     """Return True if the parts for which a pattern is chosen may have unlisted values in this order code.
 
     The key ``open_only_with`` of a part lists conditions. Each is met if the other part is open too, or if the order
     code has one of the listed values for it.
     """
     for part in parts:
-        if not chosen[part.name].is_open:
+        if not choice_by_part[part.name].is_pattern:
             continue
         for other_part, allowed_values in part.open_only_with.items():
             has_allowed_value = variant.parts[other_part] in allowed_values
-            if not chosen[other_part].is_open and not has_allowed_value:
+            if not choice_by_part[other_part].is_pattern and not has_allowed_value:
                 return False
     return True
 
@@ -344,7 +349,7 @@ def _is_matched_by_open_pattern(
 
 def _matching_choices(choice: _Choice, patterns: Sequence[_Choice]) -> list[_Choice]:
     """Return a choice, followed by the patterns that match its text if it is a listed value."""
-    if choice.is_open:
+    if choice.is_pattern:
         return [choice]
     return [choice, *(pattern for pattern in patterns if _compile_pattern(pattern.text).fullmatch(choice.text))]
 

@@ -171,24 +171,26 @@ class LayoutStruct:
     def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
         """Return the initializer of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
-        ``values`` are numbers by the names of fields and joined numbers. Other fields get the default of the spec, or
-        else a value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The member
+        ``values`` are numbers by the names of fields and joined numbers. A joined number is the number that several
+        fields form together, such as a position of turns and counts. Other fields get the default of the spec, or else
+        a value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The member
         ``unused`` is 0, which means that all unused bits are as documented.
         """
-        numbers: dict[str, int] = {}
-        for part in self.plan.parts:
-            numbers[part.field.name] = values.get(part.field.name, _default_value(part.field))
+        fields = [decoded_field.field for decoded_field in self.plan.parts]
+        number_by_field = {field.name: values.get(field.name, _default_value(field)) for field in fields}
         for joined_number in self.plan.joined_numbers:
-            if joined_number.join.name in values:
-                numbers.update(joined_number.parts(values[joined_number.join.name], parameters))
+            if joined_number.name in values:
+                # The numbers of its fields.
+                number_by_field |= joined_number.parts(values[joined_number.name], parameters)
         # C sets all members after the first one to 0.
-        if not any(numbers.values()):
+        if not any(number_by_field.values()):
             return "0U"
         initial_values: list[str] = []
-        for part in self.plan.parts:
-            initial_values += self._initial_values(part.field, numbers[part.field.name])
+        for field in fields:
+            initial_values += self._initial_values(field, number_by_field[field.name])
         for joined_number in self.plan.joined_numbers:
-            initial_values.append(c_number(joined_number.joined(numbers, parameters), hexadecimal=True))
+            number = joined_number.joined(number_by_field, parameters)
+            initial_values.append(c_number(number, hexadecimal=True))
         if self.unused:
             initial_values.append("0U")
         return ", ".join(initial_values)

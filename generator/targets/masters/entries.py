@@ -183,7 +183,7 @@ def _reason_to_leave_out(setting: Setting, sheet: SettingsSheet, file_format: Fi
     if setting.bound == "below":
         return f"it must be below {setting.text}, and you choose the value"
     # A tool with names of its own needs all of them.
-    is_optional = file_format.needs != "name"
+    is_optional = file_format.kind_of_place != "name"
     needs_other_values = any(condition.needs for condition in sheet.writing_of(setting))
     if is_optional and setting.is_default and needs_other_values:
         return f"{setting.text} is the factory default. Write it only if the setting was changed"
@@ -202,7 +202,7 @@ def _reason_not_expressible(
     value = _setting_value(setting_or_write)
     for place in setting_or_write.places:
         if place.device == device:
-            if file_format.needs == "name":
+            if file_format.kind_of_place == "name":
                 reason = "" if _key_in_file(setting_or_write, rule) else "the file has no name for it"
             else:
                 reason = _reason_not_expressible_at(place, value, file_format)
@@ -260,21 +260,23 @@ def _setting_value(setting_or_write: Setting | ObjectWrite) -> Value:
 def _reason_not_expressible_at(place: SettingPlace, value: Value, file_format: FileFormat) -> str:
     """Return the reason that a format cannot express a value for this location, or an empty string if it can.
 
-    The format needs a kind of location: an object with an index, a symbol, or bits of a register.
+    The format can write one kind of place: an object with an index, a symbol, or bits of a register.
     """
     has_register = bool(place.register) or place.address is not None
     is_integer = place.kind in ("boolean", "unsigned", "signed") and place.bits is not None
-    has_kind_of_location = {
+    has_place = {
         "object": place.index is not None and is_integer,
         "symbol": bool(place.symbol),
         "bits": place.high_bit is not None and has_register,
     }
-    if not has_kind_of_location[file_format.needs]:
-        return f"not given: {PLACE_KINDS[file_format.needs]}"
-    if not isinstance(value, int) and place.kind not in ("text", "float"):
+    if not has_place[file_format.kind_of_place]:
+        return f"not given: {PLACE_KINDS[file_format.kind_of_place]}"
+    is_named_value = not isinstance(value, int) and place.kind not in ("text", "float")
+    if is_named_value:
         return "no document gives its number"
-    if isinstance(value, int) and file_format.highest is not None and value > file_format.highest:
-        return f"the reader of this file takes at most {file_format.highest}"
+    highest_number = file_format.highest_number
+    if isinstance(value, int) and highest_number is not None and value > highest_number:
+        return f"the reader of this file takes at most {highest_number}"
     return ""
 
 

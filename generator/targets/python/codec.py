@@ -10,7 +10,7 @@ from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.codec import layout_plan_of
-from ...plan.crcs import carrier_of
+from ...plan.crcs import covered_data_of
 from ...plan.limits import NumberLimits, limits_of, powers_of_two
 from ...plan.operations import FieldToDecode, FrameCrc, JoinedNumber
 from ...plan.values import (
@@ -244,7 +244,7 @@ class LayoutClass:
 
     def crc_name(self, frame_crc: FrameCrc) -> str:
         """Return the name of the function for a CRC at the end of the frame."""
-        return self.context.crc_name(frame_crc.crc, carrier_of(self.layout))
+        return self.context.crc_name(frame_crc.crc, covered_data_of(self.layout))
 
     @property
     def gray_when(self) -> str:

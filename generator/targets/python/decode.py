@@ -63,8 +63,8 @@ class Decoder:
         # A register has another scope.
         is_short_frame = isinstance(scope, NamedValues) and 1 < layout_plan.length <= _MAX_BYTE_VARIABLES
         #: True if each byte of the frame has a variable, ``b0`` and so on.
-        self.is_unpacked = is_short_frame and layout_plan.in_bytes and not layout_plan.by_word
-        self.byte = "b{}" if self.is_unpacked else "data[{}]"
+        self.has_variable_per_byte = is_short_frame and layout_plan.in_bytes and not layout_plan.by_word
+        self.byte = "b{}" if self.has_variable_per_byte else "data[{}]"
         self.bit_reader = BitReader(scope, layout_plan, self.byte)
         #: The names of the fields whose bits are in a variable at this point of the function.
         self.assigned: set[str] = set()
@@ -220,11 +220,14 @@ class Decoder:
 
     @property
     def selectors_by_first_byte(self) -> list[tuple[int, str]]:
-        """The valid first bytes, each with the code for its selector: the value by which frames differ.
+        """The valid first bytes, each with the Python code for its selector, such as ``(0x1A, "Command.READ")``.
 
-        The list is empty if the selector is not an attribute.
+        The selector is the field by which the frames of an interface differ, such as a command. The list is empty if
+        it is not an attribute of the frame, and for frames without a variable for each byte (``b0``, ``b1``, …).
         """
-        return list(self._first_byte.members_by_byte.items()) if self.is_unpacked else []
+        if not self.has_variable_per_byte:
+            return []
+        return list(self._first_byte.selector_codes_by_byte.items())
 
     @property
     def failing_conditions(self) -> list[str]:
@@ -233,7 +236,7 @@ class Decoder:
         The list is empty for other frames, for frames without a variable for each byte, and if further bytes need
         checks of bits that are not constant.
         """
-        if not self.is_unpacked or not self._first_byte.selectors_by_byte:
+        if not self.has_variable_per_byte or not self._first_byte.selectors_by_byte:
             return []
         other_checks = self._first_byte.other_checks
         if not all(isinstance(check, (AlwaysIs, ZerosAbove)) for check in other_checks):

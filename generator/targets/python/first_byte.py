@@ -46,7 +46,7 @@ class FirstByte:
         return {}
 
     @property
-    def members_by_byte(self) -> dict[int, str]:
+    def selector_codes_by_byte(self) -> dict[int, str]:
         """The Python code of the selector for each valid first byte, such as ``Command.READ`` or ``3``.
 
         The dict is empty if the selector is not an attribute of the frame.
@@ -69,7 +69,7 @@ class FirstByte:
     @property
     def is_invalid(self) -> str:
         """Condition that the first byte, in the variable ``b0``, is not a valid one."""
-        if self.members_by_byte:
+        if self.selector_codes_by_byte:
             return "b0 not in valid_first_bytes"
         valid_bytes = [f"0x{byte:02X}" for byte in self.selectors_by_byte]
         if len(valid_bytes) == 1:

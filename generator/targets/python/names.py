@@ -9,7 +9,7 @@ from functools import cached_property
 
 from ...model import Alternative, Crc, Device, Digits, Field, Layout, Register, RegisterMeaning
 from ...model.record import dataclass
-from ...plan.crcs import CoveredData, CrcFunction, carriers, crc_functions
+from ...plan.crcs import CoveredData, CrcFunction, crc_functions, kinds_of_covered_data
 from ...plan.values import is_named, meaning_of
 from ...plan.verdicts import ReportsAndVerdict, reportings
 from ...say.text import as_sentence
@@ -370,19 +370,19 @@ class ModuleContext:
         """Functions that compute CRCs, by name."""
         return {self.crc_name(function.crc, function.carrier): function for function in crc_functions(self.device)}
 
-    def crc_name(self, crc: Crc, carrier: CoveredData) -> str:
+    def crc_name(self, crc: Crc, covered_data: CoveredData) -> str:
         """Return the name of the function that computes a CRC, such as ``crc_check``.
 
         If the module has functions for bits and for bytes, the one for bits is ``crc_check_of_bits``.
         """
         has_function_for_bytes = crc in self._crcs_of_both
-        suffix = "_of_bits" if carrier is CoveredData.BITS and has_function_for_bytes else ""
+        suffix = "_of_bits" if covered_data is CoveredData.BITS and has_function_for_bytes else ""
         return self.crcs[crc.name] + suffix
 
     @cached_property
     def _crcs_of_both(self) -> list[Crc]:
         """The CRCs that frames of bits and frames of bytes use."""
-        return [crc for crc in self.device.crcs if len(carriers(self.device, crc)) > 1]
+        return [crc for crc in self.device.crcs if len(kinds_of_covered_data(self.device, crc)) > 1]
 
 
 def _names_in_layout(layout: Layout) -> set[str]:

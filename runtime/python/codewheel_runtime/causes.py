@@ -32,7 +32,7 @@ def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     if not _can_be_invalid(encoder):
         return ()
     decode = encoder.decode
-    changes = _list_changes(encoder, frame)
+    changes = _yield_changes(encoder, frame)
     return tuple(change.description for change in changes if _is_valid(decode, change.frame))
 
 
@@ -149,17 +149,17 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
     return True
 
 
-def _list_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
+def _yield_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
     """Yield the changes that would undo each common mistake. For a frame that is text of 0 and 1, there are none."""
     if isinstance(frame, (bytes, bytearray, memoryview)):
-        yield from _list_changed_bytes(encoder, bytes(cast(bytes, frame)))
+        yield from _yield_changes_of_bytes(encoder, bytes(cast(bytes, frame)))
         return
     bits = _count_frame_bits(encoder)
     if isinstance(frame, int) and not isinstance(frame, bool) and frame >= 0 and bits:
-        yield from _list_changed_words(encoder, frame, bits)
+        yield from _yield_changes_of_number(encoder, frame, bits)
 
 
-def _list_changed_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
+def _yield_changes_of_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
     """Yield the changes to a frame of bytes that would undo each common mistake."""
 
     def name_bit(bit: int) -> str:
@@ -167,7 +167,9 @@ def _list_changed_bytes(encoder: Sender, data: bytes) -> Iterator[_Change]:
         bytes_after, bit_in_byte = divmod(bit, 8)
         return f"bit {bit_in_byte} of byte {len(data) - 1 - bytes_after}"
 
-    yield from _list_flipped_bits(encoder, _flip_each_bit(data), name_bit)
+    flipped_bit = _explain_by_flipped_bit(encoder, _flip_each_bit(data), name_bit)
+    if flipped_bit is not None:
+        yield flipped_bit
     inverted_bytes = bytes(byte ^ 0xFF for byte in data)
     yield _Change("with all bits inverted: check for swapped wires of the data line", inverted_bytes)
     yield _Change("with its bytes in reverse order", data[::-1])
@@ -188,13 +190,15 @@ def _flip_each_bit(data: bytes) -> Iterator[bytes]:
         yield flipped_number.to_bytes(len(data), "big")
 
 
-def _list_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[_Change]:
+def _yield_changes_of_number(encoder: Sender, frame: int, bits: int) -> Iterator[_Change]:
     """Yield the changes to a frame of ``bits`` bits, given as a number, that would undo each common mistake."""
     mask = (1 << bits) - 1
     is_too_long = frame > mask
     if not is_too_long:
         flipped_frames = (frame ^ (1 << bit) for bit in range(bits))
-        yield from _list_flipped_bits(encoder, flipped_frames, name_bit=lambda bit: f"bit {bit}")
+        flipped_bit = _explain_by_flipped_bit(encoder, flipped_frames, name_bit=lambda bit: f"bit {bit}")
+        if flipped_bit is not None:
+            yield flipped_bit
     inverted_frame = ~frame & mask
     yield _Change("with all bits inverted: check for swapped wires of the data line", inverted_frame)
     if is_too_long:
@@ -214,20 +218,21 @@ def _list_changed_words(encoder: Sender, frame: int, bits: int) -> Iterator[_Cha
             yield _Change(description, ((frame << count) | appended) & mask)
 
 
-def _list_flipped_bits(
+def _explain_by_flipped_bit(
     encoder: Sender, flipped_frames: Iterable[object], name_bit: Callable[[int], str]
-) -> Iterator[_Change]:
-    """Yield a valid frame that one inverted bit explains, if there is one. The bit is named if only one is possible.
+) -> _Change | None:
+    """Return the change that one inverted bit explains, or None. The bit is named if only one is possible.
 
     ``flipped_frames`` are the frames with bit 0, 1, … inverted, and ``name_bit`` returns the name of a bit.
     """
     decode = encoder.decode
     valid_flips = [(bit, flipped) for bit, flipped in enumerate(flipped_frames) if _is_valid(decode, flipped)]
-    if valid_flips:
-        # All of them are valid, so the first one is as good as any.
-        bit, frame = valid_flips[0]
-        bit_text = name_bit(bit) if len(valid_flips) == 1 else f"one of {len(valid_flips)} bits"
-        yield _Change(f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame)
+    if not valid_flips:
+        return None
+    # All of them are valid, so the first one is as good as any.
+    bit, frame = valid_flips[0]
+    bit_text = name_bit(bit) if len(valid_flips) == 1 else f"one of {len(valid_flips)} bits"
+    return _Change(f"with {bit_text} inverted: a disturbed bit if only some frames fail", frame)
 
 
 def _count_frame_bits(encoder: Sender) -> int:

@@ -48,18 +48,23 @@ class FoundReply(NamedTuple):
 
     Attributes:
         reply: Last reply to the request.
-        same_kind: Other replies to a request of the same kind.
-        other_kinds: Replies to requests of other kinds.
+        same_request: Other replies to a request of the same kind.
+        other_requests: Replies to requests of other kinds.
     """
 
     reply: bytes
-    same_kind: tuple[bytes, ...] = ()
-    other_kinds: tuple[bytes, ...] = ()
+    same_request: tuple[bytes, ...] = ()
+    other_requests: tuple[bytes, ...] = ()
+
+    @property
+    def other_replies(self) -> tuple[bytes, ...]:
+        """All replies except the one in ``reply``."""
+        return self.same_request + self.other_requests
 
     @property
     def is_ambiguous(self) -> bool:
         """True if the replies to requests of this kind differ, so the right one is unknown."""
-        return any(other != self.reply for other in self.same_kind)
+        return any(other != self.reply for other in self.same_request)
 
 
 def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> FoundReply | None:
@@ -88,9 +93,9 @@ def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, Rep
             # The echo of a write can look like a reply to it.
             earlier_bytes = earlier_bytes.removeprefix(pending.data)
         replies = split_replies(earlier_bytes, pending, kinds) + later_replies
-        same_kind = tuple(other for other in replies if other[0] == pending.kind.control)
-        other_kinds = tuple(other for other in replies if other[0] != pending.kind.control)
-        return FoundReply(reply, same_kind, other_kinds)
+        same_request = tuple(other for other in replies if other[0] == pending.kind.control)
+        other_requests = tuple(other for other in replies if other[0] != pending.kind.control)
+        return FoundReply(reply, same_request, other_requests)
     return None
 
 
@@ -98,7 +103,7 @@ def _find_reply_without_mark(received: bytes, pending: PendingRequest) -> FoundR
     """Return the reply to a request whose reply can begin with any byte, or None.
 
     The received bytes, with or without the echo of the request in front, must be exactly one reply, or several replies
-    and nothing between them. Of several, the last is the reply, and the others are in ``same_kind``.
+    and nothing between them. Of several, the last is the reply, and the others are in ``same_request``.
     """
     length = pending.kind.length
     without_echo = received.removeprefix(pending.data)
@@ -108,7 +113,7 @@ def _find_reply_without_mark(received: bytes, pending: PendingRequest) -> FoundR
     for candidate in (received, without_echo):
         replies = split_replies(candidate, pending, kinds={})
         if replies and len(replies) * length == len(candidate):
-            return FoundReply(replies[-1], same_kind=tuple(replies[:-1]))
+            return FoundReply(replies[-1], same_request=tuple(replies[:-1]))
     return None
 
 

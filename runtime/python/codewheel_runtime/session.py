@@ -382,7 +382,8 @@ class Session:
             DisturbedError: Other replies to such a request differ from it.
             SecondDeviceError: A second device seems to answer.
         """
-        if found_reply.same_kind or found_reply.other_kinds:
+        if found_reply.other_replies:
+            # Raises the SecondDeviceError.
             self._counter.count_others(found_reply, received)
         else:
             self._counter.requests_with_one_reply += 1
@@ -390,7 +391,8 @@ class Session:
             return found_reply.reply
         self.statistics.conflicts += 1
         request_text = f"the request {format_hex(pending.data)} to {self.encoder.code}"
-        different_replies = [reply for reply in found_reply.same_kind if reply != found_reply.reply]
+        # Replies to the same kind of request, with other data.
+        different_replies = [reply for reply in found_reply.same_request if reply != found_reply.reply]
         replies_text = f"{format_hex(different_replies[0])} and {format_hex(found_reply.reply)}"
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
 

@@ -132,8 +132,11 @@ class ChannelLayout:
         tolerance: int = 0,
     ) -> None:
         self.encoder = encoder
+        #: Classes of the frames, one for each channel.
         self.kinds = tuple(kinds)
+        #: Index of the channel with the position.
         self.position = position
+        #: Fields of the channels whose highest bits must agree, the number of these bits, and their highest difference.
         self.compared = tuple(compared)
         self.compared_bits = compared_bits
         self.tolerance = tolerance

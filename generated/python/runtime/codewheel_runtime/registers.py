@@ -67,7 +67,7 @@ class RegisterParameter(NamedTuple):
         bits = (int.from_bytes(data, self.order) >> self.low) & ((1 << self.width) - 1)
         # Bits of 0 represent ``zero_means``, which is 0 itself if 0 has no other meaning.
         if not self.codes:
-            return bits or self.zero_means
+            return self.zero_means if bits == 0 else bits
         codes = dict(self.codes)
         if bits not in codes:
             raise RangeError(f"code for {self.parameter}", bits, ", ".join(map(str, codes)))

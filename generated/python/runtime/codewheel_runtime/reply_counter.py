@@ -68,10 +68,10 @@ class ReplyCounter:
         Raises SecondDeviceError if a second device seems to answer.
         """
         self.requests_with_one_reply = 0
-        extra_count = self.count_extra(len(found_reply.same_kind) + len(found_reply.other_kinds))
+        extra_count = self.count_extra(len(found_reply.other_replies))
         # One of the unknown replies of this kind is the reply to this request, so all but one are foreign.
-        unknown_replies = {*found_reply.same_kind, found_reply.reply}.difference(self.recent_replies)
-        foreign_replies = [*self._list_foreign(found_reply.other_kinds), *sorted(unknown_replies)[1:]]
+        unknown_replies = {*found_reply.same_request, found_reply.reply}.difference(self.recent_replies)
+        foreign_replies = [*self._list_foreign(found_reply.other_requests), *sorted(unknown_replies)[1:]]
         # Late replies to failed requests are not extra replies.
         self._count_foreign(foreign_replies[:extra_count], received, _FOREIGN_REPLIES)
 

@@ -106,10 +106,11 @@ class Chunk:
         if end_in_word > _WORD_BITS:
             # The field continues in the next word.
             number |= shift_left(self.words[word_index + 1], _WORD_BITS - shift)
-        # A field that ends with its word or with the frame has no bits above it that must be cleared.
+        # The shift leaves the bits above the field in the number, unless the field ends with its word or the frame.
         ends_with_word = end_in_word == _WORD_BITS
         ends_with_frame = low + width == self.bits
-        if not (ends_with_word or ends_with_frame or width == _WORD_BITS):
+        has_bits_above = not (ends_with_word or ends_with_frame or width == _WORD_BITS)
+        if has_bits_above:
             number &= bit_mask(width)
         return number
 

@@ -240,6 +240,7 @@ class SsiFacts(NamedTuple):
             code: The order code, as in the attribute ``code`` of an encoder.
         """
         return self._replace(
+            # ``clocks`` are the clock limits that apply only to some order codes.
             clock=_clock_for_code(self.clock, self.clocks, code),
             clocks=(),
             cable_lengths=_rows_for_code(self.cable_lengths, code),
@@ -297,6 +298,7 @@ class BissFacts(NamedTuple):
         """
         timeouts = _rows_for_code(self.timeouts, code)
         return self._replace(
+            # ``clocks`` are the clock limits that apply only to some order codes.
             clock=_clock_for_code(self.clock, self.clocks, code),
             clocks=(),
             timeout=timeouts[0] if timeouts else self.timeout,
@@ -355,6 +357,7 @@ class SpiFacts(NamedTuple):
             code: The order code, as in the attribute ``code`` of an encoder.
         """
         return self._replace(
+            # ``clocks`` are the clock limits that apply only to some order codes.
             clock=_clock_for_code(self.clock, self.clocks, code),
             clocks=(),
             timings=_rows_for_code(self.timings, code),

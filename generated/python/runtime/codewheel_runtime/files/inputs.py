@@ -82,10 +82,10 @@ class Source(NamedTuple):
 def select_columns(
     names: Iterable[str], storage: StorageFormat, make_empty_column: Callable[[str], Any], file: str
 ) -> dict[str, Any]:
-    """Return an empty column, made by ``make_empty_column``, for each column to keep except the column of frames.
+    """Return empty columns by name, for the names that the storage format keeps.
 
-    The columns are returned by name. ``names`` are the names of all columns except the column of frames. ``file`` is
-    the name of the file, for errors.
+    Each is made by ``make_empty_column``. ``names`` are the names of all columns except the column of frames. ``file``
+    is the name of the file, for errors.
 
     Raises:
         UsageError: Two of these columns have the same name.
