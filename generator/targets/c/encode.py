@@ -185,7 +185,7 @@ class CEncoder:
         An example is ``cw_parity((uint32_t)in->position)``.
         """
         bits_and_widths = [(self._bits_of_member(field), field.widest) for field in parity.of]
-        # The reader itself casts several members to one type, and splits a wide member into halves of 32 bits.
+        # The reader itself casts several members to one type, and splits a wide member into 32-bit halves.
         is_one_short_member = len(bits_and_widths) == 1 and bits_and_widths[0][1] <= 32
         if is_one_short_member:
             bits_and_widths = [(CCast("uint32_t", bits), width) for bits, width in bits_and_widths]
