@@ -420,8 +420,8 @@ class WrittenSpec(WrittenPart):
         default=(),
     )
     editions: tuple[WrittenManualEdition, ...] = key(
-        "Changes that each revision of the manual made. They describe the encoders as documented in other editions: those "
-        "before the edition that this file transcribes, and later ones as far as they are public.",
+        "Changes that each revision of the manual made. They describe the encoders as documented in other editions: "
+        "those before the edition that this file transcribes, and later ones as far as they are public.",
         least=0,
         default=(),
     )

@@ -192,7 +192,8 @@ def _check_verdicts_without_position(device: Device, report: DocumentReport) -> 
         if flags:
             message = (
                 f"'{flags[0].name}' has a verdict on the position, but no SSI word contains the position, so"
-                " decoders give no verdict; name the field that contains it 'position', or give its name in 'measurement'"
+                " decoders give no verdict; name the field that contains it 'position', or give its name in"
+                " 'measurement'"
             )
             path: Path = ("interfaces", ssi.name, "layouts", layout.name, "fields", flags[0].name)
             report.add("verdict-without-position", (*path, "makes_position"), message)

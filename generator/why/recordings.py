@@ -296,8 +296,8 @@ def recording_hypotheses(
 def _zeros_of_word(placed_layout: PlacedLayout, zeros: str, *, is_first: bool) -> int:
     """Return how many of the extra zeros on one side of a word could be part of the word itself.
 
-    Every word has this many constant zeros at this end, such as the padding of a number. They do not show that the extra
-    zeros lie outside the word. ``is_first`` is true for zeros in front of the word.
+    Every word has this many constant zeros at this end, such as the padding of a number. They do not show that the
+    extra zeros lie outside the word. ``is_first`` is true for zeros in front of the word.
     """
     zeros_mask = 0
     for placed_field in placed_layout.fields:

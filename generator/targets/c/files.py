@@ -157,7 +157,8 @@ PASSING = Option(
 
 FORM = Option(
     "form",
-    "package: a header for each interface, and what builds need; single: a header for each order code, to decode positions",
+    "package: a header for each interface, and what builds need; single: a header for each order code, to decode"
+    " positions",
     "package",
     ("package", "single"),
 )

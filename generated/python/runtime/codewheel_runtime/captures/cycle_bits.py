@@ -249,8 +249,8 @@ def find_ssi_bits(lines: LineEdges, cycles: Cycles, frame_bits: int) -> CycleBit
 def find_shortest_gaps(clock: Any, cycles: Cycles) -> Any:
     """Return the shortest time between two successive edges of each cycle, from its first falling edge on.
 
-    If the next cycle begins with a rising edge, the time from that edge to the first falling edge also counts. ``clock``
-    are the times of all edges of the clock.
+    If the next cycle begins with a rising edge, the time from that edge to the first falling edge also counts.
+    ``clock`` are the times of all edges of the clock.
     """
     gaps = np.append(np.diff(clock), np.inf)
     # A gap after the last edge of a cycle is a pause.
