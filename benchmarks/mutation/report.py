@@ -180,7 +180,7 @@ This page shows which transcription mistakes `check` detects. `{command}` plants
 
 A mistake is a lost, swapped or misread digit, an extra zero, a number that is off by one, a flipped bit or boolean, a
 different word from a list, a different name, a lost letter in a name, an omitted item or key, two items in the wrong
-order, a value swapped with that of the next item, or a reversed word in a text (*before* for *after*, or without
+order, a value swapped with that of the next item, or a reversed word in a text (*before* for *after*, or a dropped
 *not*). Mutants in the column *same* change no output, or only an order that has no meaning. Mutants in *left out* pass,
 but no output is wrong. *Texts* counts wrong values that pass and reach only documents, *code* those that reach code.
 *Wrong* is their percentage of all mutants except *same*. In classes with *, a wrong value moves a position, breaks a

@@ -21,8 +21,8 @@ _HELP_WIDTH = 79
 FORMATS = ("text", "json", "github", "sarif")
 FORMATS_HELP = "text, json, github for comments in a pull request, or sarif (version 2.1.0) for review tools"
 _SPECS_HELP = (
-    "spec files or folders. In a folder and below it, all .yaml files with the keys of a spec are read (default: the "
-    "specs under [tool.codewheel], or else the specs in the current folder and below it{})"
+    "spec files or folders. In a folder and its subfolders, all .yaml files with the keys of a spec are read "
+    "(default: the specs under [tool.codewheel], or else those in the current folder and its subfolders{})"
 )
 #: End of the help about specs for commands that also read the packaged specs.
 AND_PACKAGED = ", and the packaged specs"

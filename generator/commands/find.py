@@ -24,9 +24,9 @@ EXAMPLES = (
 JSON_VERSION = 1
 _ABOUT = (
     "All frames have the same length and begin with the first data bit. 0b... shows every bit. 0x... has four bits per "
-    "digit, unless --bits gives their number. For RS-485, a frame is a sequence of bytes in hexadecimal. Turn the "
-    "shaft between the frames, because bits that never change cannot be identified. The exit code is 0 if there is a "
-    "proposal, and 1 if all frames are equal or the line is dead."
+    "digit, unless --bits gives the number of bits. For RS-485, a frame is a sequence of bytes in hexadecimal. Turn "
+    "the shaft between the frames, because bits that never change cannot be identified. The exit code is 0 if there is "
+    "a proposal, and 1 if all frames are equal or the line is dead."
 )
 #: Number of bits in the longest frame, by interface, and for all other interfaces.
 _LONGEST_FRAME = {"rs485": 1024}

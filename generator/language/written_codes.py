@@ -245,7 +245,7 @@ class WrittenAnswer(WrittenPart):
     source: SourceText = key("", default="")
 
 
-@written("A question that the user must decide. An erratum that affects it gives the reason.")
+@written("A question that the user must answer. An erratum that affects it gives the reason.")
 class WrittenAlternative(WrittenPart):
     name: Name = key("Name of the decision.")
     meaning: Prose = key("Question to the user.")

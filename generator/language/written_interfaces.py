@@ -61,7 +61,9 @@ class WrittenSsi(WrittenPart):
     )
     signals: Prose = key("Electrical standard of the signals.", default="")
     cable_lengths: tuple[LocatedPart[CableLength], ...] = key(
-        "Highest clock by cable length. A row that applies to some order codes has the key 'only'.", least=0, default=()
+        "Highest clock frequency by cable length. A row that applies to some order codes has the key 'only'.",
+        least=0,
+        default=(),
     )
     measurement: LocatedPart[Measurement] | None = key("", default=None)
     timings: tuple[LocatedPart[Timing], ...] = key("Timings of this interface.", least=0, default=())

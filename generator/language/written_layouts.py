@@ -91,8 +91,8 @@ class WrittenField(WrittenPart):
     )
     unused: Count | None = key(
         "Documented value of bits that have no meaning in this encoder: reserved bits and fixed status "
-        "bits. A frame with any other value is still decoded, and the bits are reported, unless "
-        "makes_position is usable. makes_position then gives the verdict on the position.",
+        "bits. A frame with any other value is still decoded. The bits are reported, unless makes_position is "
+        "usable. If it is set, makes_position gives the verdict on the position of such a frame.",
         default=None,
     )
     active: Literal["", "high", "low"] = key(

@@ -315,7 +315,7 @@ class WrittenManualEdition(WrittenPart):
         "Changes that lead from the edition of this revision back to the edition before it.", most=100, default=()
     )
     then: tuple[WrittenChange, ...] = key(
-        "For a revision later than that of the manual: changes that apply from that revision on.", most=100, default=()
+        "For a revision later than the manual's: changes that apply from the later one on.", most=100, default=()
     )
     labels: tuple[Prose, ...] = key("Patterns from also_written that identify labels of this edition.", default=())
     tests: tuple[LocatedPart[EditionTest], ...] = key(
@@ -420,8 +420,8 @@ class WrittenSpec(WrittenPart):
         default=(),
     )
     editions: tuple[WrittenManualEdition, ...] = key(
-        "Changes that each revision of the manual made. They describe the encoders of other editions: "
-        "editions before the one that this file transcribes, and later ones as far as they are public.",
+        "Changes that each revision of the manual made. They describe the encoders as documented in other editions: "
+        "those before the edition that this file transcribes, and later ones as far as they are public.",
         least=0,
         default=(),
     )

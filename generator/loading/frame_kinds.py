@@ -191,8 +191,9 @@ def _check_verdicts_without_position(device: Device, report: DocumentReport) -> 
         flags = [field for field in layout.fields if isinstance(field.kind, Flag) and field.kind.makes_position]
         if flags:
             message = (
-                f"'{flags[0].name}' has a verdict on the position, but no SSI word sends the position, so"
-                " decoders give no verdict; call the field with the position 'position', or name it in 'measurement'"
+                f"'{flags[0].name}' has a verdict on the position, but no SSI word contains the position, so"
+                " decoders give no verdict; name the field that contains it 'position', or give its name in"
+                " 'measurement'"
             )
             path: Path = ("interfaces", ssi.name, "layouts", layout.name, "fields", flags[0].name)
             report.add("verdict-without-position", (*path, "makes_position"), message)

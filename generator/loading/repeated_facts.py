@@ -280,7 +280,7 @@ def _check_bits_named(raw_spec: Raw, device: Device, report: DocumentReport) -> 
 def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     """Return the widths of the frames that an encoder with this order code sends, and of the positions in them.
 
-    For a frame of 32 bits with a position of 24 bits, this is ``{32, 24}``. Frames without a position are left out.
+    For a 32-bit frame with a 24-bit position, this is ``{32, 24}``. Frames without a position are left out.
     """
     measurement = device.measurement_of(variant.interface)
     widths: set[int] = set()

@@ -96,7 +96,7 @@ class Timeout:
     source: Sources = source_key()
 
 
-@part("One row of the table.", data="Highest clock by cable length.")
+@part("One row of the table.", data="Highest clock frequency by cable length.")
 class CableLength:
     """Clock limit in Hz, exclusive, for cables shorter than a length in metres."""
 

@@ -197,9 +197,7 @@ class Led:
     source: Sources = source_key()
 
 
-@part(
-    "A quantity with its bounds.", writing="A tolerance is given by the bounds that follow from it.", is_sourced=False
-)
+@part("A quantity with its bounds.", writing="State a tolerance as the resulting bounds.", is_sourced=False)
 class Quantity:
     """A quantity with its bounds. ``where`` is the part that it applies to, if there are several."""
 

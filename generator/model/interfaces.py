@@ -108,7 +108,7 @@ class Exchange:
 
     ``purpose`` is ``position``, ``read``, ``write`` or ``other``. Exchanges that read or write access a register over
     SPI, with their fields ``address`` and ``data``. Several exchanges that write are the words of one write, in order.
-    ``word_bits`` is the length of both words over SPI, or None if the length of the interface applies.
+    ``word_bits`` is the length of each of the two SPI words, or None if the length of the interface applies.
     """
 
     request: str

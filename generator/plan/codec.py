@@ -406,7 +406,7 @@ def moved_bits(layout_plan: LayoutPlan) -> tuple[ShiftedBits, ...]:
 def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
     """Yield the shifts that move reserved bits to their place in the number ``unused``.
 
-    If the frame is processed as one word, a single shift moves them. Otherwise each byte needs its own shift.
+    If the frame is processed as one word, a single shift moves them. Otherwise, each byte needs its own shift.
     """
     value = reserved.value << reserved.place
     if by_word:

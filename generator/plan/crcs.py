@@ -56,7 +56,7 @@ def residual_of(crc: Crc, bits: int) -> UndetectedErrors:
     # A missed error of three bits is counted three times: once for each pair with the remainder of the third bit.
     missed_3_bit_errors = sum(pair_counts[remainder] for remainder in remainders) // 3
     # A missed error of four bits consists of two pairs with the same remainder, in three ways. If two such pairs have a
-    # common bit, the CRC also misses errors of two bits, and this number is not used.
+    # common bit, the CRC also misses two-bit errors, and this number is not used.
     missed_4_bit_errors = sum(comb(pair_count, 2) for pair_count in pair_counts.values()) // 3
     for distance, missed in ((2, missed_2_bit_errors), (3, missed_3_bit_errors), (4, missed_4_bit_errors)):
         if missed:

@@ -189,7 +189,7 @@ def _is_order_code_label(words_text: str) -> bool:
 
 
 def _last_digits(words: Iterable[str]) -> set[str]:
-    """Return the two digits at the end of each order code among lower-case words: ``{"24"}`` for ``xy24``."""
+    """Return the two digits at the end of each order code among lowercase words: ``{"24"}`` for ``xy24``."""
     last_digits: set[str] = set()
     for word in words:
         order_code = ORDER_CODE.fullmatch(word)

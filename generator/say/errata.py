@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 
-from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
+from ..model import (
+    INTERFACES,
+    LEFT_OUT,
+    NOT_KNOWN,
+    Alternative,
+    Answer,
+    Device,
+    Erratum,
+    Layout,
+    Register,
+    layer_in_words,
+)
 from .text import CodeText, Reference, Statement, TextPart, as_sentence, list_parts, statement
 
 #: Top-level parts of a spec that are not lists of named items.
@@ -61,14 +73,19 @@ _WORDS_FOR_LIST_ITEMS = {
     "alternatives": "alternative",
     "documents": "document",
 }
-#: Words for keys that are abbreviations, or that need more than a space in place of each underscore.
-_WORDS_FOR_KEYS = {
-    "data_ids": "data IDs",
+#: Usual spellings of the words in keys.
+_SPELLINGS = {
+    "crc": "CRC",
+    "eeprom": "EEPROM",
+    "id": "ID",
+    "ids": "IDs",
     "measurement": "unit of the position",
-    "profile_id": "profile ID",
-    "ssi_word": "SSI word",
-    "timeout": "timeout",
+    "ssi": "SSI",
 }
+#: Beginnings of the words for parts of a spec whose fields are named directly after them in a path.
+_OWNERS_OF_FIELDS = ("the register ", "the group ")
+#: Keys of a register, which are not names of its fields.
+_KEYS_OF_REGISTERS = frozenset(field.name for field in dataclasses.fields(Register))
 _INTERFACE_TITLES = frozenset(interface.title for interface in INTERFACES.values())
 _PATH_PATTERN = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
 #: Number of an item in a list without names, counted from 1.
@@ -152,10 +169,16 @@ def _path_in_words(keys: Sequence[str]) -> str:
             case [row, *later_keys] if row.isdecimal():
                 words = _of_owner(f"row {row}", words)
             case [key, *later_keys]:
-                words_for_key = _WORDS_FOR_KEYS.get(key, key.replace("_", " "))
+                is_field = words.startswith(_OWNERS_OF_FIELDS) and key not in _KEYS_OF_REGISTERS
+                words_for_key = f"field {key}" if is_field else _key_in_words(key)
                 words = _of_owner(f"the {words_for_key}", words)
         remaining_keys = later_keys
     return words
+
+
+def _key_in_words(key: str) -> str:
+    """Return a key with spaces in place of underscores, and abbreviations in their usual spelling: ``SSI word``."""
+    return " ".join(_SPELLINGS.get(word, word) for word in key.split("_"))
 
 
 def _of_owner(part: str, owner: str) -> str:

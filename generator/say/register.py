@@ -45,7 +45,7 @@ from .text import (
     statement,
 )
 
-_ACCESS_IN_WORDS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
+_ACCESS_IN_WORDS = {"read_only": "read-only", "read_write": "read and write", "write_only": "write-only"}
 #: Words for the only party that may use a reserved register or field.
 USERS = {"maker": "manufacturer"}
 _ABOVE_MAX = {
@@ -55,12 +55,12 @@ _ABOVE_MAX = {
 
 
 def describe_access(register: Register) -> str:
-    """Return whether a register can be read, written or both, such as ``read only``."""
+    """Return whether a register can be read, written or both, such as ``read-only``."""
     return _ACCESS_IN_WORDS[register.access]
 
 
 def head(device: Device, register: Register, name: TextPart) -> Statement:
-    """Return the register's ``name``, address, access and interface: ``command, register 77h, write only, over …``."""
+    """Return the register's ``name``, address, access and interface: ``command, register 77h, write-only, over …``."""
     interface_title = device.interface(register.interface).title
     access = describe_access(register)
     return statement(name, f", {register_at(register)}, {access}, over {interface_title}", source=register.source)

@@ -193,4 +193,4 @@ class Target:
     def __post_init__(self) -> None:
         for name in (self.name, *(option.name for option in self.options)):
             if not _TARGET_NAME.fullmatch(name):
-                raise ValueError(f"'{name}' cannot name a target or option; use lower-case letters, digits, - and _")
+                raise ValueError(f"'{name}' cannot name a target or option; use lowercase letters, digits, - and _")

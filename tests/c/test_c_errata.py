@@ -72,10 +72,14 @@ def test_differences_from_other_editions_are_one_sentence_in_a_header(files: dic
     ("path", "expected"),
     [
         ("interfaces.rs485.position_reply", "the RS-485 position reply"),
+        ("interfaces.rs485.eeprom_read_reply", "the RS-485 EEPROM read reply"),
         ("interfaces.ssi.ssi_word", "the SSI word"),
         ("interfaces.biss.scd.fields.error", "the field error of the BiSS C-mode scd"),
         ("interfaces.biss.measurement", "the unit of the position of BiSS C-mode"),
         ("registers.bank.default", "the default of the register bank"),
+        ("registers.bank.access", "the access of the register bank"),
+        ("registers.status.data_valid", "the field data_valid of the register status"),
+        ("field_groups.alarms.mt_error", "the field mt_error of the group alarms"),
     ],
 )
 def test_the_interface_comes_before_its_part(path: str, expected: str) -> None:

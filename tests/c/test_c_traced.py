@@ -12,7 +12,7 @@ from codewheel.targets.c.files import generate
 from codewheel.targets.c.runtime_texts import runtime_version
 
 SPECS = Path(__file__).resolve().parents[1] / "specs"
-TRACED = re.compile(r"Runtime (\d+)\.(\d+)\. Spec (\w+), hash of its content ([0-9a-f]{8})\.")
+TRACED = re.compile(r"Runtime (\d+)\.(\d+)\. Spec (\w+), content hash ([0-9a-f]{8})\.")
 
 
 def device_of(folder: Path, spec: str) -> Device:

@@ -61,7 +61,7 @@ def diff(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str
 
 TOLD = """\
 demo
-  breaking       register 3Bh configuration: read and write → read only
+  breaking       register 3Bh configuration: read and write → read-only
                  all 4 BiSS order codes; C MAKER_DEMO_BISS_REG_CONFIGURATION_…,
                  Python demo.REGISTERS["configuration"], XML [access-lost]
   behaviour      BiSS: highest clock 10 MHz → 5 MHz
@@ -168,7 +168,7 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 #### Breaking
 
-- register 3Bh configuration: read and write → read only (`access-lost`): all 4 BiSS order codes; C \
+- register 3Bh configuration: read and write → read-only (`access-lost`): all 4 BiSS order codes; C \
 `MAKER_DEMO_BISS_REG_CONFIGURATION_…`, Python `demo.REGISTERS["configuration"]`, XML
 
 #### Behaviour

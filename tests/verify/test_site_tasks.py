@@ -87,7 +87,7 @@ ANSWERS: dict[str, dict[str, list[str]]] = {
         "CRC": XOR,
         "set zero": ["7A → 7 bytes | Reset the position to 0 | 10 times | 40 µs apart"],
         "preset bytes": NO_PRESET,
-        "blinking LED": ["off | The sensor works properly", "red in operation | until it reads a new valid one"],
+        "blinking LED": ["off | The sensor is working properly", "red in operation | until it reads a new valid one"],
         "error bit": ["Active at 1 | status_error (bit 5)"],
         "frame at 1 MHz": ["7 bytes 28 µs, 9 bytes 36 µs"],
         "save": NO_PRESET,

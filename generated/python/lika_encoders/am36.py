@@ -386,7 +386,7 @@ class SsiEncoder(Variant):
             columns: Columns by name, as ``decode_many`` returns them.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -468,7 +468,7 @@ class BissEncoder(Variant):
             columns: Columns by name, as ``decode_many`` returns them.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -929,7 +929,7 @@ class _ProfileId(NamedTuple):
 
 
 class ProfileId(FixedRegister, _ProfileId):
-    """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.5 p.24].
+    """Profile ID, registers 42h to 43h, read-only, over BiSS C-mode [6.5 p.24].
 
     Attributes:
         profile: Printed as 00 00 for AMx36. The value 0000h helps to identify the encoder. The decoder also accepts
@@ -988,7 +988,7 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.5 p.24].
+    """Serial number, registers 44h to 47h, read-only, over BiSS C-mode [6.5 p.24].
 
     Attributes:
         year: Year of production, register 44h.
@@ -1035,7 +1035,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
 
 class Command(IntEnum):
-    """Command, register 48h, write only, over BiSS C-mode [6.5 p.24, 7 p.33].
+    """Command, register 48h, write-only, over BiSS C-mode [6.5 p.24, 7 p.33].
 
     Saves the parameters, activates the preset, or restores the defaults.
 
@@ -1076,7 +1076,7 @@ class Command(IntEnum):
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The value of the register is not one of these.
+            RangeError: The value of the register is not a value of this class.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -1369,7 +1369,7 @@ class _DeviceType(NamedTuple):
 
 
 class DeviceType(FixedRegister, _DeviceType):
-    """Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
+    """Device type, register 55h, read-only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
         device_type: 02: multiturn rotary encoder with BiSS C interface. The value 02h helps to identify the encoder.
@@ -1422,7 +1422,7 @@ class _SingleturnBitsUsed(NamedTuple):
 
 
 class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
-    """N° of bits used for singleturn resolution, register 56h, read only, over BiSS C-mode [6.5 p.31].
+    """N° of bits used for singleturn resolution, register 56h, read-only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
         bits: Width of the singleturn part of the position. Unit: bits.
@@ -1470,7 +1470,7 @@ class _MultiturnBitsUsed(NamedTuple):
 
 
 class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
-    """N° of bits used for multiturn resolution, register 57h, read only, over BiSS C-mode [6.5 p.31].
+    """N° of bits used for multiturn resolution, register 57h, read-only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
         bits: Width of the multiturn part of the position. Unit: bits.
@@ -1523,7 +1523,7 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.5 p.31].
+    """Device ID, registers 78h to 7Dh, read-only, over BiSS C-mode [6.5 p.31].
 
     Attributes:
         model: Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. The value ``AM`` helps to identify the encoder.
@@ -1587,7 +1587,7 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
+    """Manufacturer ID, registers 7Eh to 7Fh, read-only, over BiSS C-mode [6.5 p.32].
 
     Attributes:
         name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The

@@ -374,7 +374,7 @@ class SsiEncoder(Variant):
             columns: Columns by name, as ``decode_many`` returns them.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -456,7 +456,7 @@ class BissEncoder(Variant):
             columns: Columns by name, as ``decode_many`` returns them.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -2709,7 +2709,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
 
 
 class PresetSettingEnable(IntEnum):
-    """Preset setting enable (it: Abilitazione impostazione preset), register 40h, write only, over BiSS C-mode [6.4
+    """Preset setting enable (it: Abilitazione impostazione preset), register 40h, write-only, over BiSS C-mode [6.4
     p.38, 10 p.52, it: 6.4 p.38].
 
     Enables or disables writing to the Preset registers.
@@ -2736,7 +2736,7 @@ class PresetSettingEnable(IntEnum):
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The value of the register is not one of these.
+            RangeError: The value of the register is not a value of this class.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -2757,7 +2757,7 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.38, it: 6.4 p.39].
+    """Serial number (it: Numero di serie), registers 44h to 47h, read-only, over BiSS C-mode [6.4 p.38, it: 6.4 p.39].
 
     Attributes:
         year: Production year.
@@ -2814,7 +2814,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
 
 class Command(IntEnum):
-    """Command (it: Comando), register 77h, write only, over BiSS C-mode [6.4 p.39].
+    """Command (it: Comando), register 77h, write-only, over BiSS C-mode [6.4 p.39].
 
     Saves the parameters or activates the preset.
 
@@ -2842,7 +2842,7 @@ class Command(IntEnum):
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The value of the register is not one of these.
+            RangeError: The value of the register is not a value of this class.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -2862,7 +2862,7 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
+    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read-only, over BiSS C-mode [6.4 p.39].
 
     Attributes:
         name: Device name (41 4D 4D 35 in hexadecimal). ASCII text. The value ``AMM5`` helps to identify the encoder.
@@ -2916,7 +2916,7 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.39, it: 6.4 p.40].
+    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read-only, over BiSS C-mode [6.4 p.39, it: 6.4 p.40].
 
     Attributes:
         name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The

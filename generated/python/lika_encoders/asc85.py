@@ -297,7 +297,7 @@ class SsiEncoder(Variant):
             columns: Columns by name, as ``decode_many`` returns them.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -382,7 +382,7 @@ class BissEncoder(Variant):
                 that depend on it.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -767,7 +767,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             zero_bit: Answer to a question that the manual leaves open, as a member of ``ZeroBit``.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -809,7 +809,7 @@ class _ProfileId(NamedTuple):
 
 
 class ProfileId(FixedRegister, _ProfileId):
-    """Profile ID, registers 42h to 43h, read only, over BiSS C-mode [6.4 p.23].
+    """Profile ID, registers 42h to 43h, read-only, over BiSS C-mode [6.4 p.23].
 
     Attributes:
         variant_: Singleturn resolution, Variant 0-24++. The value 28h helps to identify the encoder. The decoder also
@@ -870,7 +870,7 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
+    """Serial number, registers 44h to 47h, read-only, over BiSS C-mode [6.4 p.23].
 
     Attributes:
         serial: Serial number.
@@ -923,7 +923,7 @@ class _DiagnosticData(NamedTuple):
 
 
 class DiagnosticData(FixedRegister, _DiagnosticData):
-    """Diagnostic data, register 5Ah, read only, over BiSS C-mode [6.4 p.24].
+    """Diagnostic data, register 5Ah, read-only, over BiSS C-mode [6.4 p.24].
 
     Attributes:
         amplitude_control_maximum_current: Amplitude control maximum current: Set together with "Control error".
@@ -987,7 +987,7 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
 
 
 class Command(IntEnum):
-    """Command & status, Command mode, register 60h, write only, over BiSS C-mode [6.4 p.25, 6.4 p.26].
+    """Command & status, Command mode, register 60h, write-only, over BiSS C-mode [6.4 p.25, 6.4 p.26].
 
     Command register, the write side of Command & status.
 
@@ -1039,7 +1039,7 @@ class Command(IntEnum):
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The value of the register is not one of these.
+            RangeError: The value of the register is not a value of this class.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -1065,7 +1065,7 @@ class _Status(NamedTuple):
 
 
 class Status(FixedRegister, _Status):
-    """Command & status, Status mode, register 60h, read only, over BiSS C-mode [6.4 p.25, 6.4 p.27].
+    """Command & status, Status mode, register 60h, read-only, over BiSS C-mode [6.4 p.25, 6.4 p.27].
 
     Attributes:
         configuration_completed: Configuration completed. True when 1: the configuration registers have been verified by
@@ -1146,7 +1146,7 @@ class _Position(NamedTuple):
 
 
 class Position(RegisterOf["BissEncoder"], _Position):
-    """Position, registers 61h to 64h, read only, over BiSS C-mode [6.4 p.29].
+    """Position, registers 61h to 64h, read-only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
         variant: Encoder to which the register belongs.
@@ -1220,7 +1220,7 @@ class _ErrorRegister(NamedTuple):
 
 
 class ErrorRegister(FixedRegister, _ErrorRegister):
-    """Error register, register 69h, read only, over BiSS C-mode [6.4 p.29].
+    """Error register, register 69h, read-only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
         absolute_data_error: Absolute data error. True when 1: error in the absolute data interface. False when 0: no
@@ -1293,7 +1293,7 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """Device ID, registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.31].
+    """Device ID, registers 78h to 7Dh, read-only, over BiSS C-mode [6.4 p.31].
 
     Attributes:
         name: Device name, ASC85 without the C (41 53 38 35 in hexadecimal). ASCII text. The value ``AS85`` helps to
@@ -1348,7 +1348,7 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.32].
+    """Manufacturer ID, registers 7Eh to 7Fh, read-only, over BiSS C-mode [6.4 p.32].
 
     Attributes:
         name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The

@@ -435,7 +435,7 @@ class SsiEncoder(Variant):
             columns: Columns by name, as ``decode_many`` returns them.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -517,7 +517,7 @@ class BissEncoder(Variant):
             columns: Columns by name, as ``decode_many`` returns them.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -1859,7 +1859,7 @@ class _ProfileId(NamedTuple):
 
 
 class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
-    """Profile ID (it: ID Profilo), registers 42h to 43h, read only, over BiSS C-mode [6.4 p.28].
+    """Profile ID (it: ID Profilo), registers 42h to 43h, read-only, over BiSS C-mode [6.4 p.28].
 
     Attributes:
         variant: Encoder to which the register belongs.
@@ -1922,7 +1922,7 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """Serial number (it: Numero di serie), registers 44h to 47h, read only, over BiSS C-mode [6.4 p.29].
+    """Serial number (it: Numero di serie), registers 44h to 47h, read-only, over BiSS C-mode [6.4 p.29].
 
     Attributes:
         year: Production year.
@@ -1966,7 +1966,7 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
 
 class Command(IntEnum):
-    """Command (it: Comando), register 48h, write only, over BiSS C-mode [6.4 p.29, 12 p.51].
+    """Command (it: Comando), register 48h, write-only, over BiSS C-mode [6.4 p.29, 12 p.51].
 
     Saves the parameters, activates the preset or offset, or restores the defaults.
 
@@ -1996,7 +1996,7 @@ class Command(IntEnum):
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The value of the register is not one of these.
+            RangeError: The value of the register is not a value of this class.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -2088,7 +2088,7 @@ class _AbsoluteResolution(NamedTuple):
 
 
 class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
-    """Absolute resolution (it: Risoluzione assoluta), register 4Dh, read only, over BiSS C-mode [6.4 p.31].
+    """Absolute resolution (it: Risoluzione assoluta), register 4Dh, read-only, over BiSS C-mode [6.4 p.31].
 
     Attributes:
         variant: Encoder to which the register belongs.
@@ -2223,7 +2223,7 @@ class _DeviceType(NamedTuple):
 
 
 class DeviceType(FixedRegister, _DeviceType):
-    """Device type (it: Tipo di dispositivo), register 55h, read only, over BiSS C-mode [6.4 p.33].
+    """Device type (it: Tipo di dispositivo), register 55h, read-only, over BiSS C-mode [6.4 p.33].
 
     Attributes:
         type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. The value 08h helps to identify the
@@ -2271,7 +2271,7 @@ class _SineCosineResolution(NamedTuple):
 
 
 class SineCosineResolution(FixedRegister, _SineCosineResolution):
-    """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read only, over BiSS C-mode [6.4 p.33].
+    """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read-only, over BiSS C-mode [6.4 p.33].
 
     Attributes:
         period: 00h: no sine and cosine signals. The value 00h helps to identify the encoder. The decoder also accepts
@@ -2367,7 +2367,7 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
+    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read-only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
         name: Device name (53 4D 32 31 in hexadecimal). ASCII text. The value ``SM21`` helps to identify the encoder.
@@ -2420,7 +2420,7 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read only, over BiSS C-mode [6.4 p.34].
+    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read-only, over BiSS C-mode [6.4 p.34].
 
     Attributes:
         name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
@@ -2719,7 +2719,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
             register="configuration",
             mask=0x02,
             value=0x02,
-            meaning="select offset for the register",
+            meaning="select an offset as the register's content",
         ),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02),

@@ -51,7 +51,7 @@ class OtherFrames:
             return False
         if candidate.layout.in_bytes != decoded.layout.layout.in_bytes:
             return False  # The text of such a frame has a different form.
-        # Leading zeros of hex digits may be missing, so 0x1A2B, a frame of 16 bits, would be valid in a layout of 24.
+        # Leading zeros of hex digits may be missing, so 0x1A2B, a 16-bit frame, would be valid in a layout of 24.
         has_wrong_length = any(problem.fault is Fault.LENGTH for problem in decoded.problems)
         if candidate.bits != decoded.layout.bits and not has_wrong_length:
             return False

@@ -287,7 +287,7 @@ def check_repeated_access(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report: DocumentReport) -> None:
-    """Check that the registers that an erratum affects have the access that it states, ``read only`` or ``write only``.
+    """Check that the registers that an erratum affects have the access that it states, ``read-only`` or ``write-only``.
 
     The key ``used`` of an erratum is its text about what applies instead of the manual. A text about bits or fields, or
     with both accesses, is not compared.

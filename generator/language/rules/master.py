@@ -136,7 +136,7 @@ def _check_item_name(name: str, path: Path, report: DocumentReport, *, only_numb
     if name in valid_names:
         return True
     if name in _ITEM_NAMES:
-        message = f"{quoted(name)} of the record is a word, not a number"
+        message = f"{quoted(name)} of the record is a word; name an item that is a number"
     else:
         noun = "number" if only_numbers else "item"
         message = f"the record has no {noun} {quoted(name)}{suggest_word(name, valid_names)}"

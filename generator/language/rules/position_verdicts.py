@@ -374,8 +374,8 @@ def check_verdicts_by_answer(spec: WrittenSpec, report: DocumentReport) -> None:
                 verdict_path = (*field.place_of("makes_position_if"), name)
                 parameter = spec.with_invalid_parts.parameters.get(name)
                 if parameter is None or parameter.alternative not in alternatives_with_default:
-                    reason = f"{quoted(name)} is not a parameter of an alternative with a default"
-                    message = f"{reason}; set its 'alternative' to the name of such an alternative"
+                    reason = f"{quoted(name)} does not belong to an alternative with a default"
+                    message = f"{reason}; set its 'alternative' to the name of one that has a default"
                     report.add("verdict-choice", verdict_path, message)
                     continue
                 obstacle = _obstacle_to_other_verdict(field_list, field, verdict)

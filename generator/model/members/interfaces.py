@@ -94,7 +94,7 @@ INTERFACES = (
         ModelMember(
             "cable_lengths",
             "[cable_length]",
-            "Highest clock by cable length.",
+            "Highest clock frequency by cable length.",
             "cable-length",
             "clock by cable",
         ),

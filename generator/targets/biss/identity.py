@@ -1,6 +1,6 @@
 """The data by which a BiSS master identifies a device: the fixed bits of its 64-bit identity, and its profile ID.
 
-The device ID (registers 78h to 7Dh) and the manufacturer ID (7Eh and 7Fh) form one number of 64 bits, high byte first,
+The device ID (registers 78h to 7Dh) and the manufacturer ID (7Eh and 7Fh) form one 64-bit number, high byte first,
 in the register order of the BiSS C protocol description: bit 63 is the highest of 78h, bit 0 the lowest of 7Fh.
 
 The module also computes the lengths of the single cycle data, the frame that a master receives in every cycle.

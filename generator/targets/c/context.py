@@ -123,7 +123,7 @@ def number_function(scope: ParameterSpelling, name: str, expression: Expression,
 
 
 def wide_number_function(scope: ParameterSpelling, name: str, expression: Expression, about: str) -> CFunction:
-    """Return the function for an expression, with a result of 64 bits. ``about`` is the comment on it."""
+    """Return the function for an expression, with a 64-bit result. ``about`` is the comment on it."""
     value = scope.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
     begins_with_power = bool(expression.terms) and expression.terms[0].is_power

@@ -272,7 +272,7 @@ class DeviceView:
         """The version of the runtime, and the name and the hash of the spec from which the headers are generated."""
         major, minor = runtime_version()
         device = self.device
-        return f"Runtime {major}.{minor}. Spec {device.name}, hash of its content {device.content_hash}."
+        return f"Runtime {major}.{minor}. Spec {device.name}, content hash {device.content_hash}."
 
     @property
     def evidence(self) -> list[Paragraph]:

@@ -52,7 +52,7 @@ class CEnumeration:
 
     @property
     def is_enum(self) -> bool:
-        """True if all values fit in an int of 16 bits, the smallest one in C."""
+        """True if all values fit in a 16-bit int, the smallest one in C."""
         return max((constant.value for constant in self.constants), default=0) <= 0x7FFF
 
     @property

@@ -149,7 +149,7 @@ ONLY = Option(
 
 PASSING = Option(
     "passing",
-    "how functions take order codes and words: by value, or by address for SDCC, which writes only the headers for C",
+    "how functions take order codes and words: by value, or by address for SDCC, for which only C headers are written",
     "value",
     ("value", "address"),
 )
@@ -157,7 +157,8 @@ PASSING = Option(
 
 FORM = Option(
     "form",
-    "package: a header for each interface, and what builds need; single: a header for each order code, for positions",
+    "package: a header for each interface, and what builds need; single: a header for each order code, to decode"
+    " positions",
     "package",
     ("package", "single"),
 )

@@ -401,7 +401,7 @@ def _number_of_rows(step: PlannedStep) -> int:
 
 
 def _is_excluded_by_type(refusal: ArgumentRefusal) -> bool:
-    """Return True if the type of the argument already excludes the value, as ``uint8_t`` does for a field of 8 bits."""
+    """Return True if the type of the argument already excludes the value, as ``uint8_t`` does for an 8-bit field."""
     return isinstance(refusal, TooWide) and size_of(refusal.field.widest) == refusal.field.widest
 
 

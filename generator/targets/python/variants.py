@@ -183,7 +183,7 @@ class VariantTable:
 
     @cached_property
     def step_nm(self) -> ByInterface[PythonExpression]:
-        """The length of ``per_counts`` counts in nanometers."""
+        """The length of ``per_counts`` counts, in nanometers."""
         return self._cases_by_interface(lambda measurement: self._code_of(measurement.step_nm))
 
     @cached_property

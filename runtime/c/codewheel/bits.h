@@ -198,7 +198,7 @@ static inline uint64_t cw_from_digits(
 /**
  * Convert the field at bit low from a number to separate digits and return the word.
  *
- * Weights are subtracted, because some compilers have no division of 64 bits.
+ * Weights are subtracted, because some compilers do not support 64-bit division.
  */
 CW_CONSTEXPR
 static inline uint64_t cw_to_digits(

@@ -288,7 +288,7 @@ static inline cw_result cw_wait(
 }
 
 /**
- * Check that a reply begins with its request and, under the mask, that the XOR of its bytes is 0.
+ * Check that a reply begins with its request, and that the XOR of its masked bytes is 0.
  */
 CW_NODISCARD
 static inline cw_result cw_reply_check(

@@ -123,7 +123,7 @@ class FineLinear(Length):
 
     @property
     def step_nm(self) -> int:
-        """Length of ``per_counts`` counts in nanometers."""
+        """Length of ``per_counts`` counts, in nanometers."""
         raise NotImplementedError
 
     @property

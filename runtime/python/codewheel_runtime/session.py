@@ -114,8 +114,8 @@ class Session:
     Raises:
         InterfaceError: The encoder has a different interface.
         TypeError: A time is not a number, or ``retries`` is not an integer.
-        ValueError: A time or ``retries`` is negative, or ``settle_s`` is 0 although the encoder has too few kinds of
-            requests.
+        ValueError: A time or ``retries`` is negative, or ``settle_s`` is 0 but the encoder has too few kinds of
+            requests for it.
     """
 
     def __init__(

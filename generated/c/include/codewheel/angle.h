@@ -141,7 +141,10 @@ static inline uint32_t cw_angle_millidegrees(uint32_t angle)
     return (nearest < 360000U) ? nearest : 0U;
 }
 
-/** Return an angle in degrees, 0 to below 360. Uses the upper 24 bits, the precision of a float. */
+/**
+ * Return an angle in degrees, from 0 to less than 360. Uses the upper 24 bits, the precision of a
+ * float.
+ */
 static inline float cw_angle_degrees(uint32_t angle)
 {
     const uint32_t upper = angle >> 8U;

@@ -174,7 +174,7 @@ static inline uint64_t cw_received_highest(uint32_t high, uint32_t low, uint32_t
     return high >> (32U - bits);
 }
 
-/** Convert SPI words of 16 bits, each received most significant bit first, to 2 * count bytes. */
+/** Convert 16-bit SPI words, each received most significant bit first, to 2 * count bytes. */
 static inline void cw_received_words16(const uint16_t *words, size_t count, uint8_t *rx)
 {
     CW_ASSERT((words != NULL) && (rx != NULL));
@@ -185,7 +185,7 @@ static inline void cw_received_words16(const uint16_t *words, size_t count, uint
     }
 }
 
-/** Convert SPI words of 32 bits, each received most significant bit first, to 4 * count bytes. */
+/** Convert 32-bit SPI words, each received most significant bit first, to 4 * count bytes. */
 static inline void cw_received_words32(const uint32_t *words, size_t count, uint8_t *rx)
 {
     CW_ASSERT((words != NULL) && (rx != NULL));

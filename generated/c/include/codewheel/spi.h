@@ -1,5 +1,5 @@
 /** @file
- * codewheel/spi.h - requests over SPI with their replies
+ * codewheel/spi.h - SPI requests and their replies
  *
  * Part of the codewheel runtime. SPDX-License-Identifier: 0BSD
  * This file is yours: use it, change it and pass it on as you like.

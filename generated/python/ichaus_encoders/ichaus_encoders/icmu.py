@@ -248,7 +248,7 @@ class BissEncoder(Variant):
             columns: Columns by name, as ``decode_many`` returns them.
 
         Returns:
-            The frames, as numbers of 64 bits.
+            The frames, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -697,7 +697,7 @@ class _EdsBank(NamedTuple):
 
 
 class EdsBank(FixedRegister, _EdsBank):
-    """EDSBANK, register 41h, read only, over BiSS C-mode [p.19, p.53].
+    """EDSBANK, register 41h, read-only, over BiSS C-mode [p.19, p.53].
 
     Attributes:
         eds_bank: Eds bank.
@@ -740,7 +740,7 @@ class _ProfileId(NamedTuple):
 
 
 class ProfileId(FixedRegister, _ProfileId):
-    """PROFILE_ID, registers 42h to 43h, read only, over BiSS C-mode [p.53, driver: MU_PROFILE_ID].
+    """PROFILE_ID, registers 42h to 43h, read-only, over BiSS C-mode [p.53, driver: MU_PROFILE_ID].
 
     Attributes:
         profile_id: Profile ID.
@@ -787,7 +787,7 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """SERIAL, registers 44h to 47h, read only, over BiSS C-mode [p.53, driver: MU_SERIAL].
+    """SERIAL, registers 44h to 47h, read-only, over BiSS C-mode [p.53, driver: MU_SERIAL].
 
     Attributes:
         serial_number: Serial number.
@@ -834,7 +834,7 @@ class _EventCount(NamedTuple):
 
 
 class EventCount(FixedRegister, _EventCount):
-    """EVENT_COUNT, register 73h, read only, over BiSS C-mode [p.53, p.58, driver: MU_EVENT_COUNT].
+    """EVENT_COUNT, register 73h, read-only, over BiSS C-mode [p.53, p.58, driver: MU_EVENT_COUNT].
 
     Attributes:
         event_count: Event count.
@@ -874,7 +874,7 @@ class _HardwareRevision(NamedTuple):
 
 
 class HardwareRevision(FixedRegister, _HardwareRevision):
-    """HARD_REV, register 74h, read only, over BiSS C-mode [p.53, driver: MU_HARD_REV].
+    """HARD_REV, register 74h, read-only, over BiSS C-mode [p.53, driver: MU_HARD_REV].
 
     Attributes:
         hardware_revision: Hardware revision.
@@ -908,7 +908,7 @@ class HardwareRevision(FixedRegister, _HardwareRevision):
 
 
 class Command(IntEnum):
-    """CMD_MU, register 75h, write only, over BiSS C-mode [p.57, driver: CMD_MU].
+    """CMD_MU, register 75h, write-only, over BiSS C-mode [p.57, driver: CMD_MU].
 
     Executes a command.
     """
@@ -955,7 +955,7 @@ class Command(IntEnum):
 
         Raises:
             LengthError: There are too many or too few bytes.
-            RangeError: The value of the register is not one of these.
+            RangeError: The value of the register is not a value of this class.
         """
         data = as_bytes(data)
         if len(data) != 1:
@@ -979,7 +979,7 @@ class _Status0(NamedTuple):
 
 
 class Status0(FixedRegister, _Status0):
-    """STATUS0, register 76h, read only, over BiSS C-mode [p.55].
+    """STATUS0, register 76h, read-only, over BiSS C-mode [p.55].
 
     Attributes:
         stup: STUP. True when 1: start-up.
@@ -1036,7 +1036,7 @@ class _Status1(NamedTuple):
 
 
 class Status1(FixedRegister, _Status1):
-    """STATUS1, register 77h, read only, over BiSS C-mode [p.55].
+    """STATUS1, register 77h, read-only, over BiSS C-mode [p.55].
 
     Attributes:
         crc_err: CRC_ERR. True when 1: invalid checksum of the internal RAM.
@@ -1090,7 +1090,7 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """DEV_ID, registers 78h to 7Dh, read only, over BiSS C-mode [p.53, driver: MU_DEV_ID].
+    """DEV_ID, registers 78h to 7Dh, read-only, over BiSS C-mode [p.53, driver: MU_DEV_ID].
 
     Attributes:
         device_id: Device ID.
@@ -1137,7 +1137,7 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """MFG_ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [p.53, driver: MU_MFG_ID].
+    """MFG_ID, registers 7Eh to 7Fh, read-only, over BiSS C-mode [p.53, driver: MU_MFG_ID].
 
     Attributes:
         manufacturer_id: Manufacturer ID.

@@ -1080,7 +1080,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         used="The registers and the frame use 65,536. 4096 is used only on the label.",
         why=(
             "An encoder that stores 65,536 revolutions could be turned by 32,767 revolutions while it is off. 2,047 "
-            "is half of 4,096 minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the order "
+            "is half of 4,096, minus one. Perhaps the encoder distinguishes only the 4,096 revolutions of the order "
             "code while it is off, and counts the others only while it is powered. The manual does not say so."
         ),
         status=Status.OPEN,
@@ -1259,8 +1259,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="command_default",
         title="The manual gives a default for a write-only register",
-        printed="Register 48h is write only (wo). Its default is 00, here and in the list of defaults",
-        used="The register is write only. 00 is the value to which it returns.",
+        printed="Register 48h is write-only (wo). Its default is 00, here and in the list of defaults",
+        used="The register is write-only. 00 is the value to which it returns.",
         why=(
             "The default of a register that cannot be read cannot be observed. The manual does not say whether 48h "
             "can be read at all, or whether a read returns 00."

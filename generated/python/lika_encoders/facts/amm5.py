@@ -363,7 +363,7 @@ BISS: Final = BissFacts(
 #
 # Erratum: A table and a note disagree on what data ID 8 resets (open) [7.4.2 p.45, ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
-# Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
+# Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: resetting of singleturn data after Data ID 8.
 # Used: The generated files follow the table. Data ID 8 resets singleturn and multiturn data.
 # Why: The table says so twice, but the note mentions it only in passing. However, public T-format documents list three
 # resets: of the data within one revolution, of the multiturn data, and of errors. C and 7 are two of them, so this
@@ -516,10 +516,10 @@ RS485: Final = Rs485Facts(
     ),
     note=(
         "Each byte is sent between a start bit and a delimiter, least significant bit first (7.6). This gives ten "
-        "bits per byte, the same as a serial port with one stop bit. The low byte of a number is sent first, in "
-        "binary code (7.4). Each reply of the encoder begins with the control field that it received from the master. "
-        "To check that a byte has been written to the EEPROM, read it back with data ID D. The manual gives no EEPROM "
-        "write time for this interface. MEM BUSY shows when a write is in progress."
+        "bits per byte, the same as a serial port with one stop bit. The low byte of a number is sent first, and "
+        "numbers are in binary code (7.4). Each reply of the encoder begins with the control field that it received "
+        "from the master. To check that a byte has been written to the EEPROM, read it back with data ID D. The "
+        "manual gives no EEPROM write time for this interface. MEM BUSY shows when a write is in progress."
     ),
     source="7 p.41",
 )
@@ -1422,7 +1422,7 @@ LEDS: Final[tuple[Led, ...]] = (
                 by_hand=("battery_replacement_with_error",),
             ),
             LedState("stays on after installation", "Repeat the installation"),
-            LedState("off in operation", "The encoder works properly and the absolute position is correct"),
+            LedState("off in operation", "The encoder is working properly and the absolute position is correct"),
             LedState(
                 "red in operation",
                 (
@@ -1445,7 +1445,7 @@ LEDS: Final[tuple[Led, ...]] = (
         states=(
             LedState("blinks for a while after power-on and goes off", "The installation succeeded"),
             LedState("stays on after installation", "Repeat the installation"),
-            LedState("off in operation", "The multiturn system works properly", only=".../65K..."),
+            LedState("off in operation", "The multiturn system is working properly", only=".../65K..."),
             LedState("red in operation", "There is an error in the magnetic multiturn system", only=".../65K..."),
             LedState(
                 "red with a low battery",
@@ -2116,9 +2116,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="error_bits_leds_alarms",
         title="The manual's error bits, LEDs and alarms do not match one to one",
         printed=(
-            "nE and LED 1: misalignment and the like, or a depleted battery, see MT error. nW and LED 2: an error in "
-            "the magnetic multiturn system, or a low battery, see Battery alarm. RS-485: EE_0 for ST error, EE_1 for "
-            "BUSY flag, PS error, Battery alarm and MT error"
+            "nE and LED 1: misalignment or similar, or a depleted battery (MT error). nW and LED 2: an error in the "
+            "magnetic multiturn system, or a low battery (Battery alarm). RS-485: EE_0 for ST error, EE_1 for BUSY "
+            "flag, PS error, Battery alarm and MT error"
         ),
         used="Each bit, LED and alarm is used as printed. None is derived from any other.",
         why=(
@@ -2211,7 +2211,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="preset_byte_11",
         title="The manual assigns byte 11h to singleturn bits it does not contain",
         printed="Bytes 11h to 14h \"are used for singleturn information\".",
-        used="Byte 11h contains no singleturn bit.",
+        used="Byte 11h contains no singleturn bits.",
         why=(
             "The same list says that all bits of byte 11h are always 0. The lowest singleturn bit of any model is bit "
             "10, in byte 12h."
@@ -2315,10 +2315,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="preset_setting_enable_default",
         title="The manual gives defaults for two write-only registers",
         printed=(
-            "Registers 40h and 77h are write only (wo). The list of defaults gives 00 for 40h, and 77h returns to 00 "
+            "Registers 40h and 77h are write-only (wo). The list of defaults gives 00 for 40h, and 77h returns to 00 "
             "by itself"
         ),
-        used="The registers are write only. They are 00 after power-on, and 77h returns to 00.",
+        used="The registers are write-only. They are 00 after power-on, and 77h returns to 00.",
         why=(
             "The default of a register that cannot be read cannot be observed. The manual does not say whether these "
             "registers can be read at all, or whether a read returns 00."
@@ -2521,7 +2521,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="data_id_8_scope",
         title="A table and a note disagree on what data ID 8 resets",
         printed=(
-            "Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8"
+            "Table: Data ID 8 resets singleturn and multiturn data. Note: resetting of singleturn data after Data ID "
+            "8"
         ),
         used="The generated files follow the table. Data ID 8 resets singleturn and multiturn data.",
         why=(

@@ -1227,7 +1227,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="ssi_bit_numbers",
         title="The bits of the SSI words are numbered from 1 instead of 0",
-        printed="The SSI bits are numbered 20 ... 1 to 25 ... 1",
+        printed="The bits of the SSI words are numbered \"20 ... 1\" to \"25 ... 1\"",
         used="The bits are 19:0 to 24:0, with bit 0 as the LSB.",
         why=(
             "The table of lengths lists words of 20 to 25 bits, which leaves no room for an extra bit at position 0. "
@@ -1549,7 +1549,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="device_id_shared",
         title="All models have the same device ID, despite different data lengths",
-        printed="The manual gives one device ID, AS85 with the release 01, for all models",
+        printed="The manual gives one device ID, AS85 release 01, for all models",
         used="The device ID is used as printed.",
         why=(
             "BiSS requires a different device ID for each data length. The SC models have six different data lengths. "

@@ -1440,7 +1440,10 @@ LEDS: Final[tuple[Led, ...]] = (
         states=(
             LedState(
                 "off",
-                "The sensor works properly and the absolute position and the incremental signals are sent correctly",
+                (
+                    "The sensor is working properly and the absolute position and the incremental signals are sent "
+                    "correctly"
+                ),
             ),
             LedState(
                 "red after power-on",
@@ -2012,7 +2015,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         why=(
             "The manual does not contain the order code key. It explains only G1 (Gray with AB /AB) and SC, and shows "
             "supply codes 1 and 4 with SC as examples. BG is binary in the AMM5 manual of the same manufacturer. GG "
-            "is the remaining code. Other supply digits and the rest of the label have no explanation."
+            "is the remaining code. Other supply digits and the rest of the label are not explained."
         ),
         status=Status.OPEN,
         severity=Severity.OMISSION,
@@ -2057,8 +2060,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="command_default",
         title="The manual gives a default for a write-only register",
-        printed="Register 48h is write only (wo). Its default is 00, here and in the list of defaults",
-        used="The register is write only. 00 is the value to which it returns.",
+        printed="Register 48h is write-only (wo). Its default is 00, here and in the list of defaults",
+        used="The register is write-only. 00 is the value to which it returns.",
         why=(
             "The default of a register that cannot be read cannot be observed. The manual does not say whether 48h "
             "can be read at all, or whether a read returns 00."
@@ -2314,7 +2317,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="Limits depend on the resolution that is set, but nothing sets it",
         printed="The limits of preset and offset depend on the resolution that is set (\"risoluzione impostata\")",
         used="The limits depend on the resolution given by the order code.",
-        why="The Absolute resolution register is read only, and no other register sets a resolution.",
+        why="The Absolute resolution register is read-only, and no other register sets a resolution.",
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=("registers.absolute_resolution", "registers.preset_offset"),

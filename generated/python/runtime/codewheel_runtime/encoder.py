@@ -416,7 +416,7 @@ def wrong_encoder_error(
     """Return the error for an encoder that belongs to a different family or does not have the interface ``interface``.
 
     ``family_class`` is the class of all encoders of the family. ``procedures`` lists the procedures for each interface,
-    which the message suggests. The error is a TypeError if ``variant`` is not an encoder.
+    for suggestions in the message. The error is a TypeError if ``variant`` is not an encoder.
     """
     if isinstance(variant, family_class):
         variant_interface = variant.interface

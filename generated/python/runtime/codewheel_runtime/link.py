@@ -82,8 +82,8 @@ class Link:
 
     Raises:
         InterfaceError: The encoder has a different interface.
-        TypeError, ValueError: A time or ``retries`` is out of range, or ``settle_s`` is 0 although the encoder has too
-            few kinds of requests.
+        TypeError, ValueError: A time or ``retries`` is out of range, or ``settle_s`` is 0 but the encoder has too few
+            kinds of requests for it.
     """
 
     def __init__(
@@ -102,14 +102,14 @@ class Link:
 
     @property
     def statistics(self) -> Statistics:
-        """Counters of the requests, and of their replies and failures."""
+        """Counters for requests, replies and failures."""
         return self.session.statistics
 
     def position(self, request: Any = None) -> int:
         """Return the position in counts.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
+            request: Request for the position, with the encoder's address. Default: the one with the factory defaults.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
@@ -121,7 +121,7 @@ class Link:
         """Return a frame with the position. Check its ``verdict`` before you use the position.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: that with the factory defaults.
+            request: Request for the position, with the encoder's address. Default: the one with the factory defaults.
 
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.

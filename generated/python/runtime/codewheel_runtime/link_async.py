@@ -127,8 +127,8 @@ class AsyncLink:
 
     Raises:
         InterfaceError: The encoder has a different interface.
-        TypeError, ValueError: A time or ``retries`` is out of range, or ``settle_s`` is 0 although the encoder has too
-            few kinds of requests.
+        TypeError, ValueError: A time or ``retries`` is out of range, or ``settle_s`` is 0 but the encoder has too few
+            kinds of requests for it.
     """
 
     def __init__(
@@ -147,7 +147,7 @@ class AsyncLink:
 
     @property
     def statistics(self) -> Statistics:
-        """Counters of the requests, and of their replies and failures."""
+        """Counters for requests, replies and failures."""
         return self.session.statistics
 
     async def position(self, request: Any = None) -> int:

@@ -179,7 +179,7 @@ class _Procedure:
     def _remember_written(self, address: int, data: bytes, *, whole: bool) -> None:
         """Remember the bytes that are written from an address on, to verify them later.
 
-        ``whole`` is True if a single address holds all bytes of the register. Otherwise each byte has its own address.
+        ``whole`` is True if a single address holds all bytes of the register. Otherwise, each byte has its own address.
         """
         if whole:
             self._written_registers[address] = data

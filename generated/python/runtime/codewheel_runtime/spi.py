@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Pairs requests over SPI with the replies of the encoder. It computes words and never drives pins."""
+"""Pairs SPI requests with the encoder's replies. It computes words and never drives pins."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ class Master:
         self._begin_frame(slave_id, address, list(as_bytes(data)), busy_limit)
 
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
-        """Begin a control frame for an access, and forget the previous access, except how many zeros were sent.
+        """Begin a control frame for an access, and forget the previous access except for the number of zeros sent.
 
         ``values`` has the byte to write for each register from ``address`` on, or None to read it. Raises RangeError,
         before anything is changed, if the ID or the address is out of range, or if the registers extend beyond 3Fh or
@@ -145,7 +145,7 @@ class Master:
         return 0
 
     def _follow_header(self, cds: int) -> int:
-        """Take an answer to the header, and return its next CDM bit: CTS, ID, ADR, their CRC, R and W in turn.
+        """Process an answer to the header, and return the next CDM bit: CTS, ID, ADR, their CRC, R and W in turn.
 
         The bit after W is S. If the answers do not accept the access, this bit is 0 and ends the control frame.
         """

@@ -169,7 +169,7 @@ class Chunk:
         self.words = [self.words[0] ^ changed_bits]
 
     def _convert_from_gray(self, low: int, width: int, excess: int) -> None:
-        """Convert the ``width`` bits from bit ``low`` on from Gray code to binary. The other bits do not change.
+        """Convert the ``width`` bits starting at bit ``low`` from Gray code to binary. The other bits do not change.
 
         ``excess`` is the number that the encoder sends for position 0, and is subtracted from the binary number.
         """

@@ -105,7 +105,7 @@ def _split_into_words(mask: int, required_bits: int, bits: int) -> tuple[tuple[i
 
 
 def _find_bytes_of(check: Check) -> set[int]:
-    """Return the indices of the bytes in which the checked bits, and the fields that a parity covers, begin and end."""
+    """Return the indices of the first and last bytes of the checked bits and of each field that a parity bit covers."""
     byte_indices: set[int] = set()
     # A field without bits counts as one bit.
     for low, width in (*(check.joined or ((check.low, check.width),)), *check.parity_of):

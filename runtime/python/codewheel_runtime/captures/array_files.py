@@ -134,8 +134,9 @@ def read_array_archive(
 ) -> Signals:
     """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
 
-    The names of the arrays are the names of the channels. A channel has levels, 0 and 1, or voltages. A single number
-    named ``rate`` or similar gives the sample rate in Hz, and an array named ``time`` or similar the times in seconds.
+    The names of the arrays are the names of the channels. A channel contains levels (0 and 1) or voltages. A single
+    number named ``rate`` or similar gives the sample rate in Hz, and an array named ``time`` or similar the times in
+    seconds.
     """
     total = sum(info.file_size for info in archive.infolist())
     if total > MOST_UNPACKED:

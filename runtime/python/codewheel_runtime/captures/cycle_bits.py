@@ -189,7 +189,7 @@ def _find_start_bits(lines: LineEdges, cycles: Cycles) -> _StartBits:
     data_times = np.append(lines.data, [np.inf, np.inf])
     acknowledgement_times = data_times[first_data_edges]
     arrival_times = data_times[first_data_edges + 1]
-    # Of the clock edges before the start bit arrives, counted from the first falling one, every second one rises.
+    # Of the clock edges before the start bit arrives, counted from the first falling edge, every second one rises.
     clock_edges_before = np.searchsorted(clock, arrival_times, "right") - first_falls
     last_rises = clock_edges_before // 2 - 1
     edges_of_last_rises = find_rising_edges(cycles, np.maximum(last_rises, 0))
@@ -231,7 +231,7 @@ def find_ssi_bits(lines: LineEdges, cycles: Cycles, frame_bits: int) -> CycleBit
     # After its last edge, the data line never changes again: its next change is at infinity.
     data_times = np.append(lines.data, np.inf)
     change_times = data_times[np.searchsorted(lines.data, first_rise_times, "left")]
-    # Of the clock edges before this change, counted from the first falling one, every second one rises.
+    # Of the clock edges before this change, counted from the first falling edge, every second one rises.
     clock_edges_before = np.searchsorted(clock, change_times, "right") - cycles.first_falls
     last_rises = np.maximum(clock_edges_before // 2 - 1, 0)
     measured_delays = change_times - clock[np.minimum(find_rising_edges(cycles, last_rises), last_edges)]
@@ -249,8 +249,8 @@ def find_ssi_bits(lines: LineEdges, cycles: Cycles, frame_bits: int) -> CycleBit
 def find_shortest_gaps(clock: Any, cycles: Cycles) -> Any:
     """Return the shortest time between two successive edges of each cycle, from its first falling edge on.
 
-    If the next cycle begins with a rising edge, the time from this edge to its first falling one counts too. ``clock``
-    are the times of all edges of the clock.
+    If the next cycle begins with a rising edge, the time from that edge to the first falling edge also counts.
+    ``clock`` are the times of all edges of the clock.
     """
     gaps = np.append(np.diff(clock), np.inf)
     # A gap after the last edge of a cycle is a pause.

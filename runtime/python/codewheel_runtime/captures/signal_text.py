@@ -309,7 +309,7 @@ _TIMESCALE: Final = re.compile(r"\$timescale\s+(1|10|100)\s*(s|ms|us|ns|ps|fs)\s
 
 
 def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
-    """Return the signals of a value change dump. Only its variables of one bit are channels."""
+    """Return the signals of a value change dump. Only its one-bit variables are channels."""
     size = measure_size(file)
     head = file.read(_BLOCK)
     header_end = re.search(rb"\$enddefinitions\s+\$end", head)

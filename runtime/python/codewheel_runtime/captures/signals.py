@@ -257,7 +257,7 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
         rate: Sample rate in Hz.
 
     Raises:
-        TypeError: ``samples`` is not such an array.
+        TypeError: ``samples`` has a different type or number of dimensions.
         InputError: There is no such channel, or it is not clear which one to use.
         UsageError: Both signals are on the same channel.
     """

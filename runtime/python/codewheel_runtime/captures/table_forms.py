@@ -296,7 +296,7 @@ def _find_first_row(head: bytes, header_count: int) -> int:
 
 
 def _split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Return the cells of a line without spaces and quotes around them. Empty ones at its end are left out."""
+    """Return the cells of a line without spaces and quotes around them, and without empty cells at its end."""
     cells = [cell.strip().strip('"') for cell in line.split(delimiter)]
     while cells and not cells[-1]:
         cells.pop()

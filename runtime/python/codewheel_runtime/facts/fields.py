@@ -65,7 +65,7 @@ class Scale(NamedTuple):
     source: str = ""
 
     def quantity(self, number: int) -> Fraction:
-        """Return the exact quantity for a number."""
+        """Convert a number to an exact quantity."""
         from fractions import Fraction
 
         return Fraction(number * self.numerator + self.offset, self.denominator)

@@ -314,7 +314,7 @@ class Exchange(NamedTuple):
         request: Frame that the master sends.
         reply: Frame with which the encoder answers, or empty if it does not answer.
         purpose: ``position``, ``read``, ``write`` or ``other``.
-        word_bits: Number of bits of both words over SPI, or None if the interface determines it.
+        word_bits: Number of bits in each of the two SPI words, or None if the interface determines it.
         source: Source of the exchange.
     """
 

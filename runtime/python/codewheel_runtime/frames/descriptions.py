@@ -88,7 +88,7 @@ def find_description(frame_class: type) -> tuple[Callable[..., Shape], tuple[typ
 
 
 def module_of(frame_class: type, folder: str) -> Any:
-    """Return the module for the family of a class of frames in ``folder``, such as ``facts``."""
+    """Return the module in a ``folder`` such as ``facts`` for the family of a frame class."""
     # The base class with the fields is in the module of the family. A class derived from it can be elsewhere.
     fields = next(base for base in frame_class.__mro__ if "_fields" in vars(base))
     package, _, family = fields.__module__.rpartition(".")

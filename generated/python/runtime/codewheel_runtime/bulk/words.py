@@ -30,8 +30,8 @@ WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
 def numbers(rows: Any, words: WordKind = "packed") -> Any:
     """Return rows of bytes as 64-bit numbers: the row ``01 02`` as ``0x102``, or little-endian as ``0x201``.
 
-    Rows of ``packed`` words have one to eight bytes, most significant first. The rows of other words have the number of
-    bytes of the word.
+    Rows of ``packed`` words have one to eight bytes, most significant first. For other words, each row has as many
+    bytes as the word.
     """
     word_length, byte_order = WORDS[words]
     is_short_packed_word = not word_length and rows.shape[1] < 8

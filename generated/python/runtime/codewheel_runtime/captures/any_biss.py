@@ -105,7 +105,7 @@ def biss_layout(text: str) -> BissLayout:
     """Return a layout of BiSS frames.
 
     Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
-    ``singleturn=24`` are numbers with their widths in bits. If one turn has all counts, write ``singleturn=32``, so
+    ``singleturn=24`` are numbers with their widths in bits. If all counts are in one turn, write ``singleturn=32``, so
     that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` describes two bits that
     are always 0, and ``unused=2`` two bits without meaning. ``crc=6:0x43`` is an inverted 6-bit CRC with this
     polynomial. The polynomial's highest bit may be omitted. ``crc=16:0x190d9:0x0`` also has a start value. Any other

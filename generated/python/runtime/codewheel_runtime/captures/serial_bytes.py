@@ -129,7 +129,7 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
     """Yield the bytes of a table with one byte a row, as Saleae's serial analyzer exports them.
 
     Raises:
-        InputError: A cell is not a byte, a time is not a number, or a row ends before these cells.
+        InputError: A cell is not a byte, a time is not a number, or a row has too few cells.
     """
     time_column, byte_column = columns
     text = io.TextIOWrapper(file, "utf-8-sig", "replace", newline="")

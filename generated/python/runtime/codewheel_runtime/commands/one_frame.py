@@ -32,7 +32,7 @@ def parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
 
     Over RS-485, ``"1A 2B"`` is bytes. A frame of bits is a number in hexadecimal, such as ``1A2B`` or ``0x1A2B``, or
     text of 0 and 1 such as ``0b0110``, which also shows its length. If the encoder only sends frames that are too long
-    for a number of 64 bits, whole bytes without ``0x`` are bytes.
+    for a 64-bit number, whole bytes without ``0x`` are bytes.
 
     Raises:
         CommandFailed: Several digits are all 0 or 1 and have no prefix, so they can be bits or hexadecimal digits.

@@ -105,7 +105,7 @@ def _draw_speed(axes: Any, table: Table, times: Any, unit: SpeedUnit) -> None:
 
 
 def _list_marks(table: Table, times: Any, lost: Sequence[Lost]) -> Iterator[tuple[Any, str, str]]:
-    """Yield the times to mark, with a label and a color: ``(times, "CRC error", "tab:red")``. There may be no times."""
+    """Yield times to mark, possibly none, with a label and a color: ``(times, "CRC error", "tab:red")``."""
     for kind, color in _ERROR_COLORS.items():
         yield times[table.fault == kind], _name_error(kind), color
     yield times[table.ok & ~table.usable], "position not usable", "tab:orange"

@@ -202,7 +202,7 @@ class FixedFrame(Fixed):
             columns: Columns by name, as ``decode_many`` returns them.
 
         Returns:
-            The frames, as rows of bytes or, if they are strings of bits, as numbers of 64 bits.
+            The frames, as rows of bytes or, if they are strings of bits, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
@@ -299,7 +299,7 @@ class FrameOf(ByEncoder[_Encoder]):
             variant: The encoder.
 
         Returns:
-            The frames, as rows of bytes or, if they are strings of bits, as numbers of 64 bits.
+            The frames, as rows of bytes or, if they are strings of bits, as 64-bit numbers.
 
         Raises:
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
