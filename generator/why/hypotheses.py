@@ -209,6 +209,12 @@ def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, b
     return constant_bits, are_correct
 
 
+def has_only_parity(placed_layout: PlacedLayout) -> bool:
+    """Return whether nothing but one parity bit can contradict a frame, which then passes half of all shifts."""
+    constant_bits, _ = check_constant_bits(placed_layout, frame=0)
+    return placed_layout.crc_field is None and placed_layout.has_parity and constant_bits == 1
+
+
 def _expected_constant(placed_layout: PlacedLayout, placed_field: PlacedField, frame: int) -> int | None:
     """Return the value that a constant or a parity bit must have in the frame, or None for other fields."""
     match placed_field.field.kind:

@@ -175,6 +175,23 @@ function judgedTogether(decodedFrames) {
   return findCommonMistakes(explainedFrames.map(({ frame }) => findExplanations(frame, true).all));
 }
 
+/**
+ * Return the mistakes that explain all frames, valid ones too, most likely first. There are none unless the only check
+ * is a parity bit, which half of all shifted frames pass, and enough frames fail.
+ */
+function judgedWithValid(decodedFrames) {
+  const frames = decodedFrames.slice(-TABLE.likely.frames);
+  const failedCount = frames.filter(({ problems }) => problems.length).length;
+  if (failedCount === frames.length || failedCount * TABLE.likely.least_failed < frames.length) return [];
+  if (!frames.every(({ placedLayout, typedFrame }) => placedLayout && typedFrame && hasOnlyParity(placedLayout))) return [];
+  const explanationLists = frames.map((decoded) => {
+    const isValid = !decoded.problems.length && !deadLine(decoded);
+    return isValid ? explainBits(decoded, false).all : findExplanations(decoded).all;
+  });
+  const mistakes = findCommonMistakes(explanationLists);
+  return mistakes[0]?.frames === frames.length ? mistakes : [];
+}
+
 /** The logarithm of the likelihood. A mistake is made once, so its frequency counts once. */
 function computeCommonScore(explanations) {
   const evidence = explanations.reduce((sum, { score, frequency }) => sum + Math.log2(score / frequency), 0);
@@ -1117,6 +1134,10 @@ function countConstantBits(placedLayout) {
   const freeBitsOf = (check) => bitLength(BigInt((check.values?.length ?? 1) - 1));
   return constantChecksOf(placedLayout).reduce((sum, { check, width }) => sum + width - freeBitsOf(check), 0);
 }
+
+/** Return whether nothing but one parity bit can contradict a frame, which then passes half of all shifts. */
+const hasOnlyParity = (placedLayout) => !placedLayout.crc && countConstantBits(placedLayout) === 1
+  && placedLayout.checks.some(({ coveredPlaces }) => coveredPlaces);
 
 /** Return whether the constants, the parity and the selector of a frame are right. */
 const hasRightConstants = (placedLayout, number) => (

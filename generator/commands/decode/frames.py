@@ -386,6 +386,17 @@ def why_text(
     return explain_bytes(device, variant, sender, placed_layout, frame, with_pairs=with_pairs)
 
 
+def why_valid_text(
+    device: Device, variant: Variant, sender: str, frame_text: str, placed_layout: PlacedLayout
+) -> Diagnosis | None:
+    """Return the mistakes with which a valid bit frame without a CRC may have been read, or None if there are none."""
+    from ...why.explain import explain_constant
+
+    is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
+    typed_frame = frame_number(placed_layout, undecorated(frame_text), exact=is_exact)
+    return explain_constant(device, variant, placed_layout, typed_frame)
+
+
 def _why_bits(
     device: Device,
     variant: Variant,
