@@ -420,7 +420,7 @@ def disturbed(bits: str, *, has_crc: bool) -> str:
 def disturbed_or_shifted(bits: str) -> str:
     """Return the sentences about a frame whose only check is a parity bit, after ``disturbed``."""
     return (
-        "A shift by one clock passes the parity check in half of all frames, so it is likely if about half of them "
+        "A shift by one clock passes this check in half of all frames, so it is likely if about half of them "
         "fail. If only a few fail, one bit may have been corrupted on the line: the frame is valid with "
         f"{bits} inverted."
     )

@@ -23,7 +23,8 @@ class TypedFrame:
     """A frame as the user typed it, with ``bits`` bits, or at least that many if leading zeros may be missing.
 
     ``exact`` is true if none are missing. ``written`` is the number of bits of all digits, including leading zeros, or
-    0 for a decimal number. ``is_bytes`` is true for several bytes, which usually have all their zeros.
+    0 for a decimal number. ``is_bytes`` is true for several bytes, which usually have all their zeros. If bytes
+    are missing at the end of the frame, ``padded`` is its text in case that leading zeros are missing instead.
     """
 
     number: int
@@ -31,6 +32,7 @@ class TypedFrame:
     exact: bool
     written: int = 0
     is_bytes: bool = False
+    padded: str = ""
 
     def may_have(self, bits: int) -> bool:
         """Return whether the frame can have this number of bits, possibly with leading zeros that were not typed."""

@@ -114,7 +114,7 @@ function missingPart(decoded) {
   const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
   if (!placedLayout || !(typedFrame || receivedBytes) || deadLine(decoded)) return "";
   if (receivedBytes) return explained(decoded).length ? "" : describeMissingBytes(placedLayout, 8 * receivedBytes.length);
-  if (hasMissingDigits(decoded) && (typedFrame.isBytes || !explained(decoded).length)) {
+  if (hasMissingDigits(decoded) && !explained(decoded).length) {
     return fillTemplate(TABLE.texts.read_as_zeros, describeMissingBytes(placedLayout, typedFrame.written));
   }
   const hasWrongLength = problems.some((problem) => problem.fault === "length");
@@ -124,7 +124,10 @@ function missingPart(decoded) {
   const isFoundByRule = (hypothesis) => (
     hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis) && isSignificant(hypothesis));
   if (tryMovedFrames(placedLayout, crc, typedFrame).some(isFoundByRule)) return "";
-  return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
+  const { padded, isBytes, written } = typedFrame;
+  const missingText = findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame))
+    || (isBytes ? describeMissingBytes(placedLayout, written) : "");
+  return padded ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
 }
 
 /** Return whether whole bytes are missing from the digits of a frame with a wrong CRC, so that they were read as 0. */

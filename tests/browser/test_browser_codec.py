@@ -12,7 +12,14 @@ from typing import Any
 import pytest
 from browser_harness import Asker, Case, cases, frames_with_checksums, library_of
 from codewheel.commands.cli import main
-from codewheel.commands.decode.frames import FrameTextError, decode_text, frame_bytes, frame_number, undecorated
+from codewheel.commands.decode.frames import (
+    FrameTextError,
+    decode_text,
+    frame_bytes,
+    frame_number,
+    typed_bits,
+    undecorated,
+)
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
 from codewheel.model.registers import name_with_limits, value_bounds
 from codewheel.reference import codec
@@ -584,7 +591,7 @@ def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | No
             return None
         sender = case.layout.sender
         return explain_bytes(case.device, case.variant, sender, decoded.layout, data, with_pairs=with_pairs)
-    frame = frame_number(case.placed, text)
+    frame = typed_bits(case.device, case.placed, text)
     decoded = (
         codec.decode_bits(case.device, case.placed, frame.number, frame.bits)
         if frame.exact

@@ -338,7 +338,7 @@ def test_a_disturbed_bit_of_a_word_without_a_crc(decode: Run, capsys: pytest.Cap
     assert (exit_code, data["why"]["disturbed"]) == (1, [*range(26)])
     assert main(["decode", "C58-25B-E", f"0b{2:026b}"]) == 1
     out = " ".join(capsys.readouterr().out.split())
-    assert "A shift by one clock passes the parity check in half of all frames" in out
+    assert "A shift by one clock passes this check in half of all frames" in out
     assert "on the line: the frame is valid with one of 26 bits inverted." in out
     assert "no change is needed" not in out
     # Position 1, and the middle one of three zeros before the check sum. With two of them, no single bit explains it.
