@@ -3869,9 +3869,9 @@
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
     addField, anotherHelps, builtLine, canCrcContradict, deadLine, decodeRegister, explained, findCode,
-    findDisturbedBits, formOf, highestNumber, inferred, judgedTogether, judgedWithValid, linesOf, lineFamily, missingPart,
-    notOfAnyCode, numberIn, numbersRead, otherFrames, otherPositions, ownRequest, parsedLine, placedFor, quantityOf,
-    readLabel, splitIntoWords, UnknownCode,
+    findDisturbedBits, formOf, highestNumber, inferred, judgedTogether, judgedWithValid, linesOf, lineFamily,
+    missingPart, notOfAnyCode, numberIn, numbersRead, otherFrames, otherPositions, ownRequest, parsedLine, placedFor,
+    quantityOf, readLabel, splitIntoWords, UnknownCode,
   };
   if (typeof document === "undefined") return;
 

@@ -193,15 +193,13 @@ def typed_bits(device: Device, placed_layout: PlacedLayout, frame_text: str, *, 
         FrameTextError: The text has a different form.
     """
     typed_frame = frame_number(placed_layout, frame_text, exact=exact)
-    needed_bytes = (placed_layout.bits + 7) // 8
-    lacks_bytes = typed_frame.is_bytes and typed_frame.written // 8 < needed_bytes
-    if not lacks_bytes:
+    lacks_bytes = typed_frame.written // 8 < (placed_layout.bits + 7) // 8
+    if not typed_frame.is_bytes or not lacks_bytes:
         return typed_frame
     is_valid = not codec.decode(device, placed_layout, typed_frame.number).problems
     if is_valid and device.crc_of(placed_layout) is not None:
         return typed_frame
-    hex_digits = (placed_layout.bits + 3) // 4
-    padded = f"0x{typed_frame.number:0{hex_digits}X}" if is_valid else ""
+    padded = f"0x{typed_frame.number:0{(placed_layout.bits + 3) // 4}X}" if is_valid else ""
     return replace(typed_frame, bits=typed_frame.written, exact=True, padded=padded)
 
 
