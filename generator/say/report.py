@@ -373,6 +373,11 @@ def explained_together(explained: str, failed: str) -> str:
     return f"Together, {explained} of {failed} frames with an error have this explanation, most likely first"
 
 
+def all_explained_together(frames: str) -> str:
+    """Return the introduction to mistakes that explain all ``frames`` frames, some of which pass the parity check."""
+    return f"Together, all {frames} frames, also the valid ones, have this explanation, most likely first"
+
+
 def looks_wrong(name: str, readings: str) -> str:
     """Return the question that offers other interpretations of a position. ``readings`` are separated by commas."""
     return f"Does the position look wrong? The {name} would be {readings}"
@@ -414,6 +419,15 @@ def disturbed(bits: str, *, has_crc: bool) -> str:
     return (
         f"If only some frames fail, one bit may have been corrupted on the line: {proof} with {bits} inverted. "
         "In that case, no change is needed."
+    )
+
+
+def disturbed_or_shifted(bits: str) -> str:
+    """Return the sentences about a frame whose only check is a parity bit, after ``disturbed``."""
+    return (
+        "A shift by one clock passes this check in half of all frames, so it is likely if about half of them "
+        "fail. If only a few fail, one bit may have been corrupted on the line: the frame is valid with "
+        f"{bits} inverted."
     )
 
 

@@ -72,8 +72,7 @@ def explain_bits(
     hypotheses = all_hypotheses(device, variant, placed_layout, crc, typed_frame)
     diagnosis = diagnose(device, hypotheses, refuted, [crc], with_pairs=with_pairs)
     is_explained = diagnosis is not None and bool(diagnosis.explanations)
-    # Bytes are usually typed with all their zeros, so missing digits are reported even if the error is explained.
-    if typed_frame.is_bytes or not is_explained:
+    if not is_explained:
         missing = missing or _missing_digits(placed_layout, typed_frame)
     if diagnosis is None:
         return _only_missing(missing) if missing else None
@@ -147,7 +146,10 @@ def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout,
         is_found_by_rule = hypothesis.fits and hypothesis.kind != FRAME_INSIDE
         if is_found_by_rule and (hypothesis.crc is None or is_significant(hypothesis)):
             return ""
-    return missing_part(line, placed_layout.bits, recorded_bits(typed_frame, placed_layout.bits))
+    missing = missing_part(line, placed_layout.bits, recorded_bits(typed_frame, placed_layout.bits))
+    if not missing and typed_frame.is_bytes:
+        missing = _missing_bytes(placed_layout, typed_frame.written)
+    return TEXTS["zeros_left_out"].format(missing, typed_frame.padded) if typed_frame.padded else missing
 
 
 def _missing_digits(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:

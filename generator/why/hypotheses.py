@@ -23,7 +23,8 @@ class TypedFrame:
     """A frame as the user typed it, with ``bits`` bits, or at least that many if leading zeros may be missing.
 
     ``exact`` is true if none are missing. ``written`` is the number of bits of all digits, including leading zeros, or
-    0 for a decimal number. ``is_bytes`` is true for several bytes, which usually have all their zeros.
+    0 for a decimal number. ``is_bytes`` is true for several bytes, which usually have all their zeros. If bytes
+    are missing at the end of the frame, ``padded`` is its text in case that leading zeros are missing instead.
     """
 
     number: int
@@ -31,6 +32,7 @@ class TypedFrame:
     exact: bool
     written: int = 0
     is_bytes: bool = False
+    padded: str = ""
 
     def may_have(self, bits: int) -> bool:
         """Return whether the frame can have this number of bits, possibly with leading zeros that were not typed."""
@@ -207,6 +209,12 @@ def check_constant_bits(placed_layout: PlacedLayout, frame: int) -> tuple[int, b
             constant_bits += placed_field.width - free_bits
             are_correct = are_correct and raw_value in selector_values
     return constant_bits, are_correct
+
+
+def has_only_parity(placed_layout: PlacedLayout) -> bool:
+    """Return whether nothing but one parity bit can contradict a frame, which then passes half of all shifts."""
+    constant_bits, _ = check_constant_bits(placed_layout, frame=0)
+    return placed_layout.crc_field is None and placed_layout.has_parity and constant_bits == 1
 
 
 def _expected_constant(placed_layout: PlacedLayout, placed_field: PlacedField, frame: int) -> int | None:

@@ -48,6 +48,7 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "bytes_inverted": "every bit is inverted",
         "bytes_missing": "the text has {0} of the {1} bytes of the frame. Missing: {2}",
         "read_as_zeros": "{0}, treated as leading zeros",
+        "zeros_left_out": "{0}. If it lacks its leading zeros instead, write {1}",
         "first_byte_left_out": "the CRC does not cover the first byte",
         "line_stuck": "every bit is {0}: the line never changes. Check for {1}, the supply and {2}",
         "line_may_be_stuck": "every bit is {0}. A dead line looks the same, {1}",

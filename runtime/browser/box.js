@@ -188,7 +188,8 @@ function box(root) {
     };
     const { measure } = state.orderCode.interface;
     return [
-      ...listCommonMistakes(rows), createLineTable(rows, measure, showInFull), ...listCommonDoubts(rows, measure),
+      ...createCommonEchoNote(rows), ...listCommonMistakes(rows), createLineTable(rows, measure, showInFull),
+      ...listCommonDoubts(rows, measure),
       createExportButtons(rows), fullResult,
     ];
   }

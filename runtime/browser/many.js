@@ -80,9 +80,10 @@ function writeCsv(rows) {
 function listCommonMistakes(rows) {
   const decodedFrames = rows.flatMap((row) => (row.decoded ? [row.decoded] : []));
   const wrongFrames = decodedFrames.filter((decoded) => decoded.problems.length > 0 && !decoded.channels);
-  const mistakes = judgedTogether(wrongFrames);
+  const mistakesInAll = judgedWithValid(decodedFrames);
+  const mistakes = mistakesInAll.length ? mistakesInAll : judgedTogether(wrongFrames);
   if (!mistakes.length || mistakes[0].frames < 2) return [];
-  const introduction = messageFor(
+  const introduction = mistakesInAll.length ? messageFor("together_all", `${mistakes[0].frames}`) : messageFor(
     "together", `${mistakes[0].frames}`, `${Math.min(wrongFrames.length, TABLE.likely.frames)}`);
   const mistakeTexts = mistakes.map(
     ({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
@@ -90,13 +91,20 @@ function listCommonMistakes(rows) {
   return [createElement("p", {}, `${introduction}:`), createList(mistakeTexts), ...shiftLines];
 }
 
-/** List the doubts that all lines have in common although they are valid: a dead line, own requests, other readings. */
+/** Return the last decoded frames of the lines, which are judged together. */
+const lastFramesOf = (rows) => rows.flatMap((row) => (row.decoded ? [row.decoded] : [])).slice(-TABLE.likely.frames);
+
+/** Create the note on lines that are all requests of the master, in a list. */
+function createCommonEchoNote(rows) {
+  const requestNames = new Set(lastFramesOf(rows).map(ownRequest));
+  if (!requestNames.size || requestNames.has("")) return [];
+  return [createSentence(capitalize(messageFor("own_requests", [...requestNames].join(", "))))];
+}
+
+/** List the doubts that all lines have in common although they are valid: a dead line, other readings. */
 function listCommonDoubts(rows, measure) {
-  const frames = rows.flatMap((row) => (row.decoded ? [row.decoded] : [])).slice(-TABLE.likely.frames);
+  const frames = lastFramesOf(rows);
   const [deadLineText, ...otherTexts] = new Set(frames.map(deadLine));
-  const requestNames = new Set(frames.map(ownRequest));
-  const isOwnRequest = requestNames.size > 0 && !requestNames.has("");
-  const requestsText = messageFor("own_requests", [...requestNames].join(", "));
   const readingsOfFrames = frames.map((decoded) => new Map(otherPositions(decoded, measure)));
   const commonTexts = [...readingsOfFrames[0]?.keys() ?? []]
     .filter((text) => readingsOfFrames.every((positionByText) => positionByText.has(text)));
@@ -104,7 +112,6 @@ function listCommonDoubts(rows, measure) {
     (text) => `${readingsOfFrames.map((positionByText) => positionByText.get(text)).join(" ")} ${text}`).join(", ");
   return [
     ...(deadLineText && !otherTexts.length ? [createSentence(capitalize(deadLineText))] : []),
-    ...(isOwnRequest ? [createSentence(capitalize(requestsText))] : []),
     ...(readingsText ? [foldDoubt(measure, readingsText)] : []),
   ];
 }

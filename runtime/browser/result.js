@@ -172,11 +172,13 @@ function nameOtherFrames(decoded, otherLayouts) {
 /** Create the folded list of other readings of a position, which nothing in the frame contradicts. */
 function createDoubts(decoded, measure) {
   const readings = otherPositions(decoded, measure).map(([text, position]) => `${position} ${text}`).join(", ");
+  return readings ? [foldDoubt(measure, readings)] : [];
+}
+
+/** Create the note on a word that is also the request of the master, which makes all else in it meaningless. */
+function createEchoNote(decoded) {
   const requestName = ownRequest(decoded);
-  return [
-    ...(readings ? [foldDoubt(measure, readings)] : []),
-    ...(requestName ? [createSentence(capitalize(messageFor("own_request", requestName)))] : []),
-  ];
+  return requestName ? [createSentence(capitalize(messageFor("own_request", requestName)))] : [];
 }
 
 /** Create a question about the position that unfolds to its other ``readings``, a text. */
@@ -219,6 +221,7 @@ function describeNoise(decoded) {
   if (!disturbedBits.length) return "";
   const bitText = disturbedBits.length === 1
     ? nameBit(decoded.placedLayout, disturbedBits[0]) : `one of ${disturbedBits.length} bits`;
+  if (hasOnlyParity(decoded.placedLayout)) return messageFor("disturbed_or_shifted", bitText);
   const hasCrc = Boolean(decoded.placedLayout.crc);
   return messageFor(hasCrc ? "disturbed" : "disturbed_without_crc", bitText);
 }
@@ -269,6 +272,7 @@ function createResult(decoded, measure, otherLayouts) {
   const angleText = describeMeasurement(decoded, measure);
   const table = decoded.fields.length ? createFieldTable(decoded) : null;
   return [
+    ...createEchoNote(decoded),
     createHeadline(decoded),
     ...(decoded.differences.length
       ? [createList(decoded.differences.map((difference) => `differs from the manual: ${difference}`))] : []),

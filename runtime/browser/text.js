@@ -331,8 +331,22 @@ function otherFrames(orderCode, sender, text, decoded, registerContents, answers
   });
 }
 
-/** Decode a frame of bits. ``typedFrame`` is {number, bits, exact, written}, as ``numberIn`` returns it. */
-function decodeBits(placedLayout, typedFrame) {
+/**
+ * Return a typed frame, or the first bits of one if bytes are missing: they usually have all their zeros, unless the CRC
+ * proves otherwise. ``padded`` is then a valid frame with more zeros, if any. The command has the same rule, in frames.py.
+ */
+function asFirstBits(placedLayout, typedFrame) {
+  const { number, written, exact, isBytes } = typedFrame;
+  if (exact || !isBytes || written / 8 >= countBytes(placedLayout.bits)) return typedFrame;
+  const isValid = !decode(placedLayout, number).problems.length;
+  if (isValid && placedLayout.crc) return typedFrame;
+  const padded = isValid ? `0x${hexDigits(number).padStart(Math.ceil(placedLayout.bits / 4), "0")}` : "";
+  return { ...typedFrame, bits: written, exact: true, padded };
+}
+
+/** Decode a frame of bits. ``asTyped`` is {number, bits, exact, written}, as ``numberIn`` returns it. */
+function decodeBits(placedLayout, asTyped) {
+  const typedFrame = asFirstBits(placedLayout, asTyped);
   const hasOtherBitCount = typedFrame.exact && typedFrame.bits !== placedLayout.bits;
   return {
     ...(hasOtherBitCount ? createLengthError(placedLayout, `${placedLayout.bits} bits`, typedFrame.bits)

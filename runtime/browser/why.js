@@ -123,7 +123,7 @@ function missingPart(decoded) {
   const { placedLayout, typedFrame, receivedBytes, problems } = decoded;
   if (!placedLayout || !(typedFrame || receivedBytes) || deadLine(decoded)) return "";
   if (receivedBytes) return explained(decoded).length ? "" : describeMissingBytes(placedLayout, 8 * receivedBytes.length);
-  if (hasMissingDigits(decoded) && (typedFrame.isBytes || !explained(decoded).length)) {
+  if (hasMissingDigits(decoded) && !explained(decoded).length) {
     return fillTemplate(TABLE.texts.read_as_zeros, describeMissingBytes(placedLayout, typedFrame.written));
   }
   const hasWrongLength = problems.some((problem) => problem.fault === "length");
@@ -133,7 +133,10 @@ function missingPart(decoded) {
   const isFoundByRule = (hypothesis) => (
     hypothesis.kind !== TABLE.inside[0] && fitsFrame(hypothesis) && isSignificant(hypothesis));
   if (tryMovedFrames(placedLayout, crc, typedFrame).some(isFoundByRule)) return "";
-  return findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame));
+  const { padded, isBytes, written } = typedFrame;
+  const missingText = findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame))
+    || (isBytes ? describeMissingBytes(placedLayout, written) : "");
+  return padded ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
 }
 
 /** Return whether whole bytes are missing from the digits of a frame with a wrong CRC, so that they were read as 0. */
@@ -182,6 +185,23 @@ function judgedTogether(decodedFrames) {
   const isExplained = singleMistakes[0]?.frames === explainedFrames.length;
   if (isExplained && !singleMistakes[0].hidesShift) return singleMistakes;
   return findCommonMistakes(explainedFrames.map(({ frame }) => findExplanations(frame, true).all));
+}
+
+/**
+ * Return the mistakes that explain all frames, valid ones too, most likely first. There are none unless the only check
+ * is a parity bit, which half of all shifted frames pass, and enough frames fail.
+ */
+function judgedWithValid(decodedFrames) {
+  const frames = decodedFrames.slice(-TABLE.likely.frames);
+  const failedCount = frames.filter(({ problems }) => problems.length).length;
+  if (failedCount === frames.length || failedCount * TABLE.likely.least_failed < frames.length) return [];
+  if (!frames.every(({ placedLayout, typedFrame }) => placedLayout && typedFrame && hasOnlyParity(placedLayout))) return [];
+  const explanationLists = frames.map((decoded) => {
+    const isValid = !decoded.problems.length && !deadLine(decoded);
+    return isValid ? explainBits(decoded, false).all : findExplanations(decoded).all;
+  });
+  const mistakes = findCommonMistakes(explanationLists);
+  return mistakes[0]?.frames === frames.length ? mistakes : [];
 }
 
 /** The logarithm of the likelihood. A mistake is made once, so its frequency counts once. */
@@ -1137,6 +1157,10 @@ function countConstantBits(placedLayout) {
   const freeBitsOf = (check) => bitLength(BigInt((check.values?.length ?? 1) - 1));
   return constantChecksOf(placedLayout).reduce((sum, { check, width }) => sum + width - freeBitsOf(check), 0);
 }
+
+/** Return whether nothing but one parity bit can contradict a frame, which then passes half of all shifts. */
+const hasOnlyParity = (placedLayout) => !placedLayout.crc && countConstantBits(placedLayout) === 1
+  && placedLayout.checks.some(({ coveredPlaces }) => coveredPlaces);
 
 /** Return whether the constants, the parity and the selector of a frame are right. */
 const hasRightConstants = (placedLayout, number) => (

@@ -15,10 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from codewheel.loading.library import load_library
 from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.findings import findings, strange_values
 from codewheel.say.plain_text import quantity_text
+from codewheel.targets import Library
 from rust_frames import numbers
 from test_c_codec import run_time_variants
 from working_tools import require
@@ -27,6 +29,12 @@ HERE = Path(__file__).resolve().parent
 #: Minimum number of frames of a layout for one order code.
 _LEAST = 20
 _BROWSER = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--allow-file-access-from-files")
+
+
+def library_of(name: str) -> Library:
+    """Return the family in a spec, given as its path from ``tests`` without the ending: ``../specs/ams/as5048a``."""
+    path = HERE.parent / f"{name}.yaml"
+    return Library(load_library([path, path.parent / "manufacturer.yaml"])[0])
 
 
 @dataclass(frozen=True)

@@ -182,6 +182,10 @@
   const together = (item) => wheel.judgedTogether(item.frames.map((text) => decoded(foundFor(item), item, text)))
     .map((one) => [one.text, one.frames, `${one.oneIn}`]);
 
+  /** Return the mistakes that explain all frames, some of which pass the parity check. */
+  const withValid = (item) => wheel.judgedWithValid(item.frames.map((text) => decoded(foundFor(item), item, text)))
+    .map((one) => one.text);
+
   /** Return the order codes for which a text is a valid frame. */
   const inferred = (item) => wheel.inferred(item.text).map((group) => [group.decoded.placedLayout.name, group.codes]);
 
@@ -191,5 +195,5 @@
   /** Compared frames, or the values of a text, for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
-  globalThis.codewheelTests = { answered, builtLines, compared, values, readings, encoded, reasons, together, doubts, inferred, labels, lines, records, unread };
+  globalThis.codewheelTests = { answered, builtLines, compared, values, readings, encoded, reasons, together, doubts, inferred, labels, lines, records, unread, withValid };
 })();

@@ -7,14 +7,19 @@ import random
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_harness import Asker, Case, cases, frames_with_checksums
+from browser_harness import Asker, Case, cases, frames_with_checksums, library_of
 from codewheel.commands.cli import main
-from codewheel.commands.decode.frames import FrameTextError, decode_text, frame_bytes, frame_number, undecorated
-from codewheel.loading.library import load_library
+from codewheel.commands.decode.frames import (
+    FrameTextError,
+    decode_text,
+    frame_bytes,
+    frame_number,
+    typed_bits,
+    undecorated,
+)
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
 from codewheel.model.registers import name_with_limits, value_bounds
 from codewheel.reference import codec
@@ -30,7 +35,6 @@ from rust_frames import numbers
 
 pytestmark = pytest.mark.slow
 
-TESTS = Path(__file__).resolve().parents[1]
 #: Specs with features that no device has.
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
 MADE_UP += (
@@ -63,11 +67,6 @@ BITS_22 = "T22SC"
 #: Frames of each layout. tests/verify/test_browser.py reads a hundred thousand.
 FRAMES, MADE_UP_FRAMES = 100, 500
 Ask = Callable[[Library, str], Asker]
-
-
-def library_of(name: str) -> Library:
-    path = TESTS / f"{name}.yaml"
-    return Library(load_library([path, path.parent / "manufacturer.yaml"])[0])
 
 
 def frames(library: Library, count: int) -> list[dict[str, Any]]:
@@ -606,7 +605,7 @@ def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | No
             return None
         sender = case.layout.sender
         return explain_bytes(case.device, case.variant, sender, decoded.layout, data, with_pairs=with_pairs)
-    frame = frame_number(case.placed, text)
+    frame = typed_bits(case.device, case.placed, text)
     decoded = (
         codec.decode_bits(case.device, case.placed, frame.number, frame.bits)
         if frame.exact

@@ -434,7 +434,7 @@ MANY = r"""
   type(code, "AMM5A19/65KSC1");
   const help = said(boxes[0]);
   type(code, "AMM5A21/65KSC1");
-  type(text, "# bench\n\n0.001 0xF4243D3\n0.002, [0x0F, 0x42, 0x43, 0xD2]\n3 ms zz\n");
+  type(text, "# bench\n\n0.001 0xF4243D3\n0.002, [0x00, 0x00, 0x0F, 0x42, 0x43, 0xD2]\n3 ms zz\n");
   const texts = (row) => [...row.cells].map((cell) => cell.innerText.trim());
   const rows = [...result.querySelectorAll("tbody tr")].map(texts);
   const address = new URLSearchParams(location.hash.slice(1)).get("frame");
@@ -463,7 +463,9 @@ def test_many_frames_give_a_table(chromium: str, page: Path) -> None:
     head, first, second, *_ = result["csv"].splitlines()
     assert head == "line,time,frame,layout,verdict,remark,multiturn,singleturn,error,warning,crc,position"
     assert first == "3,0.001,0xF4243D3,single_cycle_data,usable,,0,1000003,no,no,19,1000003"
-    assert second.startswith('4,0.002,"[0x0F, 0x42, 0x43, 0xD2]",single_cycle_data,,"expected CRC 0x13, got 0x12",')
+    assert second.startswith(
+        '4,0.002,"[0x00, 0x00, 0x0F, 0x42, 0x43, 0xD2]",single_cycle_data,,"expected CRC 0x13, got 0x12",'
+    )
     assert result["full"].startswith("Line 4")
     assert "one bit may have been corrupted on the line" in result["full"]
 

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import json
 import subprocess
+from pathlib import Path
 
 import pytest
-from browser_harness import program
+from browser_harness import library_of, program
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate
@@ -73,3 +74,20 @@ def test_a_box_has_the_colour_of_its_verdict(results: list[list[str]]) -> None:
 def test_only_a_usable_position_is_shown_in_degrees(results: list[list[str]]) -> None:
     degrees = 1_000_003 % COUNTS_PER_TURN * 360 / COUNTS_PER_TURN
     assert [angle for _, _, angle in results] == [f"position: {degrees:.4f}° of revolution 0", "", ""]
+
+
+@pytest.mark.starts_process
+def test_an_echo_comes_before_the_verdict(tmp_path: Path) -> None:
+    """A word of an AS5048A that is also the request, in which the error flag is set."""
+    script = generate(library_of("../specs/ams/as5048a"))["browser/decode.js"]
+    script = script.replace(END, f"  Object.assign(codewheelDecode, {{ createEchoNote }});\n  return;\n{END}")
+    ask = """
+    const wheel = globalThis.codewheelDecode;
+    const found = wheel.decodeFrame(wheel.findCode("AS5048A"), "encoder", "0x7FFD", {}, {});
+    console.log(wheel.createEchoNote(found)[0].text);
+    """
+    file = tmp_path / "page.js"
+    file.write_text(DOCUMENT + script + ask, encoding="utf-8")
+    completed = subprocess.run([program("node"), str(file)], capture_output=True, text=True, check=False)
+    assert completed.stdout.startswith("This word is also your own request read_request"), completed.stderr[-2000:]
+    assert script.index("...createEchoNote(decoded)") < script.index("createHeadline(decoded),")

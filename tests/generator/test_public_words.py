@@ -32,6 +32,12 @@ def test_a_word_that_equals_its_command(word: str, request_name: str, capsys: Ca
     assert f"own request {request_name}, as if MISO were connected to MOSI" in printed(capsys, "AS5048A", word)
 
 
+@pytest.mark.parametrize("word", ["0xFFFF", "0x7FFD", "0x4001"])
+def test_an_echo_is_named_before_all_else(word: str, capsys: Capture) -> None:
+    text = printed(capsys, "AS5048A", word)
+    assert text.index("own request") < text.index("an error occurred")
+
+
 def test_a_position_with_the_error_flag_is_no_echo(capsys: Capture) -> None:
     """odriverobotics/ODrive, issue 539: the error flag stays set, and the position is valid."""
     text = printed(capsys, "AS5048A", "0x5234")

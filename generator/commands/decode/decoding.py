@@ -16,10 +16,10 @@ from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
 from ...reference.findings import Findings, ValueDifference, findings, strange_values
-from ...why import MOST_FRAMES
+from ...why import LEAST_FAILED, MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
-from .frames import FrameLine, FrameTextError, decode_register_text, frame_lines, text_decoder, why_text
+from .frames import FrameLine, FrameTextError, decode_register_text, frame_lines, text_decoder, why_text, why_valid_text
 from .other_frames import OtherFrames, is_frame_of_other_kind, other_frames_line
 from .plain_data import channel_data, decoded_data
 from .several_frames import frame_sizes, separate_frames
@@ -103,6 +103,14 @@ class _FailedFrame(NamedTuple):
     diagnosis: Diagnosis
 
 
+class _AnyFrame(NamedTuple):
+    """Frame with or without an error: its text, the decoded frame, and explanations, which include a dead line."""
+
+    text: str
+    decoded: codec.DecodedFrame
+    diagnosis: Diagnosis | None
+
+
 class Decoding:
     """Decoder of one frame after another. ``code`` is the exit code so far."""
 
@@ -129,6 +137,8 @@ class Decoding:
         self._is_first = True
         #: The last frames with an error.
         self._failed_frames: deque[_FailedFrame] = deque(maxlen=MOST_FRAMES)
+        #: The last frames, valid ones included.
+        self._last_frames: deque[_AnyFrame] = deque(maxlen=MOST_FRAMES)
 
     @property
     def code(self) -> int:
@@ -164,6 +174,7 @@ class Decoding:
             if is_frame_of_other_kind(decoded, other_layouts):
                 # The frame is valid with the other layout, so there is no mistake to explain.
                 why = None
+            self._last_frames.append(_AnyFrame(text=line.text, decoded=decoded, diagnosis=why))
             if why is not None and decoded.problems:
                 self._failed_frames.append(_FailedFrame(text=line.text, decoded=decoded, diagnosis=why))
             output = self._frame_output(line, decoded, frame_findings, why, other_layouts)
@@ -171,8 +182,12 @@ class Decoding:
             is_one_of_many = line.number is not None
             print(output, flush=is_one_of_many)
         if not self._request.as_json:
-            common_mistakes = self._common_mistakes()
-            print(*together_lines(common_mistakes, len(self._failed_frames)), sep="\n", end="")
+            mistakes_in_all = self._mistakes_in_all_frames()
+            common_mistakes = mistakes_in_all or self._common_mistakes()
+            together = together_lines(
+                common_mistakes, len(self._failed_frames), with_valid_frames=bool(mistakes_in_all)
+            )
+            print(*together, sep="\n", end="")
 
     def _print_channels(self, line: FrameLine, decoder: ChannelDecoder, frame: TypedFrame) -> None:
         """Print a frame that carries all data channels, as text or as JSON."""
@@ -206,6 +221,32 @@ class Decoding:
         command = f"{self._request.device.manufacturer.distribution} decode"
         notice = f"{MANY:,} frames; for files, the Python package is faster: {command}"
         print(f"codewheel: {notice}", file=sys.stderr)
+
+    def _mistakes_in_all_frames(self) -> list[CommonMistake]:
+        """Return mistakes that explain all of the last frames, the valid ones too, the likeliest first.
+
+        The list is empty unless some frames are valid and the only check is a parity bit, which half of all shifted
+        frames pass. If fewer than a quarter of the frames fail, noise is likelier.
+        """
+        frames = self._last_frames
+        failed_count = sum(bool(frame.decoded.problems) for frame in frames)
+        if not len(frames) / LEAST_FAILED <= failed_count < len(frames):
+            return []
+        from ...why.hypotheses import has_only_parity
+        from ...why.together import judge_together
+
+        request = self._request
+        diagnoses: list[Diagnosis] = []
+        for text, decoded, diagnosis in frames:
+            if decoded.layout is None or decoded.layout.layout.in_bytes or not has_only_parity(decoded.layout):
+                return []
+            why = diagnosis
+            if why is None and not decoded.problems:
+                why = why_valid_text(request.device, request.match.variant, request.sender, text, decoded.layout)
+            if why is not None:
+                diagnoses.append(why)
+        mistakes = judge_together(diagnoses)
+        return mistakes if mistakes and mistakes[0].frames == len(frames) else []
 
     def _common_mistakes(self) -> list[CommonMistake]:
         """Return mistakes that explain most of the last frames with an error, the likeliest first.

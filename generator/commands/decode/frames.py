@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...language.excerpt import visible
@@ -192,6 +193,27 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     raise _number_error(placed, frame_text, say_report.write_number(str(placed.bits)))
 
 
+def typed_bits(device: Device, placed_layout: PlacedLayout, frame_text: str, *, exact: bool = False) -> TypedFrame:
+    """Return a frame written as one number, as ``frame_number`` does, or the first bits of one if bytes are missing.
+
+    Bytes such as ``50 FC`` usually have all their zeros, so a frame of 24 bits then lacks its last bits, not its
+    leading zeros. A number such as ``0x50FC`` may lack zeros, and so may bytes that are valid by their CRC. The decode
+    page follows the same rule.
+
+    Raises:
+        FrameTextError: The text has a different form.
+    """
+    typed_frame = frame_number(placed_layout, frame_text, exact=exact)
+    lacks_bytes = typed_frame.written // 8 < (placed_layout.bits + 7) // 8
+    if not typed_frame.is_bytes or not lacks_bytes:
+        return typed_frame
+    is_valid = not codec.decode(device, placed_layout, typed_frame.number).problems
+    if is_valid and device.crc_of(placed_layout) is not None:
+        return typed_frame
+    padded = f"0x{typed_frame.number:0{(placed_layout.bits + 3) // 4}X}" if is_valid else ""
+    return replace(typed_frame, bits=typed_frame.written, exact=True, padded=padded)
+
+
 def _number_without_prefix(placed: PlacedLayout | PlacedChannels, digits: str, frame_text: str) -> TypedFrame:
     """Return a frame from digits without a prefix that can only be bits or a decimal number.
 
@@ -356,7 +378,7 @@ def decode_as(
     if placed_layout.layout.in_bytes:
         frame_in_bytes = placed_bytes(placed_layout, variant, frame_text)
         return codec.decode_placed(device, placed_layout, frame_in_bytes)
-    typed_frame = frame_number(placed_layout, frame_text, exact=exact)
+    typed_frame = typed_bits(device, placed_layout, frame_text, exact=exact)
     if typed_frame.exact:
         return codec.decode_bits(device, placed_layout, typed_frame.number, typed_frame.bits)
     return codec.decode(device, placed_layout, typed_frame.number)
@@ -380,7 +402,7 @@ def why_text(
     if placed_layout is not None and not placed_layout.layout.in_bytes:
         # If the layouts of the sender differ in length, the number of hex bytes determines the length of the frame.
         is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
-        typed_frame = frame_number(placed_layout, undecorated(frame_text), exact=is_exact)
+        typed_frame = typed_bits(device, placed_layout, undecorated(frame_text), exact=is_exact)
         return _why_bits(device, variant, placed_layout, decoded, typed_frame=typed_frame, with_pairs=with_pairs)
     if placed_layout is None:
         first_layout = layouts_of_sender(device, variant, sender)[0]
@@ -394,6 +416,17 @@ def why_text(
 
     frame = placed_bytes(layout_of_bytes, variant, undecorated(frame_text))
     return explain_bytes(device, variant, sender, placed_layout, frame, with_pairs=with_pairs)
+
+
+def why_valid_text(
+    device: Device, variant: Variant, sender: str, frame_text: str, placed_layout: PlacedLayout
+) -> Diagnosis | None:
+    """Return the mistakes with which a valid bit frame without a CRC may have been read, or None if there are none."""
+    from ...why.explain import explain_constant
+
+    is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
+    typed_frame = frame_number(placed_layout, undecorated(frame_text), exact=is_exact)
+    return explain_constant(device, variant, placed_layout, typed_frame)
 
 
 def _why_bits(

@@ -83,6 +83,8 @@ def described_frame(
     if decoded.layout is not None:
         yield _layout_line(decoded.layout)
         yield from _answer_lines(device, answers)
+    # An echo makes everything else in the frame meaningless.
+    yield from _own_request_lines(device, variant, decoded)
     if decoded.fields:
         yield from ("", *field_table(decoded))
         position = position_text(device, variant, decoded, findings.verdict)
@@ -123,26 +125,33 @@ def evidence_lines(device: Device) -> Iterator[str]:
 def _other_position_lines(
     device: Device, variant: Variant, decoded: codec.DecodedFrame, frame_text: str
 ) -> Iterator[str]:
-    """Yield lines about reasons that a frame without errors may still be wrong.
+    """Yield a line about other ways to read the position of a frame without errors.
 
-    The position may be read in other ways, or, over SPI, the frame may be the master's own request. ``frame_text`` is
-    the text that the user typed.
+    ``frame_text`` is the text that the user typed.
     """
     placed_layout = decoded.layout
     if decoded.problems or placed_layout is None or placed_layout.layout.in_bytes:
         return
     from ...why.doubts import other_positions, position_name
-    from ...why.exchanges import own_request
 
     typed_frame = frame_number(placed_layout, undecorated(frame_text)) if frame_text else None
     readings = [f"{position} {reason}" for reason, position in other_positions(device, variant, decoded, typed_frame)]
     if readings:
         suggestion = say_report.looks_wrong(position_name(device, variant), ", ".join(readings))
         yield wrapped(as_sentence(suggestion), WIDTH, prefix="  ", first="")
+
+
+def _own_request_lines(device: Device, variant: Variant, decoded: codec.DecodedFrame) -> Iterator[str]:
+    """Yield a blank line and a note if a frame without errors, received over SPI, is also the master's own request."""
+    placed_layout = decoded.layout
+    if decoded.problems or placed_layout is None or placed_layout.layout.in_bytes:
+        return
+    from ...why.exchanges import own_request
+
     request_name = own_request(device, variant, placed_layout, decoded.number)
     if request_name:
         note = capitalized(say_report.own_request(request_name))
-        yield wrapped(as_sentence(note), WIDTH, prefix="  ", first="")
+        yield from ("", wrapped(as_sentence(note), WIDTH, prefix="  ", first=""))
 
 
 def line_prefix(line: FrameLine) -> str:
@@ -310,6 +319,10 @@ def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | Non
     if not disturbed or placed_layout is None:
         return []
     inverted_bits = _bit_name(disturbed[0], placed_layout) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
+    from ...why.hypotheses import has_only_parity
+
+    if has_only_parity(placed_layout):
+        return ["", wrapped(say_report.disturbed_or_shifted(inverted_bits), WIDTH, prefix="  ", first="")]
     has_crc = placed_layout.crc_field is not None
     hint = say_report.disturbed(inverted_bits, has_crc=has_crc)
     return ["", wrapped(f"{hint} If all frames fail, read on.", WIDTH, prefix="  ", first="")]
@@ -362,12 +375,19 @@ def _hint_lines(diagnosis: Diagnosis) -> list[str]:
     return lines
 
 
-def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Iterator[str]:
-    """Yield lines about mistakes, likeliest first. Each explains the same number of failed frames, at least two."""
+def together_lines(
+    mistakes: Sequence[CommonMistake], failed_frames: int, *, with_valid_frames: bool = False
+) -> Iterator[str]:
+    """Yield lines about mistakes, likeliest first. Each explains the same number of failed frames, at least two.
+
+    If ``with_valid_frames`` is true, the mistakes explain all frames, also the valid ones.
+    """
     if not mistakes or mistakes[0].frames < 2:
         return
     explained_frames = mistakes[0].frames
     introduction = say_report.explained_together(f"{explained_frames}", f"{failed_frames}")
+    if with_valid_frames:
+        introduction = say_report.all_explained_together(f"{explained_frames}")
     yield f"\n{wrapped(introduction, WIDTH, prefix='  ', first='')}:"
     for mistake in mistakes:
         chance = f"; matches by chance in {_frequency_text(mistake.one_in)}" if mistake.one_in > 1 else ""

@@ -41,7 +41,7 @@ from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
 from ...say.plain_text import text_on_one_line
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
-from ...why import MOST_FRAMES
+from ...why import LEAST_FAILED, MOST_FRAMES
 from ...why.channels import LEAST_CRC_BITS
 from ...why.diagnosis import CERTAIN, LEAST_BITS
 from ...why.doubts import LEFT_ALIGNED, READINGS
@@ -364,7 +364,8 @@ def script_table(library: Library) -> Data:
         "polynomials": POLYNOMIALS,
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "without_pair": INVERTED_WITHOUT_PAIR}
         | {"other_code_without_crc": OTHER_CODE_WITHOUT_CRC, "after_command": AFTER_COMMAND}
-        | {"frames": MOST_FRAMES, "bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN}
+        | {"least_failed": LEAST_FAILED, "frames": MOST_FRAMES}
+        | {"bits": LEAST_BITS, "equal_bits": LEAST_EQUAL_BITS, "certain": CERTAIN}
         | {"channel_crc_bits": LEAST_CRC_BITS, "with_second": WITH_SECOND_MISTAKE}
         | {"cut_bits": MOST_CUT_BITS, "states": MOST_STATES},
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
