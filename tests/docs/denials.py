@@ -35,8 +35,8 @@ def denials() -> Iterator[tuple[str, str]]:
 
 
 def denies(text: str) -> bool:
-    """Return whether a text has a word that denies something, and is prose: more than one word."""
-    return " " in text and _DENIES.search(text) is not None
+    """Return whether a text has a word that denies something, and is prose: more than one word, or ``read-only``."""
+    return (" " in text or text.endswith("-only")) and _DENIES.search(text) is not None
 
 
 def _denials_in(path: Path, texts: Iterator[str]) -> Iterator[tuple[str, str]]:
