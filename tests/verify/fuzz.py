@@ -50,6 +50,7 @@ PRECONDITIONS = {
     "run_together": "one step at least",
     "run_write": "1 to 8 steps of one register",
     "run_compare": "as run_write",
+    "run_closing": "steps that run_fits accepts",
     "run_step": "as run_write",
     "step_change": "as many steps as bytes",
     "step_differs": "as step_change",
