@@ -6,10 +6,9 @@ SETS is the number of sets of three frames for each layout and each mistake, by 
 
 - ``as it is``: a frame of the set is valid in spite of its mistake, so ``decode`` explains nothing. ``doubts`` is how
   often "Does the position look wrong?" then lists the position that was sent.
-- ``undecided``: the layout cannot tell the mistake. Either another mistake explains every one of 32 further frames with
-  this one, and is at least as likely for three frames, or nothing explains any of them, because the lost bits do not
-  follow from the others. ``listed`` is how often the mistake is still in the list, or the missing byte is named.
-- ``judged``: all other sets. ``first`` is how often the mistake is named first.
+- ``undecided``: another mistake explains every one of 32 further frames with this one, and is at least as likely for
+  three frames. ``listed`` is how often the mistake is still in the list. Likelihoods are those of ``decode``.
+- ``judged``: all other sets. ``first`` is how often the mistake is named first, or the missing byte is named.
 """
 
 from __future__ import annotations
@@ -97,7 +96,7 @@ class Planted:
 
 @dataclass
 class Count:
-    """Sets of three frames with one mistake, by what can be said about them."""
+    """Numbers of sets of three frames with the same mistake, in the columns that are printed."""
 
     as_it_is: int = 0
     doubts: int = 0
@@ -338,11 +337,12 @@ def measure(encoder: Encoder, sets: int, counts: dict[tuple[str, str], Count], m
             place = place_of_mistake(encoder, mistake, planted_frames)
             if not can_tell:
                 count.undecided += 1
-                count.listed += place is not None or all(is_missing(encoder, planted) for planted in planted_frames)
+                count.listed += place is not None
                 continue
+            is_named = place == 0 or all(is_missing(encoder, planted) for planted in planted_frames)
             count.judged += 1
-            count.first += place == 0
-            if place != 0:
+            count.first += is_named
+            if not is_named:
                 misses[f"{frames}, {mistake.name}: {encoder.name}"] += 1
 
 
@@ -404,8 +404,8 @@ def right_mistakes(mistake: Mistake, planted: Planted, diagnosis: Diagnosis | No
 def is_decidable(encoder: Encoder, mistake: Mistake, source: random.Random) -> bool:
     """Return whether three frames of this layout can show the mistake.
 
-    They cannot if another mistake explains every frame with this one, and is at least as likely for three of them. They
-    cannot either if no frame has an explanation at all.
+    They cannot if another mistake explains every frame with this one, and is at least as likely for three of them. If
+    ``decode`` does not know the mistake at all, it should, so that counts as decidable.
     """
     evidence_of_others: dict[MistakeKey, list[Evidence]] | None = None
     evidence_of_right: list[Evidence] = []
@@ -425,7 +425,7 @@ def is_decidable(encoder: Encoder, mistake: Mistake, source: random.Random) -> b
             evidence_of_others = {key: [] for key in others}
         evidence_of_others = {key: [*known, others[key]] for key, known in evidence_of_others.items() if key in others}
     if not evidence_of_right:
-        return False
+        return True
     right_score = score_of_set(evidence_of_right)
     return all(score_of_set(evidence) < right_score for evidence in (evidence_of_others or {}).values())
 
