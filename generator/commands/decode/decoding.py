@@ -95,16 +95,8 @@ def _bounded_lines(file: TextIO) -> Iterator[str]:
             line_continues = len(piece) == _LONGEST_LINE and not piece.endswith("\n")
 
 
-class _FailedFrame(NamedTuple):
-    """Frame with an error: its text, the decoded frame, and possible explanations."""
-
-    text: str
-    decoded: codec.DecodedFrame
-    diagnosis: Diagnosis
-
-
-class _AnyFrame(NamedTuple):
-    """Frame with or without an error: its text, the decoded frame, and explanations, which include a dead line."""
+class _ExplainedFrame(NamedTuple):
+    """Text of a frame, the decoded frame, and possible explanations of its error or of a dead line, or None."""
 
     text: str
     decoded: codec.DecodedFrame
@@ -136,9 +128,9 @@ class Decoding:
         self._codes = {FAULT} if request.register_differences else set()
         self._is_first = True
         #: The last frames with an error.
-        self._failed_frames: deque[_FailedFrame] = deque(maxlen=MOST_FRAMES)
+        self._failed_frames: deque[_ExplainedFrame] = deque(maxlen=MOST_FRAMES)
         #: The last frames, valid ones included.
-        self._last_frames: deque[_AnyFrame] = deque(maxlen=MOST_FRAMES)
+        self._last_frames: deque[_ExplainedFrame] = deque(maxlen=MOST_FRAMES)
 
     @property
     def code(self) -> int:
@@ -174,9 +166,10 @@ class Decoding:
             if is_frame_of_other_kind(decoded, other_layouts):
                 # The frame is valid with the other layout, so there is no mistake to explain.
                 why = None
-            self._last_frames.append(_AnyFrame(text=line.text, decoded=decoded, diagnosis=why))
+            frame = _ExplainedFrame(text=line.text, decoded=decoded, diagnosis=why)
+            self._last_frames.append(frame)
             if why is not None and decoded.problems:
-                self._failed_frames.append(_FailedFrame(text=line.text, decoded=decoded, diagnosis=why))
+                self._failed_frames.append(frame)
             output = self._frame_output(line, decoded, frame_findings, why, other_layouts)
             # With many frames, the user should not have to wait for the last one.
             is_one_of_many = line.number is not None
@@ -259,7 +252,8 @@ class Decoding:
             return []
         from ...why.together import judge_together
 
-        mistakes = judge_together([failed_frame.diagnosis for failed_frame in failed_frames])
+        diagnoses = [failed_frame.diagnosis for failed_frame in failed_frames]
+        mistakes = judge_together([diagnosis for diagnosis in diagnoses if diagnosis is not None])
         if mistakes:
             # It explains the most frames.
             likeliest_mistake = mistakes[0]
