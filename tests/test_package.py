@@ -131,7 +131,7 @@ def test_a_clone_that_converts_line_ends_leaves_them(tmp_path: Path) -> None:
     assert [path for path in paths if b"\r\n" in path.read_bytes()] == []
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_other_folder_and_hash_seed_same_bytes(tmp_path: Path) -> None:
     for seed in ("0", "12345"):
         run(

@@ -108,7 +108,7 @@ def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, R
     assert verdicts >= set(expected.get(device.name, "").split()), verdicts
 
 
-@pytest.mark.one_in(2, "exhaustive")
+@pytest.mark.one_in(4, "exhaustive")
 def test_every_report_is_made_and_has_its_text(machine: tuple[Device, Run]) -> None:
     """One report at a time. For several reports, the text is that of the lowest bit."""
     whole, run = machine

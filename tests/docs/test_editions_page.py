@@ -122,6 +122,7 @@ def test_what_the_table_says_of_each_revision() -> None:
         assert bool(device.leds) == (revision >= "1.1"), revision
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize(
     ("edition_arguments", "phrase", "not_said"),
     [
@@ -299,6 +300,7 @@ def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: 
     assert f"This describes encoders of edition {revision}" in out or not revision
 
 
+@pytest.mark.exhaustive
 def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> None:
     """Pages 21 to 24, 29 and 30 of AM36's 1.1, which are public, do not mention the supply. 1.0 does (10 V to 30 V)."""
     command = ["master", "AM3616/4096SC5", "--master", "ti_c2000"]
@@ -319,6 +321,7 @@ def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> N
     assert "This describes encoders of edition 1.6 of the manual of 2020-04-03" in capsys.readouterr().out
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("edition", ["2.0", "2018-01-01", "label", "registers", "1.0", "nonsense"])
 def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixture[str]) -> None:
     """RS-485, SSI and AMM5B were added after 1.0 (Document release), so 1.0 has no such order code."""
@@ -449,6 +452,7 @@ SLIPS = {
 }
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize("slip", SLIPS)
 def test_slips_are_told_in_the_spec(slip: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     original, mistaken, message = SLIPS[slip]

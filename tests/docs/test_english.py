@@ -32,9 +32,14 @@ PLACES = {
     "schemas": ["generator/**/*.json"],
     "tests": ["tests/**/*.py"],
 }
-#: Places that are derived from others, or whose texts are mostly for contributors. Measuring them takes most of the
-#: time.
-LAST = {"generated pages", "C", "generated Python", "generator", "tests"}
+#: Marks of the places that take most of the time. Most texts of generated files are those of specs and of templates.
+LAST = {
+    "generated pages": "exhaustive",
+    "C": "exhaustive",
+    "generated Python": "exhaustive",
+    "generator": "slow",
+    "tests": "exhaustive",
+}
 #: Files whose messages are of commands. The others are counted like any prose.
 MESSAGES_IN = {"generator", "rules-a-to-c.md", "rules-d-to-m.md", "rules-n-to-r.md", "rules-s-to-z.md"}
 #: With fewer words, a density means little.
@@ -83,7 +88,8 @@ def densities(samples: list[Text]) -> tuple[int, dict[str, float]]:
 
 
 @pytest.mark.parametrize(
-    "place", [pytest.param(place, marks=pytest.mark.slow) if place in LAST else place for place in PLACES]
+    "place",
+    [pytest.param(place, marks=[getattr(pytest.mark, LAST[place])]) if place in LAST else place for place in PLACES],
 )
 def test_texts_avoid_the_phrases_and_patterns(place: str) -> None:
     found_texts = list(distinct_texts(files(ROOT, place)))

@@ -86,6 +86,7 @@ def test_its_problems(site: Path) -> None:
     assert f"{place}: plc-length: 'device_id' has 6 bytes, and a number of the PLC has 4\n" in out
 
 
+@pytest.mark.exhaustive
 def test_templates_of_its_user(site: Path, tmp_path: Path) -> None:
     assert run(site, tmp_path, "new", "my_encoder")[0] == 0
     own_templates = tmp_path / "house/plc"
@@ -107,6 +108,7 @@ def test_templates_of_its_user(site: Path, tmp_path: Path) -> None:
     assert run(site, tmp_path, "generate", "my_encoder.yaml", "--target", "c", "--templates", "house")[0] == 0
 
 
+@pytest.mark.exhaustive
 def test_its_own_tests(site: Path, tmp_path: Path) -> None:
     tests = re.findall(r"^```python\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)[-1]
     (tmp_path / "test_plc.py").write_text(tests, encoding="utf-8")

@@ -20,6 +20,7 @@ from codewheel.language.check import check_document
 from codewheel.language.document import Document
 from codewheel.language.problems import ProblemReport
 from codewheel.loading.library import load_families
+from exhaustive import mostly_exhaustive
 
 SPECS = Path(__file__).resolve().parents[2] / "specs" / "lika"
 COMMANDS = (
@@ -62,7 +63,7 @@ def entries(folder: Path) -> list[Path]:
     return sorted(folder.iterdir()) if folder.is_dir() else []
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_commands_print_the_same_with_and_without_the_cache(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     without = [said(capsys, *command, "--no-cache") for command in COMMANDS]
     assert entries(folder) == []
@@ -110,7 +111,7 @@ def test_a_changed_spec_is_read_again(folder: Path, specs: Path, capsys: pytest.
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("broken", ["amm5.yaml", "manufacturer.yaml"])
+@pytest.mark.parametrize("broken", mostly_exhaustive(["amm5.yaml", "manufacturer.yaml"], "amm5.yaml"))
 def test_problems_are_reported_as_without_a_selection(
     folder: Path, specs: Path, broken: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -249,7 +250,7 @@ def test_a_family_with_overlays_has_no_content(folder: Path, two: Path, tmp_path
     assert [family.device for family in again] == [family.device for family in plain]
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_processes_share_the_cache_and_may_be_killed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     without = said(capsys, *COMMANDS[0], "--no-cache")
     environment = {**os.environ, "XDG_CACHE_HOME": str(folder.parent)}

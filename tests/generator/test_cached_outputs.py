@@ -116,7 +116,7 @@ def test_parts_survive_the_cache(two: Path, folder: Path) -> None:
         assert FamilyParts(Cache(folder)).files_of(target, library, options) == fresh
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_only_parts_of_changed_families_are_rendered(
     folder: Path, two: Path, tmp_path: Path, rendered_parts: list[str]
 ) -> None:
@@ -172,7 +172,7 @@ def test_the_model_of_an_edited_document_is_not_stored(folder: Path, two: Path, 
     assert len(entries(folder)) == (0 if is_edited else len(families))
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_diff_renders_equal_models_once(
     folder: Path, two: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], rendered_parts: list[str]
 ) -> None:
@@ -222,7 +222,7 @@ def test_only_changed_families_are_proved_again(folder: Path, two: Path, monkeyp
     assert refuse() == []
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_generate_with_one_change_writes_the_same_with_and_without_the_cache(
     folder: Path, two: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

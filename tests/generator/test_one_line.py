@@ -122,7 +122,7 @@ def test_gray_code_over_the_whole_position(turns: int) -> None:
 @pytest.mark.parametrize("kind", ["even", "odd"])
 def test_parity_over_gray_code_is_that_of_the_sent_bits(kind: str) -> None:
     line = f"ssi,gray:position=8,error=high,parity={kind}"
-    for position in range(256):
+    for position in range(0, 256, 5):
         body = [*bits_of(gray(position), 8), position & 1]
         parity = (sum(body) + (kind == "odd")) % 2
         frame = decoded(line, text_of([*body, parity]))

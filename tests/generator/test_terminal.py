@@ -37,6 +37,7 @@ def in_utf_8(*arguments: str) -> str:
     return run(*arguments, PYTHONIOENCODING="utf-8").stdout.decode()
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["cp1252", "cp437", "ascii"])
 @pytest.mark.parametrize(
@@ -69,6 +70,7 @@ def test_every_character_of_our_specs_has_a_stand_in() -> None:
     assert all(text.isascii() and "\\" not in text for text in STAND_INS.values())
 
 
+@pytest.mark.one_in(4, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["cp1252", "cp437", "ascii", "latin-1"])
 def test_json_in_any_encoding(encoding: str) -> None:

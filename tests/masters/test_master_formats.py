@@ -314,7 +314,7 @@ def records(library: Library) -> Iterator[tuple[Device, EncoderFacts]]:
                 yield device, encoder_record
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict[str, Master]) -> None:
     """154 of the 171 order codes have a record. The other 17 have RS-485, and the reason says so."""
     codes = {encoder_record.code for _, encoder_record in records(library)}

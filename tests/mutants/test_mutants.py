@@ -195,7 +195,7 @@ def test_the_worst_effect_is_last() -> None:
     assert [effect.value for effect in Effect] == ["nothing", "order", "second reading", "texts", "code"]
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_no_name_in_a_measurement_stops_the_tool(trial: Trial) -> None:
     """Two to the power of a large parameter is reported as a problem and does not crash the tool."""
     place = ("interfaces", "biss", "measurement", "highest")

@@ -496,6 +496,7 @@ def decoder(family: Family, name: str) -> Callable[..., Any]:
     return partial(decode, **{key: answer for key, answer in first_answers(family).items() if key in parameters})
 
 
+@pytest.mark.one_in(2, "exhaustive")
 @pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
     source = random.Random(5)

@@ -12,6 +12,7 @@ from codewheel.targets import Library
 from codewheel.targets.python import line_breaks
 from codewheel.targets.python.files import generate
 from codewheel.targets.python.line_breaks import break_lines
+from exhaustive import mostly_exhaustive
 
 TESTS = Path(__file__).resolve().parents[1]
 FAMILIES = [TESTS / "python/specs", TESTS / "specs"]
@@ -80,7 +81,7 @@ def modules(library: Library, width: int, monkeypatch: pytest.MonkeyPatch) -> Ma
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("width", [30, 120])
+@pytest.mark.parametrize("width", mostly_exhaustive([30, 120], 30))
 def test_modules_mean_the_same_at_any_width(width: int, library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
     """At 30 columns, nearly every statement that can be broken is broken."""
     unbroken = modules(library, 1_000_000, monkeypatch)

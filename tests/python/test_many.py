@@ -99,7 +99,7 @@ def by_layout(family: Family) -> dict[str, list[Case]]:
     return cases_by_layout
 
 
-@pytest.mark.one_in(3, "exhaustive")
+@pytest.mark.one_in(6, "exhaustive")
 @pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_columns_are_what_each_frame_is(family: Family) -> None:
     source = random.Random(family.device.name)

@@ -197,7 +197,7 @@ def pip(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., subprocess.Co
     return run_installed
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_one_command_installs_both_and_one_can_go(packages_folder: Path, pip: Any, tmp_path: Path) -> None:
     """Without an index, and in a path with a space."""
     shutil.copytree(packages_folder, tmp_path / "a copy")

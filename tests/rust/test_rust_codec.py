@@ -32,7 +32,7 @@ def program(request: pytest.FixtureRequest, workshop: Workshop) -> Program:
     return workshop.program(request.param)
 
 
-@pytest.mark.one_in(2, "exhaustive")
+@pytest.mark.one_in(4, "exhaustive")
 def test_frames_and_registers(program: Program) -> None:
     kinds = {kind for index in range(len(program.structs)) for kind in decoding(program, index, FRAMES)}
     assert kinds >= {"ok", "length"}

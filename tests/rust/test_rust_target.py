@@ -82,6 +82,7 @@ def test_it_compiles_in_the_older_edition(specs: str, tmp_path: Path) -> None:
     compiled("--edition", "2018", *LIBRARY, "--emit", "metadata", "--out-dir", tmp_path, main)
 
 
+@pytest.mark.exhaustive
 def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
     """Its commands write the crate. Its program compiles, and its output matches the page."""
     assert codewheel(*re.findall(r"^codewheel (.*)$", README, re.MULTILINE)[0].split(), "-o", tmp_path)[0] == 0

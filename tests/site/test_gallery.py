@@ -81,7 +81,7 @@ def test_the_site_stays_small(site: Path) -> None:
     assert size < 60_000_000
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_a_sitemap_is_written_for_an_address(tmp_path: Path) -> None:
     pytest.importorskip("myst_parser", reason="the extra 'site' is not installed")
     (tmp_path / "root").mkdir()

@@ -13,6 +13,7 @@ from urllib.parse import unquote
 
 import pytest
 from chromium import Browser
+from exhaustive import mostly_exhaustive
 from looks import LOOKS, faults
 
 pytestmark = pytest.mark.slow
@@ -142,7 +143,7 @@ def test_a_sample_in_the_browser(site: Path, browser: Browser, width: int, dark:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("has_script", [True, False])
+@pytest.mark.parametrize("has_script", mostly_exhaustive([True, False], True))
 def test_the_box_that_decodes_is_there_where_its_script_is(tmp_path: Path, has_script: bool) -> None:
     pytest.importorskip("myst_parser", reason="the extra 'site' is not installed")
     root, code = tmp_path / "root", "generated/docs/amm5/AMM5A21-65KSC1"

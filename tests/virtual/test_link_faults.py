@@ -54,7 +54,7 @@ def test_each_fault_has_errors_here() -> None:
     assert sorted(ERRORS) == sorted(FAULTS)
 
 
-@pytest.mark.one_in(2, "exhaustive")
+@pytest.mark.one_in(4, "exhaustive")
 @pytest.mark.parametrize("fault", FAULTS)
 def test_each_fault_has_its_error(generated_python: Package, library: Library, fault: str) -> None:
     """One reply in five has the fault, and nothing is retried."""
@@ -67,7 +67,7 @@ def test_each_fault_has_its_error(generated_python: Package, library: Library, f
     assert injected[fault] > 100
 
 
-@pytest.mark.one_in(3, "exhaustive")
+@pytest.mark.one_in(6, "exhaustive")
 @pytest.mark.parametrize("fault", FAULTS)
 def test_retries_make_up_for_a_fault(generated_python: Package, library: Library, fault: str) -> None:
     """One reply in fifty has the fault. The link gives up only if an encoder is busy or off, or if two reply."""

@@ -210,7 +210,7 @@ def _times_of_requests(encoder: Any) -> list[float]:
     return last_request
 
 
-@pytest.mark.one_in(6, "exhaustive")
+@pytest.mark.one_in(12, "exhaustive")
 @pytest.mark.parametrize("fault", FAULTS)
 def test_2000_requests_with_each_fault(
     generated_python: Package, virtual_encoder: Callable[..., Any], fault: str

@@ -271,6 +271,7 @@ def test_cmake_compiles_each_file_of_a_module(zephyr: Path) -> None:
         )
 
 
+@pytest.mark.exhaustive
 def test_it_is_installed_and_generates(tmp_path: Path) -> None:
     """The command of the README, with the package as its user installs it."""
     ignored = shutil.ignore_patterns("__pycache__", "build", "*.egg-info")
