@@ -82,6 +82,14 @@ def tests_for(*classes: object) -> dict[str, type]:
     return class_by_test
 
 
+def _similar_template(path: Path, shipped_paths: Iterable[str]) -> str:
+    """Return a hint at the only shipped template of this file name, or else at the most similar path, or ""."""
+    paths_with_name = [shipped for shipped in shipped_paths if shipped.endswith(f"/{path.name}")]
+    if len(paths_with_name) == 1:
+        return f"; did you mean '{paths_with_name[0]}'?"
+    return suggest_word(path.as_posix(), shipped_paths)
+
+
 def unused_templates(
     own_folder: Path, rendered: Mapping[str, Templates | None], other_targets: Iterable[str]
 ) -> Iterator[str]:
@@ -117,10 +125,4 @@ def unused_templates(
         is_included = target in rendered and path_in_target in own_loader(own_folder / target).used
         if is_included:
             continue
-        similar_paths = [shipped for shipped in shipped_paths if shipped.endswith(f"/{path.name}")]
-        # If exactly one shipped template has this name, it is suggested, and otherwise the most similar path.
-        if len(similar_paths) == 1:
-            hint = f"; did you mean '{similar_paths[0]}'?"
-        else:
-            hint = suggest_word(name, shipped_paths)
-        yield f"no output uses {(own_folder / path).as_posix()}{hint}"
+        yield f"no output uses {(own_folder / path).as_posix()}{_similar_template(path, shipped_paths)}"

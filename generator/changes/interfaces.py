@@ -205,6 +205,33 @@ def compare_interfaces(family_pair: FamilyPair) -> Iterator[Change]:
         yield from compare_pair(family_pair, "interface", subject, pair, _compare_interface)
 
 
+def _compare_rs485(family_pair: FamilyPair, subject: ChangeSubject, old: Rs485, new: Rs485) -> Iterator[Change]:
+    """Yield changes of the port and of the data IDs."""
+    port_subject = subject.inside("port", subject.label)
+    yield from compare_members(family_pair, port_subject, old.port, new.port)
+    yield from compare_parts(
+        family_pair,
+        part_kind="data-id",
+        old_parts=old.data_ids,
+        new_parts=new.data_ids,
+        section_subject=subject.inside("data_ids", "data ID"),
+    )
+
+
+def _compare_biss(family_pair: FamilyPair, subject: ChangeSubject, old: Biss, new: Biss) -> Iterator[Change]:
+    """Yield changes of the timeout, the data channels and the control frame, but not of the clock."""
+    yield from compare_timeouts(family_pair, subject.inside("timeout", subject.label), old, new)
+    yield from _compare_channels(family_pair, subject, old.channels, new.channels)
+    yield from compare_parts(
+        family_pair,
+        part_kind="control-field",
+        old_parts=old.control_data,
+        new_parts=new.control_data,
+        section_subject=subject.inside("control_data", "control frame: field"),
+        compare_content=_compare_control_values,
+    )
+
+
 def _compare_interface(
     family_pair: FamilyPair, subject: ChangeSubject, old: Interface, new: Interface
 ) -> Iterator[Change]:
@@ -214,32 +241,13 @@ def _compare_interface(
     length of a frame is left out if a resized field explains it.
     """
     if isinstance(new, Rs485) and isinstance(old, Rs485):
-        port_subject = subject.inside("port", subject.label)
-        yield from compare_members(family_pair, port_subject, old.port, new.port)
-        data_id_subject = subject.inside("data_ids", "data ID")
-        yield from compare_parts(
-            family_pair,
-            part_kind="data-id",
-            old_parts=old.data_ids,
-            new_parts=new.data_ids,
-            section_subject=data_id_subject,
-        )
+        yield from _compare_rs485(family_pair, subject, old, new)
     elif isinstance(new, Clocked) and isinstance(old, Clocked):
         yield from compare_clocks(family_pair, subject.inside("clock", subject.label), old, new)
     if isinstance(old, Ssi) and isinstance(new, Ssi):
         yield from compare_cables(family_pair, subject.inside("cable_lengths", subject.label), old, new)
     if isinstance(old, Biss) and isinstance(new, Biss):
-        yield from compare_timeouts(family_pair, subject.inside("timeout", subject.label), old, new)
-        yield from _compare_channels(family_pair, subject, old.channels, new.channels)
-        control_subject = subject.inside("control_data", "control frame: field")
-        yield from compare_parts(
-            family_pair,
-            part_kind="control-field",
-            old_parts=old.control_data,
-            new_parts=new.control_data,
-            section_subject=control_subject,
-            compare_content=_compare_control_values,
-        )
+        yield from _compare_biss(family_pair, subject, old, new)
     yield from compare_timings(family_pair, subject, old.timings, new.timings)
     frame_subject = subject.inside("layouts", "frame")
     frame_changes = compare_parts(

@@ -84,16 +84,13 @@ def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
     if user_arguments.prune:
         arguments.again += " --prune"
     _require_existing(named_paths, cache)
-    packaged: tuple[Path, ...] = ()
-    implied_options: tuple[str, ...] = ()
     if arguments.packaged:
         packaged, implied_options = _find_packaged(arguments, cache)
-        settings = find_settings()
-        paths = (*named_paths, *packaged)
+        specs = Specs(paths=(*named_paths, *packaged), settings=find_settings())
     else:
+        packaged, implied_options = (), ()
         specs = find_specs_to_judge(named_paths, "generate")
-        settings = specs.settings
-        paths = specs.paths
+    settings = specs.settings
     refuse_unknown_targets(settings)
     _fill_in_output_and_targets(arguments, settings)
 
@@ -102,7 +99,7 @@ def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
 
     reads_all_specs = not named_paths and not arguments.packaged
     return Selection(
-        paths=paths,
+        paths=specs.paths,
         options=(*arguments.option, *implied_options),
         packaged=packaged,
         is_narrowed=bool(implied_options),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
@@ -71,6 +71,14 @@ from .stated_lengths import check_stated_bits, check_stated_lengths
 from .unused_parameters import check_unused_parameters
 
 
+def _first_answers(alternatives: Iterable[Alternative]) -> dict[str, int]:
+    """Return the parameters that the first answers to open questions set. These answers apply by default."""
+    values: dict[str, int] = {}
+    for alternative in alternatives:
+        values |= alternative.answers[0].sets
+    return values
+
+
 def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:
     """Return the device that a checked spec describes, or None if an expression has no value or too many values.
 
@@ -79,10 +87,7 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
     definitions = _derived_expressions(raw_spec)
     order_code = code_grammar(raw_spec["order_code"])
     alternatives = tuple(_build_alternative(raw_alternative) for raw_alternative in raw_spec.get("alternatives", ()))
-    default_answers: dict[str, int] = {}
-    for alternative in alternatives:
-        default_answers |= alternative.answers[0].sets  # The first answer applies by default.
-    default_values = {**held_in_registers(raw_spec, report), **default_answers}
+    default_values = {**held_in_registers(raw_spec, report), **_first_answers(alternatives)}
     variants = _list_variants(order_code, definitions, default_values)
     context = _build_context(raw_spec, report, definitions=definitions, variants=variants, alternatives=alternatives)
     if too_much_work(raw_spec, context):

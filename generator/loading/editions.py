@@ -81,6 +81,12 @@ def revision_for(device: Device, wanted: str) -> str:
     return editions_so_far[-1].revision
 
 
+def _name_of_edition(family: Family, revision: str) -> str:
+    """Return the name of a family in an edition, such as ``x_24_1_4`` for edition 1.4 of ``x_24``."""
+    revision_in_name = re.sub("[^a-z0-9]+", "_", revision.lower()).strip("_")
+    return f"{family.device.name}_{revision_in_name}"
+
+
 def edition_of(family: Family, revision: str, build: Build, report: ProblemReport) -> Family | None:
     """Return a family as an edition of its manual describes it, or None if it cannot be built.
 
@@ -98,9 +104,7 @@ def edition_of(family: Family, revision: str, build: Build, report: ProblemRepor
             [OverlayLayer(document=family.document, path=("editions", index, key), kind=LayerKind.EDITION, name=name)]
         )
     report.include(report_of_changes)
-    # For example ``x_24_1_4`` for edition 1.4.
-    name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
-    document = layered_spec.document(name)
+    document = layered_spec.document(_name_of_edition(family, revision))
     document = replace(document, data={key: value for key, value in document.data.items() if key != "editions"})
     inner_report = ProblemReport()
     device = build(document, inner_report)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import keyword
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -199,6 +199,18 @@ def contents(paths: Sequence[Path]) -> dict[str, list[bytes | str]]:
     return {str(path): content_of(family_files(path)) for path in existing_specs}
 
 
+def _check_documents(
+    documents: Sequence[Document], report: ProblemReport, valid_files: Container[str]
+) -> list[tuple[Document, dict[str, Any] | None]]:
+    """Return each document with its checked data, or None if it is not valid. ``valid_files`` are not checked again."""
+    documents_and_data: list[tuple[Document, dict[str, Any] | None]] = []
+    for document in documents:
+        is_known_valid = document.file in valid_files
+        checked_data = document.data if is_known_valid else check_document(document, report)
+        documents_and_data.append((document, checked_data))
+    return documents_and_data
+
+
 def families_of(
     documents: Sequence[Document],
     report: ProblemReport,
@@ -212,12 +224,7 @@ def families_of(
     """
     overlays = [document for document in documents if is_overlay(document)]
     documents = [document for document in documents if not is_overlay(document)]
-    # Each document with its checked data, or None if it is not valid.
-    documents_and_data: list[tuple[Document, dict[str, Any] | None]] = []
-    for document in documents:
-        is_known_valid = document.file in cached_devices
-        checked_data = document.data if is_known_valid else check_document(document, report)
-        documents_and_data.append((document, checked_data))
+    documents_and_data = _check_documents(documents, report, cached_devices)
     manufacturers = _manufacturers_by_name(documents_and_data, report)
     manufacturer_files = [document for document in documents if "device" not in document.data]
     families: list[Family] = []

@@ -162,12 +162,8 @@ def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int
             values_of_codes = coded_values(definition)
             _check_set_values(name, raw_spec, values_of_codes, report)
         elif "default" not in register:
-            message = f"the register of '{definition['read_from']}' has no default"
-            report.add(
-                "undefined-reference",
-                ("parameters", name, "read_from"),
-                f"{message}, so every order code must set {quoted(name)}",
-            )
+            message = f"the register of '{definition['read_from']}' has no default, so every order code must set"
+            report.add("undefined-reference", ("parameters", name, "read_from"), f"{message} {quoted(name)}")
             defaults[name] = definition.get("max", 0)
         else:
             mask = (1 << width) - 1

@@ -88,6 +88,13 @@ def revision_in(text: str) -> RevisionPath | None:
     return RevisionPath(revision, path)
 
 
+def _write_new(file: Path, content: bytes) -> None:
+    """Write a file that does not exist yet, and create its folder if needed."""
+    file.parent.mkdir(exist_ok=True)
+    with open(file, "xb") as target_file:
+        target_file.write(content)
+
+
 def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     """Write the specs of a revision to an empty folder. With a single spec, its manufacturer's file is written too.
 
@@ -123,9 +130,7 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
     content_by_blob = _read_contents(blobs_of_specs.values())
     target_paths = _target_paths(blobs_of_specs, folder)
     for name, file in target_paths.items():
-        file.parent.mkdir(exist_ok=True)
-        with open(file, "xb") as target_file:
-            target_file.write(content_by_blob[blobs_of_specs[name]])
+        _write_new(file, content_by_blob[blobs_of_specs[name]])
     shown_names = {str(folder): str(RevisionPath(revision_path.revision, path))}
     shown_names |= {str(file): f"{revision_path.revision}:{name}" for name, file in target_paths.items()}
     return RevisionFiles(target_paths.get(path, folder), shown_names)

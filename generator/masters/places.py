@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import groupby
 from typing import Any
 
@@ -138,6 +139,12 @@ def _differs_by_channel(rule: YamlMapping) -> bool:
     return any(isinstance(rule.get(key), list) for key in ("index", "subindex", "symbol", "register", "address"))
 
 
+def _find_for_channel(rule: YamlMapping, channel_index: int, key: str, default: Any = None) -> Any:
+    """Return the value of a key of a rule, which has either one value or a list with a value for each channel."""
+    value_or_list = rule.get(key, default)
+    return value_or_list[channel_index] if isinstance(value_or_list, list) else value_or_list
+
+
 def _place_on_channel(
     rule: YamlMapping,
     device: MasterDevice,
@@ -151,18 +158,11 @@ def _place_on_channel(
 
     ``fill_in`` replaces names in braces by facts about the encoder.
     """
-
-    def find_for_channel(key: str, default: Any = None) -> Any:
-        """Return the value of a key, which is either one value or a list with a value for each channel."""
-        value_or_list = rule.get(key, default)
-        return value_or_list[channel_index] if isinstance(value_or_list, list) else value_or_list
-
+    find_for_channel = partial(_find_for_channel, rule, channel_index)
     kind, type_bits = TYPES.get(rule["type"], ("", None))
-    # The bits of a register, such as "5:0". Without them, the data type determines the number of bits.
+    # Without bits such as "5:0", the data type determines their number.
     high_bit, low_bit = _parse_bits(str(rule.get("at", "")))
-    place_bits = type_bits
-    if high_bit is not None and low_bit is not None:
-        place_bits = high_bit - low_bit + 1
+    place_bits = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
     default = None if rule["default"] == NOT_GIVEN else rule["default"]
     return SettingPlace(
         device=device.name,

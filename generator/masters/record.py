@@ -7,7 +7,7 @@ rule that needs it reports it as unknown.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from types import MappingProxyType
@@ -100,6 +100,16 @@ class _PositionFrame:
     measurement: Measurement
 
 
+def _notes_on_frame(
+    device: Device, frame: _PositionFrame, parts: Sequence[FramePart], as_delivered: bool
+) -> Iterator[str]:
+    """Yield notes on the frame, on a position in several fields, and on further data channels."""
+    placed_layout, measurement = frame.placed_layout, frame.measurement
+    yield from frame_notes(device, placed_layout, parts, position_name=measurement.of, as_delivered=as_delivered)
+    yield from split_notes(device, placed_layout, measurement, frame.variant)
+    yield from channel_notes(frame.interface, placed_layout)
+
+
 def record(
     device: Device,
     variant: Variant,
@@ -127,23 +137,17 @@ def record(
     needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
     parts, obstacle = _parts_and_obstacle(frame)
     crc_obstacle = _crc_obstacle(device, placed_layout)
-    obstacles = [reason for reason in (obstacle, crc_obstacle) if reason]
     numbers = _numbers_by_name(frame, parts)
     cables = cable_table(device, frame.interface, variant.code)
-    notes = (
+    notes = [
         *answer_notes(deciding_alternatives, needed_answers),
         *clock_notes(numbers, cables, cable_m),
-        *frame_notes(device, placed_layout, parts, position_name=frame.measurement.of, as_delivered=as_delivered),
-        *split_notes(device, placed_layout, frame.measurement, frame.variant),
-        *channel_notes(frame.interface, placed_layout),
-        *obstacles,
-    )
+        *_notes_on_frame(device, frame, parts, as_delivered),
+    ]
+    notes += [reason for reason in (obstacle, crc_obstacle) if reason]
+    facts_without_notes = _build_record(frame, parts, numbers, cables)
     record_for_any_cable = replace(
-        _build_record(frame, parts, numbers, cables),
-        notes=notes,
-        answers=needed_answers,
-        obstacle=obstacle,
-        crc_obstacle=crc_obstacle,
+        facts_without_notes, notes=tuple(notes), answers=needed_answers, obstacle=obstacle, crc_obstacle=crc_obstacle
     )
     return record_for_any_cable if cable_m is None else _limit_to_cable(record_for_any_cable, cable_m)
 

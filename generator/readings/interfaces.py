@@ -349,6 +349,16 @@ def _exchange_facts(interface: Rs485 | Spi) -> Iterator[ComparedFact]:
         )
 
 
+def _time_by_bound(timing: Timing) -> dict[str, str]:
+    """Return the bounds of a timing by their keys, such as ``{"at_least_us": "16 µs"}``."""
+    time_by_bound: dict[str, str] = {}
+    for bound in ("at_least_us", "typical_us", "at_most_us"):
+        microseconds = getattr(timing, bound)
+        if microseconds is not None:
+            time_by_bound[bound] = f"{microseconds} µs"
+    return time_by_bound
+
+
 def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) -> Iterator[ComparedFact]:
     """Yield a fact for each bound of a timing with a symbol such as tm, and one fact for a timing without a symbol.
 
@@ -359,11 +369,7 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
     interface_text = f" over {interface_label(interface)}" if interface else ""
     shared_names = repeated_names(printed_timings)
     for index, timing in enumerate(printed_timings):
-        time_by_bound: dict[str, str] = {}
-        for bound in ("at_least_us", "typical_us", "at_most_us"):
-            microseconds = getattr(timing, bound)
-            if microseconds is not None:
-                time_by_bound[bound] = f"{microseconds} µs"
+        time_by_bound = _time_by_bound(timing)
         # Times for different order codes may have the same name, which then does not identify one of them.
         name = "" if timing.name in shared_names else timing.name
         place = (*owner, name or index)

@@ -115,14 +115,12 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
             following_steps = procedure.steps[index + 1 :]
             is_last_of_waits = not following_steps or not isinstance(following_steps[0], WaitStep)
             if is_last_of_waits:
-                description = f"wait {position_text} in the procedure '{procedure.name}'"
-                wait_text = f"{total_wait_us // 1000} ms"
                 yield _Detail(
                     fact_class=FactClass.WAIT,
                     key=("wait", step_number),
                     place=(*step_place, "at_least_ms"),
-                    value=wait_text,
-                    description=description,
+                    value=f"{total_wait_us // 1000} ms",
+                    description=f"wait {position_text} in the procedure '{procedure.name}'",
                 )
             continue
         step_text = f"'{_step_text(reading, step, procedure)}'"

@@ -143,6 +143,16 @@ def _text_of_pdf(path: Path) -> str:
 _Heading = tuple[str, str]
 
 
+def _numbered_lines(lines: Sequence[str]) -> dict[int, _Heading]:
+    """Return the lines that can be headings with a number, by their index."""
+    heading_by_line: dict[int, _Heading] = {}
+    for index, line in enumerate(lines):
+        heading = _numbered_heading(line)
+        if heading is not None:
+            heading_by_line[index] = heading
+    return heading_by_line
+
+
 def divide_into_sections(text: str) -> Manual:
     """Divide the text of a manual into its sections, without the table of contents, page numbers and running heads.
 
@@ -155,11 +165,7 @@ def divide_into_sections(text: str) -> Manual:
     heads_at_edges = find_heads_at_edges(pages) if has_pages else set()
     pages_of_text = without_edges(pages, heads_at_edges) if has_pages else pages
     lines = _join_entry_lines(list(chain.from_iterable(pages_of_text)))
-    numbered_lines: dict[int, _Heading] = {}
-    for index, line in enumerate(lines):
-        heading = _numbered_heading(line)
-        if heading is not None:
-            numbered_lines[index] = heading
+    numbered_lines = _numbered_lines(lines)
     contents_lines = _contents_lines(lines, numbered_lines)
     # If two entries have the same number, the first one is valid. Later pairs replace earlier ones in ``dict``, so the
     # lines are in reverse order.

@@ -230,6 +230,13 @@ class BissLine(ByLevels):
             return next(self._control_frame)
         return 0
 
+    def _delay_start_bit(self) -> Generator[int, int, int]:
+        """Yield 0 in place of a start bit while the encoder is busy. Return the last CDM bit: 0 if the master ends."""
+        cdm = 1
+        while cdm and self.encoder.is_busy():
+            cdm = yield 0
+        return cdm
+
     def _answer_control_frame(self) -> Generator[int, int, int]:
         """Answer one control frame: yield CDS bits, receive the next CDM bit for each, and return the last CDS bit.
 
@@ -255,11 +262,9 @@ class BissLine(ByLevels):
             return 1 - write_bit
         cdm = yield write_bit
         while cdm:
-            # The encoder delays its start bit while it is busy.
-            while self.encoder.is_busy():
-                cdm = yield 0
-                if not cdm:
-                    return 0
+            cdm = yield from self._delay_start_bit()
+            if not cdm:
+                return 0
             if write_bit:
                 cdm, is_valid = yield from self._write_byte(address)
                 if not is_valid:

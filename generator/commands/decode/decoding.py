@@ -140,6 +140,34 @@ class Decoding:
                 return code
         return DONE
 
+    def _run_line(self, line: FrameLine) -> None:
+        """Decode and print one frame, and keep it for the mistakes that several frames have in common.
+
+        Raises:
+            FrameTextError: The text is not a frame.
+            RegisterError: The text is not the value of a register.
+            UndecidedError: The frame depends on a question that the manual leaves open.
+        """
+        channel_frame = self._channels.read(line.text) if self._channels is not None else None
+        if self._channels is not None and channel_frame is not None:
+            self._print_channels(line, self._channels, channel_frame)
+            return
+        decoded, why = self._decode_text(line.text)
+        frame_findings = self._findings_of_frame(decoded)
+        self._codes.add(_exit_code(decoded, frame_findings))
+        other_layouts = self._other_layouts(line.text, decoded)
+        if is_frame_of_other_kind(decoded, other_layouts):
+            # The frame is valid with the other layout, so there is no mistake to explain.
+            why = None
+        frame = _ExplainedFrame(text=line.text, decoded=decoded, diagnosis=why)
+        self._last_frames.append(frame)
+        if why is not None and decoded.problems:
+            self._failed_frames.append(frame)
+        output = self._frame_output(line, decoded, frame_findings, why, other_layouts)
+        # With many frames, the user should not have to wait for the last one.
+        is_one_of_many = line.number is not None
+        print(output, flush=is_one_of_many)
+
     def run(self, lines: Iterable[FrameLine]) -> None:
         """Decode and print each frame, and then print mistakes that explain several frames with an error.
 
@@ -150,30 +178,11 @@ class Decoding:
             if frames_before == MANY and self._request.register is None:
                 self._suggest_package()
             try:
-                channel_frame = self._channels.read(line.text) if self._channels is not None else None
-                if self._channels is not None and channel_frame is not None:
-                    self._print_channels(line, self._channels, channel_frame)
-                    continue
-                decoded, why = self._decode_text(line.text)
+                self._run_line(line)
             except (FrameTextError, RegisterError, UndecidedError) as error:
                 self._codes.add(NO_FRAME)
                 place_of_error = f"line {line.number}: " if line.number is not None else ""
                 print(f"codewheel: {place_of_error}{error}", file=sys.stderr)
-                continue
-            frame_findings = self._findings_of_frame(decoded)
-            self._codes.add(_exit_code(decoded, frame_findings))
-            other_layouts = self._other_layouts(line.text, decoded)
-            if is_frame_of_other_kind(decoded, other_layouts):
-                # The frame is valid with the other layout, so there is no mistake to explain.
-                why = None
-            frame = _ExplainedFrame(text=line.text, decoded=decoded, diagnosis=why)
-            self._last_frames.append(frame)
-            if why is not None and decoded.problems:
-                self._failed_frames.append(frame)
-            output = self._frame_output(line, decoded, frame_findings, why, other_layouts)
-            # With many frames, the user should not have to wait for the last one.
-            is_one_of_many = line.number is not None
-            print(output, flush=is_one_of_many)
         if not self._request.as_json:
             mistakes_in_all = self._mistakes_in_all_frames()
             common_mistakes = mistakes_in_all or self._common_mistakes()

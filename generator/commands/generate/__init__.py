@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from ..arguments import Parser, a_path, add_cache_option, add_specs, cache_for
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     from ...cache import Cache
     from ...language.problems import ProblemReport
+    from ...loading.library import Family
     from ...model import Device
     from ...targets import Library, Options, Target
     from ..cached_result import CachedResult
@@ -125,51 +127,49 @@ def run(arguments: argparse.Namespace) -> int:
     return _render_and_write(arguments, cache, selection, cached_run)
 
 
+def _refuse_unproved_specs(arguments: argparse.Namespace, families: Sequence[Family], cache: Cache) -> None:
+    """Raise ``CommandError`` if a spec must not be released, unless there is ``--unchecked``."""
+    from ..check.specs import refuse_unproved
+
+    if not arguments.unchecked:
+        refuse_unproved(families, "written", cache)
+
+
 def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
     """Render the outputs, store the result, write or compare the files, and return the exit code."""
     from ...loading.library import load_families
     from ...removable_outputs import owners
     from ...targets import Library
-    from ..outputs import (
-        accepted_devices,
-        are_built_in,
-        complete_devices,
-        devices_by_target,
-        options_named,
-        targets_named,
-    )
+    from .. import outputs
     from ..read_specs import report_unknown_families
     from .earlier_run import result_to_store
     from .files import write_or_compare
 
     with Progress("codewheel: reading the specs"):
         families, report = load_families(selection.paths, cache)
-    targets = targets_named(arguments.target)
+    targets = outputs.targets_named(arguments.target)
     devices_in_specs = [family.device for family in families]
     report_unknown_families(selection.settings, [device.name for device in devices_in_specs], report)
     # Only the C headers have an option that depends on the families.
-    c_devices = accepted_devices("c", devices_in_specs, selection.only)
-    options = options_named(selection.options_for([device.name for device in c_devices]), targets)
+    c_families = [device.name for device in outputs.accepted_devices("c", devices_in_specs, selection.only)]
+    options = outputs.options_named(selection.options_for(c_families), targets)
     _refuse_misused_options(arguments, targets)
     with Progress("codewheel: checking the specs"):
-        devices = complete_devices(families, targets, editions=arguments.edition, report=report, filters=selection.only)
+        devices = outputs.complete_devices(
+            families, targets, editions=arguments.edition, report=report, filters=selection.only
+        )
     if report:
         raise error_after_printing(report)
     specs_line = _line_about_specs(devices, report, arguments.packaged, selection.packaged)
     print(specs_line)
-    accepted_devices_by_target = devices_by_target([target.name for target in targets], devices, selection.only)
+    target_names = [target.name for target in targets]
+    accepted_devices_by_target = outputs.devices_by_target(target_names, devices, selection.only)
     library = Library(devices, arguments.templates)
     files = _render_targets(library, accepted_devices_by_target, targets, options=options, cache=cache)
     families_by_target = {name: owners(accepted) for name, accepted in accepted_devices_by_target.items()}
-    if are_built_in(targets, arguments.target):
+    if outputs.are_built_in(targets, arguments.target):
         result.put(result_to_store(specs_line, files, families_by_target))
-
-    def refuse_unproved_specs() -> None:
-        from ..check.specs import refuse_unproved
-
-        if not arguments.unchecked:
-            refuse_unproved(families, "written", cache)
-
+    refuse_unproved_specs = partial(_refuse_unproved_specs, arguments, families, cache)
     guard = selection.guard(arguments, devices, report.files)
     return write_or_compare(arguments, files, families_by_target, gate=refuse_unproved_specs, guard=guard)
 

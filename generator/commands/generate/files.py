@@ -27,6 +27,15 @@ from ..terminal import CommandError
 from .earlier_run import Families, Files, print_summary
 
 
+def _compare(
+    files: Files, output: Path, refuse_removals: Callable[[Mapping[str, Sequence[FileChange]]], None]
+) -> list[FileChange]:
+    """Return the changes that writing these files would make, with what a killed run left in the folder."""
+    changes_by_target = {name: list_changes(output, name, texts) for name, texts in files.items()}
+    refuse_removals(changes_by_target)
+    return [*chain.from_iterable(changes_by_target.values()), *left_stages(output)]
+
+
 def write_or_compare(
     arguments: argparse.Namespace, files: Files, families: Families, gate: Callable[[], None], guard: Guard
 ) -> int:
@@ -50,10 +59,7 @@ def write_or_compare(
 
     try:
         if arguments.check:
-            changes_by_target = {name: list_changes(arguments.output, name, texts) for name, texts in files.items()}
-            refuse_removals(changes_by_target)
-            file_changes = list(chain.from_iterable(changes_by_target.values()))
-            file_changes += left_stages(arguments.output)
+            file_changes = _compare(files, arguments.output, refuse_removals)
         else:
             file_changes = write(
                 arguments.output,

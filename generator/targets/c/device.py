@@ -71,6 +71,14 @@ class HeaderPart:
     includes: tuple[str, ...]
 
 
+def _common_timing_macros(device: Device, prefix: str) -> Iterator[CMacro]:
+    """Yield the macros for times that are the same for all order codes."""
+    repeated_times = repeated_names(device.timings)
+    for timing in device.timings:
+        if timing.name not in repeated_times:
+            yield from timing_macros(timing, prefix)
+
+
 class DeviceView:
     """One interface of a family: the parts of its headers, each built from the previous parts.
 
@@ -102,10 +110,10 @@ class DeviceView:
         self.registers = [self._build_register(register) for register in _bank_selectors_first(device)]
         self.crcs = list(self._crc_codes())
         register_code_by_name = {code.register.name: code for code in self.registers}
-        self.take_functions: list[VariantUpdater] = []
-        for group in held_parameters(device):
-            access_functions = register_code_by_name[group.register.name].access
-            self.take_functions.append(VariantUpdater(context, group, access_functions))
+        self.take_functions = [
+            VariantUpdater(context, group, register_code_by_name[group.register.name].access)
+            for group in held_parameters(device)
+        ]
         usage = self.usage
         frame_to_read = usage.frame if usage is not None else None
         reads_twice = usage is not None and usage.reads_twice
@@ -115,12 +123,8 @@ class DeviceView:
         self.identities = list(identity_codes(context, register_code_by_name))
         self.procedures = [self._build_procedure(procedure, register_code_by_name) for procedure in device.procedures]
         self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
-        repeated_times = repeated_names(device.timings)
         #: The macros for times that are the same for all order codes.
-        self.timings: list[CMacro] = []
-        for timing in device.timings:
-            if timing.name not in repeated_times:
-                self.timings += timing_macros(timing, self.PREFIX)
+        self.timings = list(_common_timing_macros(device, self.PREFIX))
 
     def _crc_codes(self) -> Iterator[CrcCode]:
         """Yield the CRCs of which frames or registers use the function or the table."""
@@ -164,38 +168,21 @@ class DeviceView:
         label_headers = (f"{self.maker.name}/{self.stem}_labels.h",) if self.identities else ()
         registers_header = f"{self.maker.name}/{self.stem}_registers.h" if self.registers else first_header
         has_texts = bool(self.reports.all or self.alarms or self.timings)
-        parts = [
-            self._build_part(
-                "labels",
-                about="find the order code that a label shows",
-                includes=(encoder_header, first_header),
-            )
-        ]
+        build = self._build_part
+        about_labels = "find the order code that a label shows"
+        parts = [build("labels", about=about_labels, includes=(encoder_header, first_header))]
         if has_texts:
-            parts.append(
-                self._build_part(
-                    "reports",
-                    about="strings that describe reports, alarms and times",
-                    includes=(encoder_header, first_header),
-                )
-            )
+            about_texts = "strings that describe reports, alarms and times"
+            parts.append(build("reports", about=about_texts, includes=(encoder_header, first_header)))
         if self.registers:
-            parts.append(
-                self._build_part(
-                    "registers",
-                    about="registers, and identification of encoders",
-                    includes=(encoder_header, transport_header, first_header, *label_headers),
-                )
-            )
+            about_registers = "registers, and identification of encoders"
+            register_includes = (encoder_header, transport_header, first_header, *label_headers)
+            parts.append(build("registers", about=about_registers, includes=register_includes))
         if self.procedures:
-            parts.append(
-                self._build_part(
-                    "procedures", about="procedures, step by step", includes=(transport_header, registers_header)
-                )
-            )
-        parts.append(
-            self._build_part("simulate", about="the encoder's side, for simulators and tests", includes=(first_header,))
-        )
+            about_procedures = "procedures, step by step"
+            parts.append(build("procedures", about=about_procedures, includes=(transport_header, registers_header)))
+        about_simulator = "the encoder's side, for simulators and tests"
+        parts.append(build("simulate", about=about_simulator, includes=(first_header,)))
         return parts
 
     def _build_part(self, name: str, *, about: str, includes: tuple[str, ...]) -> HeaderPart:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, TypedDict
 
 from ...model import (
     INTERFACES,
@@ -74,7 +74,20 @@ _LONGEST_LEAD = 180
 RESERVED_NAMES = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "timing")
 
 
-class CodePage(Sections, InterfaceValues):
+class TablesAndSummaries(TypedDict):
+    """Parts of the page of an order code that consist of facts of the family alone."""
+
+    frames_summary: Annotated[str, "number of frames and CRCs"]
+    registers_summary: Annotated[str, "number of registers and their addresses"]
+    procedures_summary: Annotated[str, "number of procedures"]
+    setting_lines: Annotated[list[str], "settings of the interface"]
+    time_rows: Annotated[list[Row], "duration and meaning of each time"]
+    by_hand: Annotated[list[ManualProcedure], "procedures carried out by hand"]
+    example_rows: Annotated[list[Row], "worked examples: title, facts"]
+    quantity_rows: Annotated[list[Row], "quantities of the order code: value, meaning"]
+
+
+class CodePage(Sections, InterfaceValues, TablesAndSummaries):
     """Values for the page of an order code in addition to those of its interface page."""
 
     codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
@@ -93,14 +106,6 @@ class CodePage(Sections, InterfaceValues):
     sending: Annotated[
         bytes_to_send.SendingSection, "bytes to send: facts, requests, commands, command_errata, other_value"
     ]
-    frames_summary: Annotated[str, "number of frames and CRCs"]
-    registers_summary: Annotated[str, "number of registers and their addresses"]
-    procedures_summary: Annotated[str, "number of procedures"]
-    setting_lines: Annotated[list[str], "settings of the interface"]
-    time_rows: Annotated[list[Row], "duration and meaning of each time"]
-    by_hand: Annotated[list[ManualProcedure], "procedures carried out by hand"]
-    example_rows: Annotated[list[Row], "worked examples: title, facts"]
-    quantity_rows: Annotated[list[Row], "quantities of the order code: value, meaning"]
     errata_summary: Annotated[Callable[[], str], "number of errata listed on the page before this call"]
     errata_list: Annotated[Callable[[], str], "errata listed on the page before this call, one per line"]
 
@@ -226,13 +231,28 @@ def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
     return f"in {code_span(name)}: {range_text}" if frame_range.wraps else f"{code_span(name)} {range_text}"
 
 
+def _tables_and_summaries(code_group: CodeGroup) -> TablesAndSummaries:
+    """Return the parts of the page that consist of facts of the family alone."""
+    device, interface = code_group.device, code_group.interface
+    number_of_frames = count_with_unit(len(interface.layouts), "frame")
+    return {
+        "frames_summary": f"{number_of_frames} with CRC" if device.crcs else number_of_frames,
+        "registers_summary": _registers_summary(device),
+        "procedures_summary": f"{count_with_unit(len(device.procedures), 'procedure')}, step by step",
+        "setting_lines": list(fact_tables.setting_lines(device, interface)),
+        "time_rows": list(fact_tables.time_rows(interface.timings + device.timings)),
+        "by_hand": manual_procedures(device),
+        "example_rows": list(fact_tables.example_rows(device, _examples_of_order_codes(device))),
+        "quantity_rows": list(_quantity_rows(code_group)),
+    }
+
+
 def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
     """Return the values of a page. ``pictures`` are the family's pictures, some of which the page may replace."""
     family, device, interface, frame = code_group.family, code_group.device, code_group.interface, code_group.frame
     errata_links = ErrataLinks(device)
     interface_sections = page_sections(device)
     all_pictures = {**pictures, **code_group.pictures}
-    number_of_frames = count_with_unit(len(interface.layouts), "frame")
     return {
         **interface_sections,
         **interface_values(
@@ -242,6 +262,7 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
             has_masters=has_masters,
             pictures=code_group.pictures,
         ),
+        **_tables_and_summaries(code_group),
         "errata_at": errata_links,
         "codes": code_group.codes,
         # The notes on SSI and RS-485 begin with the line, but the notes on BiSS with limits that users must observe.
@@ -263,14 +284,6 @@ def page_values(code_group: CodeGroup, has_masters: bool, pictures: Pictures) ->
         "registers": [_register_section(device, section) for section in interface_sections["registers"]],
         "register_rows": list(fact_tables.register_rows(device)),
         "procedures": [_procedure_section(device, section) for section in interface_sections["procedures"]],
-        "procedures_summary": f"{count_with_unit(len(device.procedures), 'procedure')}, step by step",
-        "setting_lines": list(fact_tables.setting_lines(device, interface)),
-        "frames_summary": f"{number_of_frames} with CRC" if device.crcs else number_of_frames,
-        "registers_summary": _registers_summary(device),
-        "time_rows": list(fact_tables.time_rows(interface.timings + device.timings)),
-        "by_hand": manual_procedures(device),
-        "example_rows": list(fact_tables.example_rows(device, _examples_of_order_codes(device))),
-        "quantity_rows": list(_quantity_rows(code_group)),
         "errata_summary": errata_links.count_by_status,
         "errata_list": errata_links.list_of_errata,
     }

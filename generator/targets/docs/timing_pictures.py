@@ -254,8 +254,8 @@ def _data_boxes(layout_plan: LayoutPlan, position_names: Container[str]) -> Iter
             yield name_in_words(field.name), DATA
 
 
-def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
-    """Return the diagram of a request with its reply. If a procedure repeats requests, two repetitions follow."""
+def _sizes_of_frames(interface: Rs485) -> tuple[str, str]:
+    """Return the sizes of a request and of a reply, such as ``("at least 1 byte", "up to 11 bytes")``."""
     request_lengths = _byte_counts(interface, "master")
     reply_lengths = _byte_counts(interface, "encoder")
     request_size = count_with_unit(request_lengths[0], "byte")
@@ -264,6 +264,12 @@ def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     reply_size = count_with_unit(reply_lengths[-1], "byte")
     if len(reply_lengths) > 1:
         reply_size = f"up to {reply_size}"
+    return request_size, reply_size
+
+
+def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
+    """Return the diagram of a request with its reply. If a procedure repeats requests, two repetitions follow."""
+    request_size, reply_size = _sizes_of_frames(interface)
     request_label = f"request, {request_size}"
     master = [
         SignalPart(Trace.UP, width=40),

@@ -50,6 +50,17 @@ class Index(TypedDict):
     rows: Annotated[list[dict[str, str]], "masters and formats that have files, with folder, tool and reader"]
 
 
+def _identifier(order_code: str) -> str:
+    """Return the order code as an identifier, such as ``_24_X`` for ``24-X``."""
+    return re.sub(r"\W|^(?=\d)", "_", order_code, flags=re.ASCII)
+
+
+def _further_entries(rule: YamlMapping, file_content: Content) -> YamlMapping:
+    """Return the fixed entries of a file, such as a version, without those that a setting writes."""
+    written_keys = {file_value.key for file_value in file_content.entries}
+    return {key: value for key, value in rule.get("also", {}).items() if key not in written_keys}
+
+
 def file_text(
     device: Device,
     order_codes: Sequence[str],
@@ -70,29 +81,25 @@ def file_text(
         rule: Entry of ``files`` in the description of the master.
         master_device: Device of the master.
         library: The library, for the user's templates.
-        is_short: True to leave out the text that all order codes of a family share.
+        is_short: Leaves out the text that all order codes of a family share.
         file_content: The content of the file, if it is known already.
     """
-    if file_content is None:
-        file_content = content_of_file(sheet, rule, master_device)
-    written_keys = {file_value.key for file_value in file_content.entries}
-    head: list[str] = []
+    file_content = file_content or content_of_file(sheet, rule, master_device)
+    format_title = FILE_FORMATS[rule["format"]].title
+    first_paragraphs: list[str] = []
     if not is_short:
-        format_title = FILE_FORMATS[rule["format"]].title
-        head.append(f"{master_device} with {', '.join(order_codes)}. For {format_title}.")
-        head += _paragraphs_on_origin(device, [sheet], rule, master_device)
-    head += _paragraphs_on_content(file_content, is_short)
+        first_paragraphs.append(f"{master_device} with {', '.join(order_codes)}. For {format_title}.")
+        first_paragraphs += _paragraphs_on_origin(device, [sheet], rule, master_device)
+    own_templates = library.own_templates if library is not None else None
     values: MasterFile = {
-        "head": head,
+        "head": [*first_paragraphs, *_paragraphs_on_content(file_content, is_short)],
         "content": file_content,
         "channels": file_content.channels[:1] if is_short else file_content.channels,
-        # "24-X" becomes "_24_X".
-        "name": re.sub(r"\W|^(?=\d)", "_", order_codes[0], flags=re.ASCII),
+        "name": _identifier(order_codes[0]),
         "device": master_device,
-        "also": {key: value for key, value in rule.get("also", {}).items() if key not in written_keys},
+        "also": _further_entries(rule, file_content),
         "line": rule.get("line", ""),
     }
-    own_templates = library.own_templates if library is not None else None
     return TEMPLATES.render(f"{rule['format']}.jinja", values, own_templates)
 
 
