@@ -197,8 +197,8 @@ def _receivers() -> Iterator[Part]:
         )
 
 
-def _to_usable_positions() -> Iterator[Part]:
-    """Yield the paths from a word or a reply to a usable position, ours and by hand, over RS-485 and SPI."""
+def _replies_to_usable_positions() -> Iterator[Part]:
+    """Yield the paths from an RS-485 reply to a usable position, ours and by hand."""
     yield from _two_ways(
         "11-byte RS-485 reply to usable position (AMM5)",
         "the same RS-485 reply by hand",
@@ -213,6 +213,10 @@ def _to_usable_positions() -> Iterator[Part]:
             {"cortex-m0plus": 120, "cortex-m4": 60},
         ),
     )
+
+
+def _words_to_usable_positions() -> Iterator[Part]:
+    """Yield the paths from an SPI word to a usable position, ours and by hand."""
     yield from _two_ways(
         "48-bit SPI word with a CRC to usable position (MT6835)",
         "the same 48-bit word by hand",
@@ -253,7 +257,8 @@ def _two_ways(
 
 PARTS = (
     *_receivers(),
-    *_to_usable_positions(),
+    *_replies_to_usable_positions(),
+    *_words_to_usable_positions(),
     Part(
         "receive: a 39-bit SSI word",
         ("codewheel/receive.h",),

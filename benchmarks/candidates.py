@@ -216,6 +216,11 @@ static const uint8_t covered[] = {{ {_list(covered(frame))} }};""",
     )
 
 
+def _function(signature: str, result: str) -> str:
+    """Return a C function that returns an expression."""
+    return f"{signature}\n{{\n    return {result};\n}}\n"
+
+
 def ours(frame: Frame) -> Iterator[Candidate]:
     """Yield our decoders: with the order code fixed at compile time, chosen at run time, and with a CRC table."""
     parameters, received_frame = "const uint8_t *bytes, size_t length", "bytes, length"
@@ -229,11 +234,10 @@ def ours(frame: Frame) -> Iterator[Candidate]:
         forms["ours, fixed, table"] = f"#ifndef {frame.maker}_CRC_TABLE\n#define {frame.maker}_CRC_TABLE\n#endif\n"
     for name, macro in forms.items():
         head = f'{macro}#include "{frame.header}"\ncw_result decode_ours({parameters}, {frame.struct} *out);\n'
-        body = f"""cw_result decode_ours({parameters}, {frame.struct} *out)
-{{
-    return {frame.decoder}({frame.variant}, {received_frame}, out);
-}}
-"""
+        body = _function(
+            f"cw_result decode_ours({parameters}, {frame.struct} *out)",
+            f"{frame.decoder}({frame.variant}, {received_frame}, out)",
+        )
         yield Candidate(
             name,
             "decode_ours",
@@ -244,11 +248,7 @@ def ours(frame: Frame) -> Iterator[Candidate]:
         )
     signature = f"cw_result decode_ours({parameters}, const {frame.variant_type} *variant, {frame.struct} *out)"
     head = f'#include "{frame.header}"\n{signature};\n'
-    body = f"""{signature}
-{{
-    return {frame.decoder}(*variant, {received_frame}, out);
-}}
-"""
+    body = _function(signature, f"{frame.decoder}(*variant, {received_frame}, out)")
     yield Candidate(
         "ours, at run time",
         "decode_ours",

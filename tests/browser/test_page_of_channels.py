@@ -21,10 +21,15 @@ CONTROL = "00010010001101000101011011110101"
 AGREE = "0b" + CONTROL + "0001001000110100110001010000110111011011"
 
 
-def test_both_words_and_their_verdict(chromium: str, tmp_path: Path) -> None:
+@pytest.fixture
+def folder_with_script(tmp_path: Path) -> Path:
     devices, report = load_library([SPECS / "channels.yaml", SPECS / "manufacturer.yaml"])
     assert not report
     (tmp_path / "decode.js").write_text(generate(Library(devices))["browser/decode.js"], encoding="utf-8")
+    return tmp_path
+
+
+def test_both_words_and_their_verdict(chromium: str, folder_with_script: Path) -> None:
     wrong = AGREE[:-1] + str(1 - int(AGREE[-1]))
     script = f"""
       const [box] = boxes, text = box.querySelector("textarea"), code = named(box, "Order code, as on the label");
@@ -48,7 +53,7 @@ def test_both_words_and_their_verdict(chromium: str, tmp_path: Path) -> None:
       results.alone = said(box);
       return results;
     """
-    results = run_in_page(chromium, tmp_path, script)
+    results = run_in_page(chromium, folder_with_script, script)
     assert "72 bits, with a correct CRC" in results["withoutCode"]
     assert results["types"][0] == "a whole frame, from the encoder"
     assert results["whole"].startswith("usable: ")

@@ -123,15 +123,13 @@ class Program:
     def _source(self) -> str:
         device, family = self.device, self.family
         scope = Scope(device)
-        assignments = []
+        assignments, printed = [], []
         for parameter in device.parameters:
+            member, is_open = f"variant.{snake(parameter.name)}", scope.is_open(parameter.name)
             if parameter.equals is None:
-                value = _SOME if scope.is_open(parameter.name) else "number(words) as _"
-                assignments.append(f"variant.{snake(parameter.name)} = {value};")
-        printed = []
-        for parameter in device.parameters:
+                assignments.append(f"{member} = {_SOME if is_open else 'number(words) as _'};")
             call = "()" if parameter.equals is not None else ""
-            printed.append(f"variant.{snake(parameter.name)}{call}{_SHOWN[scope.is_open(parameter.name)]}")
+            printed.append(f"{member}{call}{_SHOWN[is_open]}")
         dispatches = []
         for code, name, layouts in self.senders():
             dispatches.append(_TELL.format(code=code, type=name, arms=_layout_arms(name, layouts)))
