@@ -69,7 +69,7 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument(
         "--lenient",
         action="store_true",
-        help="compare specs even if they have problems in the current spec language, without the faulty parts",
+        help="compare the valid parts of specs that have problems in the current spec language",
     )
     add_cache_option(parser)
 

@@ -55,7 +55,7 @@ def add_arguments(parser: Parser) -> None:
         "--like",
         choices=LIKE,
         default="",
-        help="kind of encoder: multiturn over this interface (SPI: singleturn), or linear over BiSS. "
+        help="kind of encoder: a multiturn encoder with this interface (SPI: singleturn), or a linear one with BiSS. "
         "rs485: the T-format, rs485-exchanges: other requests",
     )
 
