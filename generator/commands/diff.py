@@ -40,7 +40,9 @@ _GITHUB_LEVEL_BY_IMPACT = {Impact.BREAKING: "error", Impact.BEHAVIOUR: "warning"
 
 def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
-    parser.description = "List each change with the outputs and order codes that it affects. Exit 1 if there are any."
+    parser.description = (
+        "List each change with the outputs and order codes that it affects. The exit code is 1 if there are changes."
+    )
     place = "a file, a folder, or either in a git revision, such as v1.0:specs/lika"
     parser.add_argument("old", metavar="OLD", help=f"the old specs: {place}")
     parser.add_argument("new", metavar="NEW", help="the new specs, given in the same way")

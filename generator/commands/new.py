@@ -56,7 +56,7 @@ def add_arguments(parser: Parser) -> None:
         choices=LIKE,
         default="",
         help="kind of encoder: a multiturn encoder with this interface (SPI: singleturn), or a linear one with BiSS. "
-        "rs485: the T-format, rs485-exchanges: other requests",
+        "rs485 is for the T-format, and rs485-exchanges is for other requests",
     )
 
 

@@ -385,7 +385,7 @@ class WrittenSpec(WrittenPart):
         "The manual's own list of defaults, row by row. 'check' compares it with the registers.", least=0, default=()
     )
     alternatives: tuple[WrittenAlternative, ...] = key(
-        "Questions that the manual leaves open, or answers differently from other evidence. The user "
+        "Questions that the manual leaves open, or that other evidence answers differently. The user "
         "must decide. Generated code takes the decision as an argument without a default.",
         least=0,
         default=(),

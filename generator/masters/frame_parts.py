@@ -26,7 +26,7 @@ from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
 from ..say.text import hertz
 
-_ORIGIN_MANUAL, _ORIGIN_PUBLIC = "the encoder's manual", "iC-Haus AN15, revision A3 (RS-422)"
+_ORIGIN_MANUAL, _ORIGIN_PUBLIC = "the encoder's manual", "iC-Haus AN15, revision A3, for RS-422"
 
 
 class NoRecord(ValueError):

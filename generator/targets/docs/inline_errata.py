@@ -67,7 +67,7 @@ class ErrataLines:
     def _link_in_cell(self, erratum: Erratum) -> str:
         """Return a link to an erratum, or for a difference from another edition, ``not known before edition 1.4``."""
         if erratum.edition and not self._device.edition:
-            state = {NOT_KNOWN: "not known", LEFT_OUT: "not present"}.get(erratum.used, "different")
+            state = erratum.used if erratum.used in (NOT_KNOWN, LEFT_OUT) else "different"
             return self._link_to_erratum(erratum, f"{state} {_edition_phrase(erratum)}")
         return self._title_link(erratum)
 

@@ -118,8 +118,8 @@ static inline void cw_tracker_start(
     cw_tracker *tracker, const cw_tracker_config *config, uint32_t now_us)
 {
     CW_ASSERT((tracker != NULL) && (config != NULL));
-    /* 1/16 more per 2^20 us is 1.3 percent more than max_speed, which is per second. A 16th that is
-       rounded down is too little if max_speed is below 64. */
+    /* 1/16 more per 2^20 us is 1.3 percent more than max_speed, which is per second. A 16th rounded
+       down is too little if max_speed is below 64. */
     const uint32_t margin =
         (config->max_speed >> 4U) + (((config->max_speed & 0xFU) != 0U) ? 1U : 0U);
     tracker->limit = (config->max_speed > (0xFFFFFFFFU - margin)) ?

@@ -22,7 +22,7 @@
  * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
  * ichaus_icmu_biss_position with cw_word_of.
  *
- * Further headers of this interface, for you to include if needed:
+ * Other headers of this interface, to include if needed:
  *   icmu_biss_labels.h           find the order code that a label shows
  *   icmu_biss_reports.h          strings that describe reports, alarms and times
  *   icmu_biss_registers.h        registers, and identification of encoders
@@ -375,9 +375,7 @@ static inline cw_result ichaus_icmu_biss_decode(
     return CW_OK;
 }
 
-/**
- * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
- */
+/** Extract the word from a buffer with its length, so no decoder mistakes it for a longer one. */
 CW_NODISCARD CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_receive(
     ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, cw_word *word)

@@ -20,7 +20,7 @@
  * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
  * lika_am36_biss_position with cw_word_of.
  *
- * Further headers of this interface, for you to include if needed:
+ * Other headers of this interface, to include if needed:
  *   am36_biss_labels.h           find the order code that a label shows
  *   am36_biss_reports.h          strings that describe reports, alarms and times
  *   am36_biss_registers.h        registers, and identification of encoders
@@ -419,9 +419,7 @@ static inline bool lika_am36_biss_is_expected(
     return in->unused == 0U;
 }
 
-/**
- * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
- */
+/** Extract the word from a buffer with its length, so no decoder mistakes it for a longer one. */
 CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_am36_biss_receive(
     lika_am36_biss variant, const uint8_t *bytes, size_t length, cw_word *word)

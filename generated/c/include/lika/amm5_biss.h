@@ -19,7 +19,7 @@
  * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
  * lika_amm5_biss_position with cw_word_of.
  *
- * Further headers of this interface, for you to include if needed:
+ * Other headers of this interface, to include if needed:
  *   amm5_biss_labels.h           find the order code that a label shows
  *   amm5_biss_reports.h          strings that describe reports, alarms and times
  *   amm5_biss_registers.h        registers, and identification of encoders
@@ -404,9 +404,7 @@ static inline cw_result lika_amm5_biss_decode(
     return CW_OK;
 }
 
-/**
- * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
- */
+/** Extract the word from a buffer with its length, so no decoder mistakes it for a longer one. */
 CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_receive(
     lika_amm5_biss variant, const uint8_t *bytes, size_t length, cw_word *word)

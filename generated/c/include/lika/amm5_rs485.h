@@ -19,7 +19,7 @@
  * The bytes in rx are the reply to LIKA_AMM5_RS485_CONTROL_ALL_DATA, from DMA, or from cw_rs485_ask
  * and cw_rs485_take in codewheel/receive.h, which collect them from a serial port.
  *
- * Further headers of this interface, for you to include if needed:
+ * Other headers of this interface, to include if needed:
  *   amm5_rs485_labels.h          find the order code that a label shows
  *   amm5_rs485_reports.h         strings that describe reports, alarms and times
  *   amm5_rs485_procedures.h      procedures, step by step

@@ -21,7 +21,7 @@
  * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
  * lika_asc85_biss_position with cw_word_of.
  *
- * Further headers of this interface, for you to include if needed:
+ * Other headers of this interface, to include if needed:
  *   asc85_biss_labels.h          find the order code that a label shows
  *   asc85_biss_reports.h         strings that describe reports, alarms and times
  *   asc85_biss_registers.h       registers, and identification of encoders
@@ -413,9 +413,7 @@ static inline cw_result lika_asc85_biss_decode(
     return CW_OK;
 }
 
-/**
- * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
- */
+/** Extract the word from a buffer with its length, so no decoder mistakes it for a longer one. */
 CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_receive(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const uint8_t *bytes, size_t length,

@@ -24,7 +24,7 @@
  * The bytes in rx come from SPI and DMA. A master for SSI that gives you a number needs
  * lika_asc85_ssi_position with cw_word_of.
  *
- * Further headers of this interface, for you to include if needed:
+ * Other headers of this interface, to include if needed:
  *   asc85_ssi_labels.h           find the order code that a label shows
  *   asc85_ssi_simulate.h         the encoder's side, for simulators and tests
  *
@@ -283,9 +283,7 @@ static inline cw_result lika_asc85_ssi_decode(
     return CW_OK;
 }
 
-/**
- * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
- */
+/** Extract the word from a buffer with its length, so no decoder mistakes it for a longer one. */
 CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_asc85_ssi_receive(
     lika_asc85_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)

@@ -19,7 +19,7 @@
  * The bytes in rx are the reply to LIKA_SMA21_RS485_CONTROL_POSITION, from DMA, or from
  * cw_rs485_ask and cw_rs485_take in codewheel/receive.h, which collect them from a serial port.
  *
- * Further headers of this interface, for you to include if needed:
+ * Other headers of this interface, to include if needed:
  *   sma21_rs485_labels.h         find the order code that a label shows
  *   sma21_rs485_reports.h        strings that describe reports, alarms and times
  *   sma21_rs485_procedures.h     procedures, step by step

@@ -23,7 +23,7 @@
  * The bytes in rx come from SPI and DMA. A master for SSI that gives you a number needs
  * lika_sma21_ssi_position with cw_word_of.
  *
- * Further headers of this interface, for you to include if needed:
+ * Other headers of this interface, to include if needed:
  *   sma21_ssi_labels.h           find the order code that a label shows
  *   sma21_ssi_reports.h          strings that describe reports, alarms and times
  *   sma21_ssi_simulate.h         the encoder's side, for simulators and tests
@@ -324,9 +324,7 @@ static inline cw_result lika_sma21_ssi_decode(
     return CW_OK;
 }
 
-/**
- * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
- */
+/** Extract the word from a buffer with its length, so no decoder mistakes it for a longer one. */
 CW_NODISCARD CW_CONSTEXPR
 static inline cw_result lika_sma21_ssi_receive(
     lika_sma21_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)

@@ -65,7 +65,7 @@ def _explain_whole_frame(encoder: Sender, frame: object) -> str:
 def _explain_dead_line(encoder: Sender, frame: object, has_check: bool) -> str:
     """Return a sentence about a dead line, or an empty string if the line changes.
 
-    On a dead line, nothing is received, or at least 12 bits that are all the same. If the frames have no CRC or other
+    On a dead line, nothing is received, or at least 12 equal bits. If the frames have no CRC or other
     check (``has_check`` is False), such bits can also be a valid frame.
     """
     received = _convert_to_number(frame, _count_frame_bits(encoder))

@@ -110,7 +110,7 @@ class _CycleFinder:
         self._end, self._done = 0.0, 0
         #: Time without an edge of the clock after which a cycle has ended. 0 while the clock period is not known.
         self._pause = 0.0
-        #: True once the clock has an edge, and True until the first stretch has arrived.
+        #: True once the clock has an edge, and True until the first stretch of the capture has arrived.
         self.is_clocked, self._is_new = False, True
 
     def feed(self, part: Edges, name: str) -> CapturedFrames | None:
