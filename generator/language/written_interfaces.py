@@ -159,7 +159,7 @@ class WrittenSpiExchange(WrittenPart):
 
 
 @written(
-    "SPI, where each word from the master can be a request and each word from the encoder a reply. "
+    "SPI, where each word from the master can be a request, and each word from the encoder can be a reply. "
     "Every layout is word_bits wide, as set in its exchange or in the interface, and is sent most significant bit "
     "first. Each register has a single address, and its value is the field data of a frame. Chip select, and timings "
     "other than those listed, are not described."
