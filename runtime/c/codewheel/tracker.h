@@ -179,7 +179,7 @@ static inline cw_result cw_tracker_lose(cw_tracker *tracker)
  * @param now_us  start of that frame
  * @return
  *   OK     accepted, the members are updated.
- *   RANGE  rejected: position out of reach, or a 0 during boot_us. Of the members, only refused changes.
+ *   RANGE  rejected: position out of reach, or a 0 during boot_us. Only refused changes.
  *   LOST   rejected, like every position until _restart. The members known and lost indicate this,
  *          refused keeps counting, and the other members keep the last accepted position.
  */
