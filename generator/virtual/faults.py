@@ -55,8 +55,8 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
     },
     "busy": {
         "rs485": "the encoder is busy for 20 ms, and reports this or does not reply",
-        "biss": "the start bit is 9 to 40 clocks late, and register accesses wait for 20 ms",
-        "ssi": "the encoder is busy for 20 ms, and reports this or holds the line low",
+        "biss": "the start bit is 9 to 40 clocks late, and registers wait for 20 ms",
+        "ssi": "the encoder is busy for 20 ms, and reports it or holds the line low",
     },
     "restart": {
         "rs485": "the supply is off for 20 ms",

@@ -188,10 +188,7 @@ class Table(TableOf[ColumnName, PositionUnit]):
     def _replace_columns(
         self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]
     ) -> Table:
-        """Return a copy of the table with these columns, errors and verdicts.
-
-        Its rows may differ from those of the original.
-        """
+        """Return a copy of the table with other columns, errors, verdicts and possibly other rows."""
         return Table(
             encoder=self.encoder,
             columns=columns,
