@@ -62,7 +62,7 @@ _REASONS = (
     ),
     (
         "a witness, not a fact",
-        "Facts that only the second reading has reach no output.",
+        "Facts that are only in the second reading do not reach any output.",
         {"file": r".*\.second"},
     ),
 )

@@ -27,7 +27,7 @@ _INTRODUCTION = """\
 Words that were added after the first encoders. The last column counts the files in `generator/`, `templates/` and
 `runtime/`, without schemas, in the commits that added the word. Compare a new word with a similar one, and with the
 number of encoders that would use it. A word without an encoder is shown only on test specs.
-[How to add a word](../extend/how-to-change.md#add-a-word) lists the steps."""
+["How to add a word"](../extend/how-to-change.md#add-a-word) lists the steps."""
 
 
 class Uses(NamedTuple):

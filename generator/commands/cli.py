@@ -35,7 +35,7 @@ COMMANDS: Mapping[str, str] = {
     "diff": "list the changes between two versions of specs",
     "reread": "find the changes in a new edition of a manual",
     "facts": "list the facts from a page or section of a manual",
-    "cloze": "write a sheet to check the words of a spec against the manual",
+    "cloze": "write a sheet for checking the words of a spec against the manual",
     "explain": "explain a rule of check or diff",
     "new": "write an example spec to start from",
     "migrate": "update specs to the current spec language",

@@ -40,7 +40,9 @@ _GITHUB_LEVEL_BY_IMPACT = {Impact.BREAKING: "error", Impact.BEHAVIOUR: "warning"
 
 def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
-    parser.description = "List each change with the outputs and order codes that it affects. Exit 1 if there are any."
+    parser.description = (
+        "List each change with the outputs and order codes that it affects. The exit code is 1 if there are changes."
+    )
     place = "a file, a folder, or either in a git revision, such as v1.0:specs/lika"
     parser.add_argument("old", metavar="OLD", help=f"the old specs: {place}")
     parser.add_argument("new", metavar="NEW", help="the new specs, given in the same way")
@@ -69,7 +71,7 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument(
         "--lenient",
         action="store_true",
-        help="compare specs even if they have problems in the current spec language, without the faulty parts",
+        help="compare the valid parts of specs that have problems in the current spec language",
     )
     add_cache_option(parser)
 

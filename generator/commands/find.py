@@ -50,10 +50,10 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument(
         "--positions",
         metavar="NUMBER,...",
-        help="position of the shaft for each frame, in any unit and from any zero, separated by commas",
+        help="shaft position for each frame, in any unit and from any zero point, separated by commas",
     )
     parser.add_argument(
-        "--bits", type=int, metavar="NUMBER", help="number of bits in a frame, if 0x... does not show it"
+        "--bits", type=int, metavar="NUMBER", help="number of bits in a frame, if 0x... does not show this"
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
 

@@ -55,8 +55,8 @@ def add_arguments(parser: Parser) -> None:
         "--like",
         choices=LIKE,
         default="",
-        help="kind of encoder: multiturn over this interface (SPI: singleturn), or linear over BiSS. "
-        "rs485: the T-format, rs485-exchanges: other requests",
+        help="kind of encoder: a multiturn encoder with this interface (SPI: singleturn), or a linear one with BiSS. "
+        "rs485 is for the T-format, and rs485-exchanges is for other requests",
     )
 
 

@@ -5,6 +5,7 @@ Parts of a spec that a target cannot express are reported.
 
 from __future__ import annotations
 
+import shutil
 import sys
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -54,10 +55,6 @@ def devices_by_target(
             problem = f"the setting 'only.{target}' accepts no family that was read: {families_read}"
             raise CommandError(f"{problem}; change it, or name the other targets with --target", 1)
     return accepted
-
-
-#: Columns of the text about the targets for ``--help``.
-_HELP_WIDTH = 79
 
 
 def targets_named(names: Iterable[str] | None = None, default_names: Iterable[str] = BUILT_IN) -> list[Target]:
@@ -259,4 +256,6 @@ def targets_help() -> str:
 
 def _wrap_paragraph(text: str, first: str, indent: str) -> list[str]:
     """Return the lines of a paragraph, of which the first begins with ``first`` and the others with ``indent``."""
-    return textwrap.wrap(text, _HELP_WIDTH, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)
+    # One column less than the terminal, like the rest of the help: 79 if the width is unknown.
+    width = shutil.get_terminal_size().columns - 1
+    return textwrap.wrap(text, width, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)

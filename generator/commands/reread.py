@@ -37,7 +37,8 @@ def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
     parser.description = "Compare the texts of two editions of a manual, and list the facts that cite changed passages."
     parser.epilog = (
-        "Exit codes: 0 no difference. 1 differences. 2 a usage error, or a file that is not the text of a manual."
+        "The exit code is 0 without differences, 1 with differences, and 2 for a usage error or a file that is not the "
+        "text of a manual."
     )
     parser.add_argument("old", type=a_path, metavar="OLD", help="the edition that the spec describes: text or PDF")
     parser.add_argument("new", type=a_path, metavar="NEW", help="the new edition")

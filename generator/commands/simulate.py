@@ -32,7 +32,7 @@ _HOW_TO_USE = (
 
 def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Answer like an encoder on a pseudo-terminal or over TCP, and print the device or URL to open."
+    parser.description = "Emulate an encoder on a pseudo-terminal or over TCP, and print the device or URL to open."
     parser.add_argument("order_code", metavar="ORDER-CODE", help=f"the code on the label{OR_A_LINE}")
     parser.add_argument(
         "--position",

@@ -44,8 +44,8 @@ The parts of an order code combine to at most 10,000 codes. Order codes, registe
 most 20,000 different sets of parameters, and the number of these sets times the number of all fields is at most
 500,000. The same bound applies to the number of editions times the number of values in the file.
 
-The language has no words for a word that is repeated within one SSI frame, and for Gray code of several
-revolutions whose counts per turn are not a power of two. A CRC has one start value. If it depends on the order code,
+The language cannot describe a word that is repeated within one SSI frame, or Gray code over several
+revolutions if the counts per turn are not a power of two. A CRC has one start value. If it depends on the order code,
 write several CRCs, each in a field with `bits` that is 0 for the other order codes. [Another
 page](../encoder/encoders.md#limits-of-the-spec-language) lists all the limits, with workarounds.
 

@@ -40,13 +40,13 @@ ONLY_SECOND: dict[str, dict[str, Any]] = {
         "additionalProperties": {"type": "array", "minItems": 1, "items": {"type": "string", "maxLength": 200}},
     },
     "found": {
-        "description": "Numbers in texts, and cited sections, by path, that were not read a second time. They are still"
+        "description": "Numbers in texts and cited sections that were not read a second time, by path. They are still"
         " compared, which catches later typos, but they count as having been read only once.",
         "type": "object",
         "additionalProperties": {"type": "string", "maxLength": 500},
     },
     "decided": {
-        "description": "Facts that the manual does not print, so that both readings contain a decision: paths, or"
+        "description": "Facts that the manual does not print, for which each reading contains a decision: paths, or"
         " classes of facts such as verdict.",
         "type": "array",
         "items": {"type": "string", "maxLength": 200},

@@ -40,7 +40,9 @@ from .written_layouts import (
 @written("Register that must hold a value before this one can be written.")
 class WrittenOpenedBy(WrittenPart):
     register: Name = key("Name of that register.")
-    field: Name = key("Field of that register that must hold the value, if it has several.", default="")
+    field: Name = key(
+        "Field of that register that must hold the value, if the register has several fields.", default=""
+    )
     value: Name = key("Named value that it must hold.")
 
 
@@ -116,9 +118,9 @@ class WrittenPrintedDefault(WrittenPart):
     register: Name = key("Name of the register.")
     bytes: HexBytes = key("All bytes of the register, as printed.", default="")
     at: BitRange | None = key(
-        "For a row about some of the bits: the bit number, or a range with the high bit first.", default=None
+        "For a row about some bits: the bit number, or a range with the high bit first.", default=None
     )
-    field: Name = key("For a row about some of the bits: their field, if these bits are exactly one field.", default="")
+    field: Name = key("For a row about some bits: their field, if these bits are exactly one field.", default="")
     value: Count | None = key("Number in these bits.", default=None)
     is_: Name = key("Named value of the field, printed next to the number.", default="")
     erratum: Name = key("Erratum that explains an incorrect row.", default="")
@@ -253,7 +255,7 @@ class WrittenAlternative(WrittenPart):
         "Answer that applies unless the user chooses another answer: the first, which sets the only "
         "parameter to 0. All other answers set it to 1. Only verdicts can depend on this parameter, with "
         "makes_position_if of a flag, so that every frame can be decoded without a choice. The default "
-        "must be the most careful reading, unless the manual clearly prefers another. Without a default, the "
+        "must be the safest reading, unless the manual clearly prefers another. Without a default, the "
         "user must decide.",
         default="",
     )

@@ -72,7 +72,7 @@ class WrittenSsi(WrittenPart):
 
 
 @written(
-    "Fields of the control frame, as far as the manual describes them. The fields are not a complete "
+    "Fields of the control frame that the manual describes. The fields are not a complete "
     "frame, so no layout is generated."
 )
 class WrittenControlData(WrittenPart):
@@ -159,9 +159,9 @@ class WrittenSpiExchange(WrittenPart):
 
 
 @written(
-    "SPI, where each word from the master can be a request and each word from the encoder a reply. "
+    "SPI, where each word from the master can be a request, and each word from the encoder can be a reply. "
     "Every layout is word_bits wide, as set in its exchange or in the interface, and is sent most significant bit "
-    "first. A register has a single address, and its value is the field data of a frame. Chip select, and timings "
+    "first. Each register has a single address, and its value is the field data of a frame. Chip select, and timings "
     "other than those listed, are not described."
 )
 class WrittenSpi(WrittenPart):

@@ -59,7 +59,7 @@ class WrittenField(WrittenPart):
     printed_name: Prose = printed_name_key(default="")
     names: Names = key("", default=NOTHING)
     bits: Formula | None = key(
-        "Width in bits, or a parameter that gives it. The width is 0 for order codes and settings "
+        "Width in bits, or a parameter that contains the width. The width is 0 for order codes and settings "
         "without the field. In a frame, this is also possible for a flag or parity bit: {name: error, "
         "bits: error_bits, active: high, makes_position: not_usable}, where each order code sets "
         "error_bits to 1 or 0, and for a CRC. Decoders return an absent number as 0 and an absent flag as inactive, "
@@ -326,7 +326,10 @@ class WrittenLayout(WrittenPart):
     join: Joins = key("", default=NOTHING)
     gray: WrittenGray | None = key("", default=None)
     combinations: tuple[WrittenCombination, ...] = key(
-        "Values of several fields that together decide the verdict on the position.", most=64, least=0, default=()
+        "Combination of values in several fields that decides the verdict on the position.",
+        most=64,
+        least=0,
+        default=(),
     )
     position_range: LocatedPart[LayoutRange] | None = key("", default=None)
     other_bits: OtherBits = key("", default="")

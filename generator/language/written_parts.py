@@ -145,8 +145,8 @@ class WrittenExample(WrittenPart):
     name: Name = key("Name of the example, used in the names of the tests.")
     kind: Literal["frame", "register", "crc", "procedure", "measure"] = key(
         "Kind of example. Frame: bits or bytes, and field values. Register: bytes, and field values. "
-        "CRC: bytes, and the check value. Procedure: arguments, and the resulting writes. Measure: a "
-        "position in counts, and its length."
+        "CRC: bytes, and the check value. Procedure: arguments, and the resulting writes. Measured quantity: "
+        "a position in counts, and the length of a count."
     )
     source: SourceText = key("")
     order_code: str = key(
@@ -291,7 +291,7 @@ class WrittenChange(WrittenPart):
     value: Anything | None = key("With add: new item or value.", default=None)
     remove: Places = key("Location or locations to remove.", default=())
     unknown: Places = key(
-        "Location or locations whose content is unknown. They are removed, and outputs state that they are unknown.",
+        "Locations whose content is unknown. They are removed, and outputs state that they are unknown.",
         default=(),
     )
     also: str = key("Description of an additional, undocumented item.", shortest=1, longest=500, default="")
@@ -309,7 +309,7 @@ class WrittenChange(WrittenPart):
 
 @written("A revision of the manual and its changes.")
 class WrittenManualEdition(WrittenPart):
-    revision: Prose = key("Revision as printed. It is in the history, or later than the manual's revision.")
+    revision: Prose = key("Revision as printed. It is in the manual's history, or later than the manual's revision.")
     date: Date = key("Date of a later revision, year-month-day.", default="")
     before: tuple[WrittenChange, ...] = key(
         "Changes that lead from the edition of this revision back to the edition before it.", most=100, default=()
@@ -385,7 +385,7 @@ class WrittenSpec(WrittenPart):
         "The manual's own list of defaults, row by row. 'check' compares it with the registers.", least=0, default=()
     )
     alternatives: tuple[WrittenAlternative, ...] = key(
-        "Questions that the manual leaves open, or answers differently from other evidence. The user "
+        "Questions that the manual leaves open, or that other evidence answers differently. The user "
         "must decide. Generated code takes the decision as an argument without a default.",
         least=0,
         default=(),
@@ -421,7 +421,7 @@ class WrittenSpec(WrittenPart):
     )
     editions: tuple[WrittenManualEdition, ...] = key(
         "Changes that each revision of the manual made. They describe the encoders as documented in other editions: "
-        "those before the edition that this file transcribes, and later ones as far as they are public.",
+        "those before the edition transcribed in this file, and any later public ones.",
         least=0,
         default=(),
     )

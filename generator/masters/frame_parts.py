@@ -26,7 +26,7 @@ from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
 from ..say.text import hertz
 
-_ORIGIN_MANUAL, _ORIGIN_PUBLIC = "the encoder's manual", "AN15 of iC-Haus, revision A3, for RS-422"
+_ORIGIN_MANUAL, _ORIGIN_PUBLIC = "the encoder's manual", "iC-Haus AN15, revision A3, for RS-422"
 
 
 class NoRecord(ValueError):
@@ -416,7 +416,8 @@ class CableTable:
         rows_with_clock = [row for row in self.rows if clock_hz <= row.highest_hz]
         if rows_with_clock:
             longest_row = max(rows_with_clock, key=lambda row: row.metres)
-            return f"This clock suits a cable {longest_row.cable}, according to the table in {self.origin}."
+            cable = longest_row.cable
+            return f"This clock frequency is suitable for a cable {cable}, according to the table in {self.origin}."
         fastest_row = max(self.rows, key=lambda row: row.hz)
         limit_words = "below " if fastest_row.is_below else ""
         limit = f"{limit_words}{hertz(fastest_row.hz)}"

@@ -20,7 +20,7 @@ from .record import EncoderFacts
 
 #: Mapping from the file that describes a master, such as a rule.
 YamlMapping = Mapping[str, Any]
-#: Bound of a clock that is known to work with the encoder, while its highest clock is unknown.
+#: Bound of a clock frequency that is known to work with the encoder, while its highest clock is unknown.
 START_WITH = "start_with"
 _HZ_BY_UNIT = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 

@@ -1,4 +1,4 @@
-"""The description of a frame or register as data, for outputs that interpret data instead of printing statements.
+"""The description of a frame or register, as data, for outputs that interpret data instead of printing statements.
 
 Python prints it as literals for many frames at once, the browser as JSON. Positions are bit positions in the number
 that the bytes form. A member that has its default may be omitted.
@@ -197,7 +197,7 @@ class Description:
 
 
 def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | None = None) -> Description:
-    """Return the description of a frame or register as data.
+    """Return the description of a frame or register, as data.
 
     ``reporting`` contains the reports and the verdict of a frame. Without it, the description has no causes of reports
     or verdicts. For a frame without the position, it has only causes of reports.

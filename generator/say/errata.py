@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Collection, Iterable, Iterator, Sequence, Set
+from itertools import groupby
 
 from ..model import (
     INTERFACES,
@@ -42,8 +43,8 @@ _PHRASES_FOR_KEYS = {
     "max": "the maximum of {}",
     "implemented": "whether {} is implemented",
     "interfaces": "the interfaces of {}",
-    "when_active": "the meaning of an active {}",
-    "when_inactive": "the meaning of an inactive {}",
+    "when_active": "the meaning of {} when active",
+    "when_inactive": "the meaning of {} when inactive",
     "wait_at_least_ms": "the wait in ms after a write to {}",
     "at_least_ms": "the minimum time in ms for {}",
     "open": "unlisted values of {}",
@@ -62,6 +63,7 @@ _WORDS_FOR_LIST_ITEMS = {
     "crcs": "CRC",
     "parameters": "parameter",
     "connectors": "connector",
+    "inputs": "input",
     "field_groups": "group",
     "data_ids": "data ID",
     "steps": "step",
@@ -73,6 +75,8 @@ _WORDS_FOR_LIST_ITEMS = {
     "alternatives": "alternative",
     "documents": "document",
 }
+#: Keys that single bits of a frame have as their names.
+_NAMES_OF_BITS = frozenset({"error", "warning"})
 #: Usual spellings of the words in keys.
 _SPELLINGS = {
     "crc": "CRC",
@@ -91,6 +95,8 @@ _PATH_PATTERN = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
 #: Number of an item in a list without names, counted from 1.
 _INDEX_IN_LIST = re.compile(r"\[([0-9]+)\]")
 _MORE_ITEMS = re.compile(r" and ([0-9]+ more)$")
+#: A phrase about a named item: the words before the item, its kind, its name, and the words after it.
+_NAMED_ITEM = re.compile(rf"((?:.* )?)the ({'|'.join(_WORDS_FOR_LIST_ITEMS.values())}) (\S+)((?: .*)?)")
 
 
 def paths_in_words(paths: str) -> str:
@@ -101,12 +107,56 @@ def paths_in_words(paths: str) -> str:
     # "and 2 more" at the end.
     more_paths = _MORE_ITEMS.search(paths)
     listed_paths = _MORE_ITEMS.sub("", paths).split(", ")
-    phrases = [_path_in_words(listed_path.split(".")) for listed_path in listed_paths]
+    phrases = _join_alike([_path_in_words(listed_path.split(".")) for listed_path in listed_paths])
     if more_paths is not None:
         (number_of_more_paths,) = more_paths.groups()
         phrases.append(number_of_more_paths)
-    phrases_and_separators = map(str, list_parts(phrases))
-    return "".join(phrases_and_separators)
+    if len(phrases) > 1 and any(" and " in phrase for phrase in phrases):
+        # A comma separates "the registers a and b" from what follows.
+        return f"{', '.join(phrases[:-1])}, and {phrases[-1]}"
+    return "".join(map(str, list_parts(phrases)))
+
+
+def _join_alike(phrases: Sequence[str]) -> list[str]:
+    """Join successive phrases that differ only in a name: ``the register a`` and ``the register b`` to one phrase.
+
+    Phrases about the bits of a frame are joined in the same way: ``the error bit and the warning bit of …``.
+    """
+    joined_phrases: list[str] = []
+    for common_words, group in groupby(phrases, _common_words):
+        before, kind, after = common_words
+        names = [_name_in_phrase(phrase) for phrase in group]
+        names_in_words = "".join(map(str, list_parts(names)))
+        plural = "s" if len(names) > 1 else ""
+        if kind:
+            joined_phrases.append(f"{before}the {kind}{plural} {names_in_words}{after}")
+        elif after:
+            joined_phrases.append(f"{names_in_words}{after}")
+        else:
+            joined_phrases += names
+    return joined_phrases
+
+
+def _common_words(phrase: str) -> tuple[str, str, str]:
+    """Return the words before a named item, the kind of the item, and the words after it.
+
+    The kind is empty for the bit of a frame, and everything is empty for a phrase that cannot be joined.
+    """
+    named_item = _NAMED_ITEM.fullmatch(phrase)
+    if named_item is not None:
+        before, kind, _, after = named_item.groups()
+        return before, kind, after
+    bit, _, frame = phrase.partition(" of ")
+    return ("", "", f" of {frame}") if bit.endswith(" bit") else ("", "", "")
+
+
+def _name_in_phrase(phrase: str) -> str:
+    """Return the part of a phrase that ``_common_words`` omits."""
+    named_item = _NAMED_ITEM.fullmatch(phrase)
+    if named_item is not None:
+        return named_item[3]
+    bit, _, _ = phrase.partition(" of ")
+    return bit if bit.endswith(" bit") else phrase
 
 
 def change_in_words(printed: str) -> str:
@@ -178,6 +228,8 @@ def _path_in_words(keys: Sequence[str]) -> str:
 
 def _key_in_words(key: str) -> str:
     """Return a key with spaces in place of underscores, and abbreviations in their usual spelling: ``SSI word``."""
+    if key in _NAMES_OF_BITS:
+        return f"{key} bit"
     return " ".join(_SPELLINGS.get(word, word) for word in key.split("_"))
 
 

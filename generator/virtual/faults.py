@@ -22,8 +22,8 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
     },
     "short": {
         "rs485": "the reply is truncated",
-        "biss": "the frame is truncated, and then the line is high",
-        "ssi": "the word is truncated, and then the line is high",
+        "biss": "the frame is truncated, then the line stays high",
+        "ssi": "the word is truncated, then the line stays high",
         "spi": "the word is truncated, and the missing bits are read as 1",
     },
     "doubled": {"rs485": "the reply is sent twice"},
@@ -35,7 +35,7 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
     },
     "flip": {
         "rs485": "one bit of the reply is inverted",
-        "biss": "one bit of CDS or the data is inverted",
+        "biss": "one bit of CDS or of the data is inverted",
         "ssi": "one bit of the word is inverted",
         "spi": "one bit of the word is inverted",
     },
@@ -55,8 +55,8 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
     },
     "busy": {
         "rs485": "the encoder is busy for 20 ms, and reports this or does not reply",
-        "biss": "the start bit is 9 to 40 clocks late, registers wait for 20 ms",
-        "ssi": "the encoder is busy for 20 ms: it reports this or the line is low",
+        "biss": "the start bit is 9 to 40 clocks late, and registers wait for 20 ms",
+        "ssi": "the encoder is busy for 20 ms, and reports it or holds the line low",
     },
     "restart": {
         "rs485": "the supply is off for 20 ms",

@@ -80,6 +80,15 @@ def test_differences_from_other_editions_are_one_sentence_in_a_header(files: dic
         ("registers.bank.access", "the access of the register bank"),
         ("registers.status.data_valid", "the field data_valid of the register status"),
         ("field_groups.alarms.mt_error", "the field mt_error of the group alarms"),
+        ("registers.bank.when_active", "the meaning of the register bank when active"),
+        ("registers.bank, registers.eds, supply", "the registers bank and eds, and the supply"),
+        ("registers.a, registers.b, registers.c and 2 more", "the registers a, b and c, and 2 more"),
+        ("supply, inputs, leds", "the supply, the hardware inputs and the LEDs"),
+        (
+            "interfaces.biss.scd.error, interfaces.biss.scd.warning",
+            "the error bit and the warning bit of the BiSS C-mode scd",
+        ),
+        ("connectors.plug.interfaces, connectors.cable.interfaces", "the interfaces of the connectors plug and cable"),
     ],
 )
 def test_the_interface_comes_before_its_part(path: str, expected: str) -> None:

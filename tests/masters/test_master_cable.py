@@ -72,7 +72,8 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
     biss = data_with_settings(capsys, "AMM5A21/65KSC1", "beckhoff_el5042")
     assert (
         biss["settings"]["Clock Frequency, EL5042 and EP7041-4032"]["note"]
-        == "This clock suits a cable up to 10 m, according to the table in AN15 of iC-Haus, revision A3, for RS-422."
+        == "This clock frequency is suitable for a cable up to 10 m, according to the table in iC-Haus AN15, "
+        "revision A3, for RS-422."
     )
     assert len(biss["record"]["cable_lengths"]) == 7
     assert biss["record"]["cable_errata"] == []
@@ -87,7 +88,7 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
             "has shorter than 400 m: below 100 kHz, but the encoder needs at least 100 kHz",
         ),
         (["AM3619/4096-GG", "--cable", "400"], 1, "cable of 400 m: the table in the encoder's manual ends at 400 m"),
-        (["AMM5A21/65KSC1", "--cable", "1001"], 1, "AN15 of iC-Haus, revision A3, for RS-422 ends at 1000 m"),
+        (["AMM5A21/65KSC1", "--cable", "1001"], 1, "iC-Haus AN15, revision A3, for RS-422 ends at 1000 m"),
         (["AMM5A21/65KSC1", "--cable", "long"], 2, "'long' is not a length in metres, such as 30"),
         (["AMM5A21/65KSC1", "--cable", "0"], 2, "'0' is not a length in metres"),
         (["AMM5A21/65KSC1", "--cable", "nan"], 2, "'nan' is not a length in metres"),

@@ -495,7 +495,7 @@ def lookup(label: str) -> Variant:
 
     A tail after ``-`` and a suffix ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
     Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
-    of other editions are accepted. The edition is in ``Variant.written_as_in``.
+    from other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
         label: Order code on the label. Case and spaces do not matter.
@@ -753,9 +753,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant part first.
 
     With the defaults, the frame has 44 bits, which is also the maximum. The manual calls multiturn and singleturn
-    together Position. The position has up to 36 bits, most significant bit first. The widths of the two parts are the
-    values of registers 57h and 56h. The frame therefore becomes shorter as soon as a smaller resolution is written. The
-    CRC, the warning bit and the error bit always remain in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5),
+    together the "Position". The position has up to 36 bits, most significant bit first. The widths of the two parts are
+    the values of registers 57h and 56h. The frame therefore becomes shorter as soon as a smaller resolution is written.
+    The CRC, the warning bit and the error bit always remain in bits 5:0, 6 and 7. In Gray code (Configuration, bit 5),
     multiturn and singleturn are encoded together as one word. If, in addition, the number of revolutions is not a power
     of two, the step from the last position to the first changes several bits at once.
 
@@ -944,9 +944,8 @@ class ProfileId(FixedRegister, _ProfileId):
     Errata, with their full text in ERRATA:
         The profile ID 0000h does not match variant 0-24 (open): The profile ID is 00 00. The generated files do not
             derive a data length from it.
-        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
-            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the BiSS C-mode timings and 2 more.
+        In edition 1.1: Not known: the registers profile_id, serial_number, command, device_type, device_id and
+            manufacturer_id, the printed table of defaults, the BiSS C-mode timings, and 2 more.
     """
 
     __slots__ = ()
@@ -1001,10 +1000,9 @@ class SerialNumber(FixedRegister, _SerialNumber):
 
     Errata, with their full text in ERRATA:
         The manual does not give the encoding of year, week and serial number (open): The values are plain binary
-            numbers. The year is the plain value of its byte. 46h is the high byte of the serial number.
-        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
-            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the BiSS C-mode timings and 2 more.
+            numbers. The year is the number in its byte. 46h is the high byte of the serial number.
+        In edition 1.1: Not known: the registers profile_id, serial_number, command, device_type, device_id and
+            manufacturer_id, the printed table of defaults, the BiSS C-mode timings, and 2 more.
     """
 
     __slots__ = ()
@@ -1049,9 +1047,8 @@ class Command(IntEnum):
     Errata, with their full text in ERRATA:
         Two sections disagree on when a new resolution clears the preset (open): set_resolution saves the resolution
             first, and only then writes and activates the preset.
-        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
-            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the BiSS C-mode timings and 2 more.
+        In edition 1.1: Not known: the registers profile_id, serial_number, command, device_type, device_id and
+            manufacturer_id, the printed table of defaults, the BiSS C-mode timings, and 2 more.
     """
 
     NORMAL_OPERATIONAL_STATE = 0
@@ -1380,9 +1377,8 @@ class DeviceType(FixedRegister, _DeviceType):
     Default: ``02``.
 
     Errata, with their full text in ERRATA:
-        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
-            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the BiSS C-mode timings and 2 more.
+        In edition 1.1: Not known: the registers profile_id, serial_number, command, device_type, device_id and
+            manufacturer_id, the printed table of defaults, the BiSS C-mode timings, and 2 more.
     """
 
     __slots__ = ()
@@ -1542,9 +1538,8 @@ class DeviceId(FixedRegister, _DeviceId):
         The manual prints the BiSS models with 17 instead of I7 (resolved): I7 is the code for BiSS. 17 is also accepted
             and shown as unlisted.
         All models have the same device ID, despite different data lengths (open): The device ID is used as printed.
-        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
-            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the BiSS C-mode timings and 2 more.
+        In edition 1.1: Not known: the registers profile_id, serial_number, command, device_type, device_id and
+            manufacturer_id, the printed table of defaults, the BiSS C-mode timings, and 2 more.
     """
 
     __slots__ = ()
@@ -1598,9 +1593,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
     Byte order: high byte first, at 7Eh.
 
     Errata, with their full text in ERRATA:
-        In edition 1.1: Not known: the register profile_id, the register serial_number, the register command, the
-            register device_type, the register device_id, the register manufacturer_id, the printed table of defaults,
-            the BiSS C-mode timings and 2 more.
+        In edition 1.1: Not known: the registers profile_id, serial_number, command, device_type, device_id and
+            manufacturer_id, the printed table of defaults, the BiSS C-mode timings, and 2 more.
     """
 
     __slots__ = ()

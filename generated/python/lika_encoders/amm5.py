@@ -586,7 +586,7 @@ def lookup(label: str) -> Variant:
 
     A tail after ``-`` and a suffix ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
     Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
-    of other editions are accepted. The edition is in ``Variant.written_as_in``.
+    from other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
         label: Order code on the label. Case and spaces do not matter.
@@ -915,8 +915,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant part first.
 
-    The manual calls multiturn and singleturn together Position (Italian: Posizione). The position has 17 to 39 bits,
-    most significant bit first.
+    The manual calls multiturn and singleturn together the "Position" (Italian: "Posizione"). The position has 17 to 39
+    bits, most significant bit first.
 
     Errata, with their full text in ERRATA:
         The manual does not give the order of singleturn and multiturn (open): The multiturn part comes first and is the
@@ -2824,8 +2824,8 @@ class Command(IntEnum):
     After a command, the register automatically returns to 00.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
-            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, and the procedures
+            set_preset, store_preset, save_parameters and activate_preset.
     """
 
     SAVE_PARAMETERS = 1
@@ -3015,8 +3015,8 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     Result: The position at the moment of activation becomes the preset value. All other positions shift accordingly.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
-            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, and the procedures
+            set_preset, store_preset, save_parameters and activate_preset.
 
     Args:
         variant: The encoder.
@@ -3065,8 +3065,8 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     Result: The preset is saved. The position is the same as before.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
-            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, and the procedures
+            set_preset, store_preset, save_parameters and activate_preset.
 
     Args:
         variant: The encoder.
@@ -3113,8 +3113,8 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: New register values are saved.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
-            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, and the procedures
+            set_preset, store_preset, save_parameters and activate_preset.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -3142,8 +3142,8 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The position at the moment of the command becomes the preset value.
 
     Errata, with their full text in ERRATA:
-        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, the procedure
-            set_preset, the procedure store_preset, the procedure save_parameters and the procedure activate_preset.
+        Before edition 1.4: Not known: the register command, the BiSS C-mode time eeprom_write, and the procedures
+            set_preset, store_preset, save_parameters and activate_preset.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

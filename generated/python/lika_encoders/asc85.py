@@ -409,7 +409,7 @@ def lookup(label: str) -> Variant:
 
     A tail after ``-`` and a suffix ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
     Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
-    of other editions are accepted. The edition is in ``Variant.written_as_in``.
+    from other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
         label: Order code on the label. Case and spaces do not matter.
@@ -932,9 +932,9 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
         signal_level_maximum_amplitude: Signal level maximum amplitude: Set together with "Control error". Detected by
             the signal level monitoring. True when 1: the signal level has reached its upper threshold. False when 0: no
             active error.
-        dc_maximum_offset: DC maximum offset: Set together with "Signal error". The signal monitoring checks the DC
-            voltage of all analog signal lines. True when 1: an analog signal line has reached the upper threshold of
-            its DC voltage. False when 0: no active error.
+        dc_maximum_offset: DC maximum offset: Set together with "Signal error". Signal monitoring checks the DC voltage
+            of all analog signal lines. True when 1: the DC voltage of an analog signal line has reached the upper
+            threshold. False when 0: no active error.
         ac_maximum_amplitude: AC maximum amplitude: Set together with "Signal error". The signal monitoring checks the
             AC amplitude of the differential signals. True when 1: a differential signal has reached the upper threshold
             of its AC amplitude. False when 0: no active error.
@@ -944,9 +944,9 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
         signal_level_minimum_amplitude: Signal level minimum amplitude: Set together with "Control error". Detected by
             the signal level monitoring. True when 1: the signal level has fallen to its lower threshold. False when 0:
             no active error.
-        dc_minimum_offset: DC minimum offset: Set together with "Signal error". The signal monitoring checks the DC
-            voltage of all analog signal lines. True when 1: an analog signal line has fallen to the lower threshold of
-            its DC voltage. False when 0: no active error.
+        dc_minimum_offset: DC minimum offset: Set together with "Signal error". Signal monitoring checks the DC voltage
+            of all analog signal lines. True when 1: an analog signal line has fallen to the lower threshold of its DC
+            voltage. False when 0: no active error.
         ac_minimum_amplitude: AC minimum amplitude: Set together with "Signal error". The signal monitoring checks the
             AC amplitude of the differential signals. True when 1: a differential signal has fallen to the lower
             threshold of its AC amplitude. False when 0: no active error.

@@ -647,7 +647,7 @@ def lookup(label: str) -> Variant:
 
     A tail after ``-`` and a suffix ``/Sxxx`` are accepted. They are in ``Variant.tail`` and ``Variant.special_code``.
     Values of parts that the manual leaves open are accepted. ``Variant.unlisted`` lists these parts. Known spellings
-    of other editions are accepted. The edition is in ``Variant.written_as_in``.
+    from other editions are accepted. The edition is in ``Variant.written_as_in``.
 
     Args:
         label: Order code on the label. Case and spaces do not matter.

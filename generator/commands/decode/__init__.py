@@ -25,18 +25,17 @@ _ABOUT_FRAMES = (
     "For RS-485, FRAME is a sequence of bytes in hexadecimal. For SSI, BiSS and SPI, it is one number whose most "
     "significant bit is the first bit sent: 0b... with every digit, 0x..., or hex bytes. The notations of "
     "programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], \\x0F\\x42, F4243D3h and 7FFE. Except "
-    "over RS-485, several words of the frame's size are several frames, and a column of decimal numbers may follow a "
-    "line number or a time. With -, lines may begin with a time, and "
-    "empty lines and text after # are skipped. The exit code is 0 on success, 1 for a frame with an error or a "
-    "register value that this encoder cannot have, 2 for a usage error, input that is not a frame, or a missing "
-    "--choose, and 3 for a valid frame whose position is not usable. With "
-    "several frames, the worst one decides the exit code, in the order 2, 1, 3."
+    "over RS-485, several words of the frame's size are read as separate frames, and a column of decimal numbers may "
+    "follow a line number or a time. With -, lines may begin with a time, and empty lines and text after # are "
+    "skipped. The exit code is 0 on success, 1 for a frame with an error or a register value that this encoder "
+    "cannot have, 2 for a usage error, input that is not a frame, or a missing --choose, and 3 for a valid frame "
+    "whose position is not usable. With several frames, the worst one determines the exit code (worst first: 2, 1, 3)."
 )
 
 
 def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Name every bit of a frame, check its CRC, and list the reports of the encoder."
+    parser.description = "Name every bit of a frame, check its CRC, and list the encoder's reports."
     parser.epilog = _ABOUT_FRAMES
     parser.add_argument("order_code", metavar="ORDER-CODE", help=f"the code on the label{OR_A_LINE}")
     parser.add_argument(

@@ -96,7 +96,7 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
         "--biss-dtd",
         type=a_path,
         metavar="FILE",
-        help="validate the idbiss files against FILE, your copy of idbiss.dtd, and exit 1 if one is not valid",
+        help="validate the idbiss files against your copy of idbiss.dtd, and exit 1 if a file is not valid",
     )
     add_cache_option(parser)
 

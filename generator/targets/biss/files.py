@@ -26,7 +26,7 @@ from .identity import IdBits, data_lengths, device_bits, manufacturer_bits, only
 _EACH = "each"
 _BY_CODE = Option(
     "order-codes",
-    "each: also write a file for each order code, with numbers instead of expressions",
+    "each: also write one file per order code, with numbers instead of expressions",
     "none",
     ("none", _EACH),
 )

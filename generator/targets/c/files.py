@@ -143,13 +143,13 @@ FILTERS: dict[str, Callable[..., object]] = {
 
 ONLY = Option(
     "only",
-    "order codes, interfaces (biss, FAMILY_biss) and families to generate, separated by commas; empty for all",
+    "order codes, families and interfaces (biss, FAMILY_biss) to generate, separated by commas (empty for all)",
     "",
 )
 
 PASSING = Option(
     "passing",
-    "how functions take order codes and words: by value, or by address for SDCC, for which only C headers are written",
+    "how order codes and words are passed to functions: by value, or by address for SDCC (writes only C headers)",
     "value",
     ("value", "address"),
 )
@@ -157,8 +157,7 @@ PASSING = Option(
 
 FORM = Option(
     "form",
-    "package: a header for each interface, and what builds need; single: a header for each order code, to decode"
-    " positions",
+    "package: one header per interface, with build files; single: one header per order code, only to decode positions",
     "package",
     ("package", "single"),
 )

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, Any, TypedDict
 
-from ...model import Device, Erratum
+from ...model import LEFT_OUT, NOT_KNOWN, Device, Erratum
 from ...say.errata import STATUS_IN_WORDS, consequence, errata
 from ...say.errata import describe_erratum as erratum_statement
 from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, escape_html, link_list, markdown_link
@@ -55,17 +55,21 @@ class ErrataLines:
             wording_links = link_list(map(self._title_link, wording_errata))
             list_items.append(f"- Wording {mistakes} in the manual: {wording_links}")
         if edition_errata:
-            edition_links = [self._link_to_erratum(erratum, _edition_phrase(erratum)) for erratum in edition_errata]
-            # Each link once.
-            different_links = ", ".join(dict.fromkeys(edition_links))
-            list_items.append(f"- Other editions of the manual differ: {different_links}")
+            list_items.append(_edition_item(edition_errata, self._page))
         return "\n".join(list_items)
 
     def links_in_cell(self, *paths: str) -> str:
         """Return links for a table cell to the errata about these paths, including errata about wording."""
         affecting_errata = errata(self._device, *paths, wording=True)
-        links = [f"{status_badge(erratum)} {self._title_link(erratum)}" for erratum in affecting_errata]
-        return link_list(links)
+        links = [f"{status_badge(erratum)} {self._link_in_cell(erratum)}" for erratum in affecting_errata]
+        return link_list(dict.fromkeys(links))
+
+    def _link_in_cell(self, erratum: Erratum) -> str:
+        """Return a link to an erratum, or for a difference from another edition, ``not known before edition 1.4``."""
+        if erratum.edition and not self._device.edition:
+            state = erratum.used if erratum.used in (NOT_KNOWN, LEFT_OUT) else "different"
+            return self._link_to_erratum(erratum, f"{state} {_edition_phrase(erratum)}")
+        return self._title_link(erratum)
 
     def _title_link(self, erratum: Erratum) -> str:
         """Return a link to an erratum on the errata page, labeled with its title."""
@@ -149,21 +153,26 @@ class ErrataLinks:
         for erratum in open_first:
             anchor = anchor_of(f"erratum-{erratum.name}")
             list_items.append(f"- {anchor}{erratum_line(erratum, ERRATA)}")
-        targets_by_edition: dict[str, list[str]] = {}
         # In the order of the spec, not of the page.
-        for difference in self._device.errata:
-            if difference.name in self._differences:
-                link_target = f"{ERRATA}#erratum-{difference.name}"
-                targets_by_edition.setdefault(_edition_phrase(difference), []).append(link_target)
-        if targets_by_edition:
-            editions = link_list(_numbered_links(label, targets) for label, targets in targets_by_edition.items())
-            list_items.append(f"- Other editions of the manual differ: {editions}")
+        differences = [difference for difference in self._device.errata if difference.name in self._differences]
+        if differences:
+            list_items.append(_edition_item(differences, ERRATA))
         return "\n".join(list_items)
 
 
 def _html_link(erratum: Erratum) -> str:
     """Return a link in HTML, for a block that begins with HTML and therefore cannot contain Markdown."""
     return f'<a href="#erratum-{erratum.name}">{escape_html(erratum.title)}</a>'
+
+
+def _edition_item(differences: Sequence[Erratum], page: str) -> str:
+    """Return a list item with links to differences from other editions on ``page``, each edition once."""
+    targets_by_edition: dict[str, list[str]] = {}
+    for difference in differences:
+        link_target = f"{page}#erratum-{difference.name}"
+        targets_by_edition.setdefault(_edition_phrase(difference), []).append(link_target)
+    editions = link_list(_numbered_links(label, targets) for label, targets in targets_by_edition.items())
+    return f"- Other editions of the manual differ: {editions}"
 
 
 def _numbered_links(label: str, targets: Sequence[str]) -> str:

@@ -31,7 +31,10 @@ from .entries import Channel, Content, YamlMapping, content_of_file
 _TEXT_WIDTH = 120
 _ONE_FILE_EACH = "each"
 _ORDER_CODES_OPTION = Option(
-    "order-codes", "each: a file that the tool loads for each order code", "bulk", ("bulk", _ONE_FILE_EACH)
+    "order-codes",
+    "each: one file per order code; bulk: one file with all order codes, as comments",
+    "bulk",
+    ("bulk", _ONE_FILE_EACH),
 )
 
 

@@ -27,7 +27,7 @@
 extern "C" {
 #endif
 
-/** Return the position of the highest 1 in a number that is not 0. */
+/** Return the position of the highest 1 in a nonzero number. */
 static inline uint32_t cw_angle_highest_bit(uint64_t number)
 {
     uint64_t left = number;

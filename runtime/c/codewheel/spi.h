@@ -12,8 +12,8 @@
  *     4. get the word received with the ..._receive function of the reply to that request, and
  *        decode it, or ignore it if the request is CW_SPI_NONE
  *
- * If words of an encoder have several lengths, ..._receive returns CW_FAULT_LENGTH for a reply that
- * came in a word with another number of bytes. It cannot distinguish 17 bits from 20. A late reply
+ * If words of an encoder have several lengths, ..._receive returns CW_FAULT_LENGTH for a reply in a
+ * word with a different number of bytes. It cannot distinguish 17 bits from 20. A late reply
  * needs a word of its own length, so send as many clocks as it has bits. If the bits do not fill
  * the bytes, the word is at their low end. On a bus that sends only whole bytes, it must
  * be at the high end: shift it up after cw_spi_store, and down before cw_spi_load.

@@ -1,8 +1,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Code shared by the packages of all manufacturers, such as verdicts, errors, and the functions that run procedures.
 
-The package of a manufacturer also has the names that most programs need. They are the same objects, so encoders of
-several manufacturers can be used together.
+The package of a manufacturer also has the names that most programs need. They are the same objects, so encoders
+from several manufacturers can be used together.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ __all__ = [
 def why(encoder: Encoder, frame: object) -> tuple[str, ...]:
     """Find the common mistakes that explain an invalid frame, such as swapped wires.
 
-    A short CRC is sometimes correct by chance. Check several frames, and look for the mistake that explains all of
-    them.
+    A short CRC is sometimes correct by chance. Check several frames, and look for a single mistake that explains
+    all of them.
 
     Args:
         encoder: The encoder.

@@ -12,8 +12,8 @@ from .errors import FrameError, LengthError, RangeError
 #: A frame or register in bytes: any buffer of single bytes, such as one row of an array.
 Data = bytes | bytearray | memoryview
 
-#: A frame that is a string of bits: a number whose most significant bit is the first bit sent, a text of 0s and 1s,
-#: or bytes that contain the number, most significant byte first.
+#: A frame of bits: a number whose most significant bit is sent first, text made of 0s and 1s, or bytes that contain
+#: the number, most significant byte first.
 Word = SupportsIndex | str | bytes | bytearray | memoryview
 
 #: Many frames of bytes: an array of uint8 with one row per frame, all bytes in sequence, or a list of frames.
@@ -34,7 +34,7 @@ def shorten(value: object) -> str:
 
 
 def require_answer(answer_class: type[_Answer], answer: _Answer | None) -> _Answer:
-    """Return ``answer`` if it answers a question that the manual leaves open, and raise TypeError otherwise.
+    """Return ``answer`` if it answers a question that the manual leaves open, otherwise raise TypeError.
 
     ``answer_class`` is the enumeration of the possible answers.
     """
@@ -149,7 +149,7 @@ def as_bytes(data: Data) -> bytes:
 def assert_never(kind: NoReturn) -> NoReturn:
     """Raise AssertionError.
 
-    Type checkers reject a call that can be reached, such as for a missing case of a ``match``.
+    Type checkers reject a call that can be reached, for example because a ``match`` lacks a case.
     """
     raise AssertionError(f"no case for {kind!r}")
 
@@ -163,12 +163,12 @@ def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     return number
 
 
-#: Only value of a flag that the encoder does not send, for an error.
+#: The only allowed value of a flag that the encoder does not send, for an error message.
 NO_SUCH_FLAG: Final = "False, since this encoder has no such flag"
 
 
 def check_flag(field: str, value: object) -> bool:
-    """Return ``value`` as a bool. The numbers 0 and 1 are accepted, and so are the bools of NumPy.
+    """Return ``value`` as a bool. The numbers 0 and 1 and NumPy bools are also accepted.
 
     Raises RangeError for other integers, and TypeError for other values.
     """
@@ -235,9 +235,9 @@ def as_member(enumeration: type[_Choice], field: str, value: SupportsIndex) -> _
 
 
 def text_number(field: str, text: str, length: int) -> int:
-    """Return a text of ``length`` characters as one number: ``0x4142`` for ``"AB"``.
+    """Convert text of ``length`` characters to one number: ``0x4142`` for ``"AB"``.
 
-    The text must be Latin-1, which has a character for each byte, so every decoded text can be encoded again. Raises
+    The text must be Latin-1. It has a character for each byte, so every decoded text can be encoded again. Raises
     RangeError for other characters or a different length.
     """
     try:

@@ -32,7 +32,7 @@ class ChannelFrame:
         self.agree = layout.compare(channels) if layout.compared else None
 
     def of(self, kind: type[_Channel]) -> _Channel:
-        """Return the channel whose frame has the class ``kind``.
+        """Return the channel whose frame is of class ``kind``.
 
         Raises:
             LookupError: There is no such channel.
@@ -46,7 +46,7 @@ class ChannelFrame:
     def verdict(self) -> Verdict:
         """Worst verdict of all channels. It is also *not usable* if the positions of the channels do not agree.
 
-        The verdict *unknown* counts only in the channel with the position.
+        The verdict *unknown* matters only in the channel with the position.
         """
         verdicts = [Verdict.NOT_USABLE] if self.agree is False else []
         for index, channel in enumerate(self.channels):
@@ -82,7 +82,7 @@ class ChannelFrame:
         return encoded_frame
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the frame as plain values for JSON: the channels, and the verdict and position of all of them."""
+        """Return the frame as plain values for JSON: the channels, and their common verdict and position."""
         return {
             "channels": [channel.to_dict() for channel in self.channels],
             "agree": self.agree,
@@ -118,7 +118,7 @@ class ChannelLayout:
         position: Index of the channel with the position.
         compared: Fields whose highest bits must agree.
         compared_bits: Number of these bits.
-        tolerance: Highest difference of these bits.
+        tolerance: Maximum difference of these bits.
     """
 
     def __init__(
@@ -136,11 +136,11 @@ class ChannelLayout:
         self.kinds = tuple(kinds)
         #: Index of the channel with the position.
         self.position = position
-        #: Fields of the channels whose highest bits must agree, the number of these bits, and their highest difference.
+        #: Channel fields whose highest bits must agree, the number of these bits, and their maximum difference.
         self.compared = tuple(compared)
         self.compared_bits = compared_bits
         self.tolerance = tolerance
-        #: Arguments of the methods of each class: the encoder, or none.
+        #: Method arguments for each class: the encoder, or none.
         self._arguments = [_list_arguments(frame_class, encoder) for frame_class in self.kinds]
         self.channel_bits: tuple[int, ...] = tuple(
             frame_class.frame_bits(*arguments)
@@ -214,14 +214,14 @@ class ChannelLayout:
         rest: float | None = None,
         threshold: float | None = None,
     ) -> ChannelCapture:
-        """Decode a capture of a logic analyzer, with all channels of each frame. Needs NumPy.
+        """Decode a logic analyzer capture, with all channels of each frame. Needs NumPy.
 
         Args:
             source: The capture, in a format of the package's ``read_capture``.
             clock, data, rate, rest, threshold: See the package's ``read_capture``.
 
         Returns:
-            The columns of the channels, the times of the frames, lost cycles, and accesses to registers.
+            The channel columns, frame times, lost cycles, and register accesses.
 
         Raises:
             InputError: The source is not a capture, or does not contain such signals. The message says what to do.
@@ -254,7 +254,7 @@ class ChannelLayout:
 
 
 def _list_arguments(frame_class: Any, encoder: Encoder) -> tuple[Encoder, ...]:
-    """Return the arguments that the methods of a class of frames need: the encoder, or none if it does not matter."""
+    """Return the arguments that the methods of a frame class need: the encoder, or none if it does not matter."""
     from .frames.base import Fixed
 
     return () if issubclass(frame_class, Fixed) else (encoder,)

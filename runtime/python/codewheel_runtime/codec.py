@@ -1,7 +1,7 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Code shared by the encoder modules: positions of fields, number codes and CRCs.
 
-The checks of arguments are in ``arguments``. Encoder modules import them from here.
+The argument checks are in ``arguments``. Encoder modules import them from here.
 """
 
 from __future__ import annotations
@@ -83,14 +83,14 @@ _TUPLE: Final[Any] = tuple
 
 
 def by_class(kind: type[_Kind]) -> type[_Kind]:
-    """Make objects of the class ``kind``, a NamedTuple, equal only to objects of the same class.
+    """Make objects of the NamedTuple class ``kind`` equal only to objects of the same class.
 
     A plain NamedTuple also equals other tuples with the same items. Like the methods of a tuple, the new methods return
     NotImplemented for objects that are not tuples.
     """
 
     def is_equal(self: tuple[object, ...], other: object) -> object:
-        """Compare the items if the classes are the same. No other tuple is equal."""
+        """Compare the items if the classes are the same. No other tuple is equal to it."""
         if self.__class__ is other.__class__:
             return _TUPLE.__eq__(self, other)
         return False if isinstance(other, tuple) else NotImplemented
@@ -153,7 +153,7 @@ def signed(value: int, bits: int) -> int:
 
 
 def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> int:
-    """Return the bits of a field in which 0 stands for ``zero_means``: with 16, the value 16 becomes 0.
+    """Return the bits of a field in which 0 represents ``zero_means``: with 16, the value 16 becomes 0.
 
     Raises:
         RangeError: ``value`` is 0, or does not fit into ``bits`` bits.
@@ -167,7 +167,7 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
 
 
 def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Return ``number`` with the ``width`` bits from bit ``low`` up converted from Gray code to binary.
+    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary.
 
     ``excess`` is the number that the encoder sends for position 0. It is subtracted from the converted bits, and the
     difference wraps around in ``width`` bits. The other bits of ``number`` do not change.
@@ -183,7 +183,7 @@ def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
 
 
 def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
-    """Return ``number`` with the ``width`` bits from bit ``low`` up converted from binary to Gray code.
+    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from binary to Gray code.
 
     ``excess`` is the number that the encoder sends for position 0. It is added to the bits before, and the sum wraps
     around in ``width`` bits. The other bits of ``number`` do not change.
@@ -196,10 +196,10 @@ def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
 
 
 def from_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
-    """Return ``number`` with the ``width`` bits from bit ``low`` up converted from separate digits to binary.
+    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from separate digits to binary.
 
-    Each digit has ``digit_bits`` bits, and ``codes`` has the code of each digit from 0 up, such as BCD. If a digit has
-    another code, the converted bits are all 1, which is above the highest number.
+    Each digit has ``digit_bits`` bits, and ``codes`` contains the code of each digit, starting with 0, such as BCD. If
+    a digit has another code, the converted bits are all 1, which is above the highest number.
     """
     mask = (1 << width) - 1
     digit_mask = (1 << digit_bits) - 1
@@ -219,9 +219,9 @@ def from_digits(number: int, low: int, width: int, digit_bits: int, codes: Seque
 
 
 def to_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
-    """Return ``number`` with the ``width`` bits from bit ``low`` up converted from binary to separate digits.
+    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from binary to separate digits.
 
-    Each digit has ``digit_bits`` bits, and ``codes`` has the code of each digit from 0 up, such as BCD.
+    Each digit has ``digit_bits`` bits, and ``codes`` contains the code of each digit, starting with 0, such as BCD.
     """
     mask = (1 << width) - 1
     value = (number >> low) & mask
@@ -238,9 +238,9 @@ def unwrap(
 ) -> int:
     """Return the count nearest to ``previous`` that equals ``position`` modulo ``modulus``.
 
-    After 1023, the position 2 of 1024 is the count 1026. If two counts are equally near, the lower one is returned.
-    ``lowest`` and ``highest`` are the limits of ``position``, by default 0 and ``modulus - 1``. Raises RangeError for
-    positions outside them.
+    With a modulus of 1024, the position 2 after the count 1023 becomes the count 1026. If two counts are equally near,
+    the lower one is returned. ``lowest`` and ``highest`` are the limits of ``position``, by default 0 and ``modulus -
+    1``. Raises RangeError for positions outside them.
     """
     highest_position = modulus - 1 if highest is None else highest
     limits = (lowest, highest_position)
@@ -258,7 +258,7 @@ class PositionRange(NamedTuple):
     Attributes:
         lowest: Lowest position.
         highest: Highest position.
-        modulus: Number of counts after which the position wraps around. None if it never does.
+        modulus: Number of counts after which the position wraps around. None if it never wraps around.
     """
 
     lowest: int
@@ -358,7 +358,7 @@ def make_crc_tables(
 
 
 def _make_table(first: int, changes: Sequence[int]) -> Sequence[int]:
-    """Return a table with an entry for each number: ``first`` XORed with the change of each 1 bit in the number.
+    """Return a table with an entry for each number: ``first`` XORed with the changes for all 1 bits in the number.
 
     Each bit doubles the table: its second half contains the entries with this bit set.
     """

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Handlers for the errors of frames: ``decode`` raises them, and ``try_decode`` returns them."""
+"""Handlers for frame errors: ``decode`` raises the errors, and ``try_decode`` returns them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Any, Final, NoReturn, cast
 
 from .errors import FrameError, Sender
 
-#: Function for an error of a frame. It receives the error, the frame and the encoder, and raises or returns the error.
+#: Function that handles a frame error. It receives the error, the frame and the encoder, and raises or returns the
+#: error.
 ErrorHandler = Callable[[Exception, object, Any], NoReturn]
 
 
@@ -29,7 +30,7 @@ def _return_frame_error(error: Exception, frame: object, encoder: Sender) -> Exc
     raise error
 
 
-#: The same function for type checkers, to which every handler raises its error.
+#: The same function for type checkers, which assume that every handler raises its error.
 return_frame_error: Final = cast(ErrorHandler, _return_frame_error)
 
 

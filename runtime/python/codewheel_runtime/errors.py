@@ -169,7 +169,7 @@ class InputError(ValueError):
     Attributes:
         file: Name of the file.
         message: Description of the error.
-        place: Offset, line, row or column. Empty if the error concerns the whole file.
+        place: Offset, line, row or column. Empty if the error affects the whole file.
     """
 
     def __init__(self, file: str, message: str, place: str = "") -> None:
@@ -183,4 +183,4 @@ class InputError(ValueError):
 
 
 class UsageError(ValueError):
-    """The arguments are wrong, regardless of the contents of the file."""
+    """The arguments are wrong, whatever the file contains."""

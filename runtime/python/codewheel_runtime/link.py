@@ -109,7 +109,8 @@ class Link:
         """Return the position in counts.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: the one with the factory defaults.
+            request: Request for the position, with the encoder's address. Default: the request with the factory
+                defaults.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
@@ -121,7 +122,8 @@ class Link:
         """Return a frame with the position. Check its ``verdict`` before you use the position.
 
         Args:
-            request: Request for the position, with the encoder's address. Default: the one with the factory defaults.
+            request: Request for the position, with the encoder's address. Default: the request with the factory
+                defaults.
 
         Raises:
             LinkError: There is no valid reply. The subclass indicates the reason.
@@ -143,7 +145,7 @@ class Link:
         return self._carry_out(self.session.exchange(request))
 
     def run(self, steps: Sequence[Step]) -> None:
-        """Carry out a procedure, such as a reset. If a request in a series fails, the series starts again.
+        """Carry out a procedure, such as a reset. If a request in a series fails, the series is restarted.
 
         Args:
             steps: Steps, as returned by a function for a procedure.
@@ -164,9 +166,9 @@ class Link:
             self.transport.write(request)
 
     def receive(self, length: int, /) -> bytes:
-        """Return the bytes that arrive, until there are at least ``length`` of them, or fewer after a timeout.
+        """Return the bytes that arrive: at least ``length`` bytes, or fewer after a timeout.
 
-        There are more if further bytes arrived together with the last one.
+        There are more if additional bytes arrived together with the last one.
         """
         data = b""
         deadline = monotonic() + self.session.timeout_s
@@ -190,11 +192,11 @@ class Link:
         self.close()
 
     def _carry_out(self, work: Work[_Result]) -> _Result:
-        """Carry out a task of the session: send its requests, and pass the received bytes on. Return its result.
+        """Carry out a task of the session: send its requests, and pass on the received bytes. Return its result.
 
         Raises:
             PortError: The transport failed.
-            LinkError: Raised by the session.
+            LinkError: The session raised this error.
         """
         with self.lock:
             try:
@@ -216,7 +218,7 @@ class Link:
 class SerialTransport:
     """Serial port, or another line that pyserial can open, such as ``socket://host:port``.
 
-    The port is opened exclusively, because two programs on one port would take each other's bytes.
+    The port is opened exclusively, because two programs on one port would each miss some of the bytes.
 
     Args:
         port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
@@ -335,7 +337,7 @@ class Ports:
     """Functions of a manufacturer's package that open ports.
 
     Args:
-        lookup: Function that returns the encoder that belongs to a label.
+        lookup: Function that returns the encoder for a label.
     """
 
     def __init__(self, lookup: Callable[[str], Encoder]) -> None:

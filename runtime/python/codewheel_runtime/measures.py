@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Encoders whose positions are angles or lengths, and those whose positions wrap around."""
+"""Encoders whose positions are angles or lengths, and encoders whose positions wrap around."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Rotary(Encoder):
         return self._check_position(position) % per_turn * tau / per_turn
 
     def _check_position(self, position: int) -> int:
-        """Return a position as an int. Raises RangeError if it is outside the range of positions, if that is known."""
+        """Return a position as an int. Raises RangeError if it is outside a known range of positions."""
         number = whole_number("position", position)
         limits = self._find_limits()
         return number if limits is None else check_limits("position", number, limits)
@@ -119,7 +119,7 @@ class Linear(Length):
 
 
 class FineLinear(Length):
-    """Encoder whose positions are lengths, with counts that are not a whole number of micrometers."""
+    """Encoder whose positions are lengths, and whose counts are not a whole number of micrometers."""
 
     @property
     def step_nm(self) -> int:
@@ -141,10 +141,10 @@ class FineLinear(Length):
 
 
 class Wrapping(Encoder):
-    """Encoder whose positions wrap around. If they do not wrap around, the methods raise ValueError.
+    """Encoder whose positions wrap around. If the positions do not wrap around, the methods raise ValueError.
 
-    If frames of different classes have different ranges, ``range_of`` returns the range of one class, and the methods
-    and attributes here raise ValueError.
+    If frame classes have different ranges, ``range_of`` returns the range of one class, and the methods and
+    attributes here raise ValueError.
     """
 
     @property
@@ -165,8 +165,8 @@ class Wrapping(Encoder):
     def unwrap(self, previous: int, position: int) -> int:
         """Return the count nearest to ``previous`` that corresponds to ``position``.
 
-        The count continues when ``position`` wraps around. Between two calls the encoder must move by less than half of
-        ``modulus``.
+        The count continues when ``position`` wraps around. Between two calls, the encoder must move by less than half
+        of ``modulus``.
 
         Args:
             previous: Result of the previous call. On the first call, pass the first ``position``.

@@ -11,7 +11,7 @@ from .reports import ReadOnly
 
 #: Highest number of characters in a label.
 LONGEST = 100
-#: Number of characters of a longer text that the error prints.
+#: Maximum number of characters of a text that the error prints.
 _PRINTED_CHARACTERS = 20
 
 #: Name of a part in a pattern, such as ``{bits}``.
@@ -26,8 +26,8 @@ class OrderCodeError(ValueError):
 
     Attributes:
         label: The label.
-        part: Name of the wrong part. The first of several that cannot be combined, or empty if it is not known.
-        reason: What is wrong.
+        part: Name of the wrong part. The first of several parts that cannot be combined, or empty if it is
+        unknown. reason: Description of the error.
         nearest: Order codes most similar to the label.
     """
 
@@ -99,7 +99,7 @@ class Spelling(NamedTuple):
     def listed_text(self, part: str, text: str) -> str:
         """Return the text of a part in the usual spelling.
 
-        A text without an alternative spelling is returned unchanged.
+        Text without an alternative spelling is returned unchanged.
         """
         for spelled in self.values:
             if spelled.part == part and spelled.text.upper() == text.upper():
@@ -112,9 +112,9 @@ class Label(NamedTuple):
 
     ``code`` and ``parts`` describe the label in the usual spelling. ``listed`` contains the parts of the listed code
     used in place of the label. A value that the manual does not list is replaced by the first listed value that can be
-    combined with the others. ``unlisted`` are the names of these parts. ``tail`` is the text that follows the code,
-    from its ``-`` on, and ``special`` the ``/Sxxx`` suffix of the label. ``written_as_in`` is the document that uses
-    the label's spelling, if it is not the usual spelling.
+    combined with the others. ``unlisted`` are the names of these parts. ``tail`` is the text after the code,
+    starting with ``-``, and ``special`` is the ``/Sxxx`` suffix of the label. ``written_as_in`` is the document that
+    uses the label's spelling, if it is not the usual spelling.
     """
 
     code: str
@@ -187,7 +187,7 @@ class OrderCode(NamedTuple):
             codes: Listed order codes with their parts.
 
         Raises:
-            OrderCodeError: No listed code has these values together.
+            OrderCodeError: No listed code has this combination of values.
         """
         # The value is None if the manual does not list it.
         listed_values = {part.name: _find_listed(part, part_texts[part.name]) for part in self.parts}
@@ -212,8 +212,8 @@ class OrderCode(NamedTuple):
     ) -> tuple[str, ...] | None:
         """Return the parts of the first listed code with these values, or None if there is no such code.
 
-        A value of None means that the manual does not list it. Every listed code fits such a value, if the value can be
-        combined with the values of the other parts.
+        None means that the manual does not list the value. Every listed code matches such a value, if the value can
+        be combined with the values of the other parts.
         """
         unlisted_parts = [part for part in self.parts if listed_values[part.name] is None]
         can_be_combined = all(_can_be_combined(part, listed_values) for part in unlisted_parts)
@@ -235,8 +235,9 @@ class OrderCode(NamedTuple):
     ) -> OrderCodeError:
         """Return the error for a label whose parts are all valid, but cannot be combined.
 
-        It names each part that another listed value would make valid, or "its parts" if there is no such part.
-        ``part_texts`` has the text of each part of the label ``text``, and ``listed_values`` its listed value, or None.
+        It names each part that would be valid with another listed value, or "its parts" if there is no such part.
+        ``part_texts`` contains the text of each part of the label ``text``, and ``listed_values`` contains its listed
+        value, or None.
         """
         names: list[str] = []
         for part in self.parts:
@@ -261,7 +262,7 @@ class OrderCode(NamedTuple):
     def _make_spelling_expression(self, spelling: Spelling) -> str:
         """Return a regular expression for the whole order code in another spelling, with a named group for each part.
 
-        Parts without an alternative spelling are as in the usual spelling.
+        Parts without an alternative spelling are the same as in the usual spelling.
         """
         expressions = {part.name: _match_values(part) for part in self.parts}
         for name in {spelled.part for spelled in spelling.values}:
@@ -272,7 +273,7 @@ class OrderCode(NamedTuple):
     def _unknown_code_error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
         """Return the error for a text that is not an order code.
 
-        The message names the wrong part, if other letters and digits in that part would make the text an order code.
+        The message names the wrong part if the text would be an order code with other letters and digits in that part.
         """
         nearest_codes = find_nearest(codes, text)
         candidates: list[_WrongPart] = []
@@ -325,7 +326,7 @@ def check_label(label: str) -> str:
 
 
 def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
-    """Return at most three codes: first those that begin with ``text``, then those most similar to it.
+    """Return at most three codes: first those that begin with ``text``, then the most similar ones.
 
     The tail of the text is ignored: ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because the code has
     two pieces between hyphens.
@@ -336,7 +337,7 @@ def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
     pieces = upper_text.split("-")
 
     def measure_similarity(code: str) -> tuple[bool, float]:
-        """Return whether a code begins with the text, and its similarity to as many pieces of the text, from 0 to 1."""
+        """Return whether a code begins with the text, and its similarity (0 to 1) to as many pieces of the text."""
         upper_code = code.upper()
         piece_count = code.count("-") + 1
         text_without_tail = "-".join(pieces[:piece_count])
@@ -361,7 +362,7 @@ def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> boo
 
 
 def _find_listed(part: Part, text: str) -> str | None:
-    """Return the listed value of a part that equals a text, regardless of case, or None if it is not listed."""
+    """Return the listed value of a part that equals a text, regardless of case, or None if there is no such value."""
     return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
 
 
@@ -372,14 +373,15 @@ def _match_values(part: Part) -> str:
 
 
 def _match_any(texts: Iterable[str]) -> str:
-    """Return a regular expression for any of these texts, the longest ones first."""
+    """Return a regular expression for any of these texts, longest first."""
     return "|".join(re.escape(text) for text in sorted(texts, key=len, reverse=True))
 
 
 def _join_pattern(pattern: str, expressions: Mapping[str, str]) -> str:
     """Return the pattern of an order code as a regular expression, with a named group for each part.
 
-    The pattern ``X-{bits}`` becomes ``X\\-(?P<bits>12|16)``. ``expressions`` has the regular expression of each part.
+    The pattern ``X-{bits}`` becomes ``X\\-(?P<bits>12|16)``. ``expressions`` contains the regular expression of each
+    part.
     """
     # Every second piece is the name of a part: ["X-", "bits", ""] for X-{bits}. The others are text.
     pieces = _PART_IN_BRACES.split(pattern)

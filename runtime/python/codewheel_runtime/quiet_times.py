@@ -28,18 +28,18 @@ class QuietTimes:
         self._settle_s = settle_s
         # A byte has one start bit.
         bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
-        #: Time of a byte on the line, and times that the last replies took, in seconds.
+        #: Time of a byte on the line, and durations of the last replies, in seconds.
         self._byte_s = bits_per_byte / port.baud
         self._reply_times: deque[float] = deque(maxlen=_REPLY_TIMES)
 
     def record_reply(self, seconds: float) -> None:
-        """Record how long a reply took, from the beginning of its request to its end."""
+        """Record the time from the beginning of a request to the end of its reply."""
         self._reply_times.append(seconds)
 
     def find_quiet_time(self, received: bytes, reply: bytes, pending: PendingRequest) -> float:
         """Return the time in seconds for which the line must be quiet after a reply.
 
-        This is the time to settle. It is at least 2 ms, unless the reply comes first and cannot be part of an echo.
+        This is the settling time. It is at least 2 ms, unless the reply comes first and cannot be part of an echo.
         """
         # In this time, the reply to this request would follow if the reply were an extra one to an earlier request.
         settle_s = self.find_settle_time(pending)

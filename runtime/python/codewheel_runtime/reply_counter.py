@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Counts the replies that no request asked for, and finds a second device by them."""
+"""Counts unrequested replies, and uses them to detect a second device."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .session_requests import SessionRequests, format_hex
 
 #: Number of replies with which extra replies are compared.
 _RECENT_REPLIES = 32
-#: Number of extra replies with new values that show a second device. One or two can follow from other errors. If they
-#: come so late that they are read before the next request, fewer are sufficient.
+#: Number of extra replies with new values that indicate a second device. One or two can have other causes. If they
+#: are so late that they are read before the next request, fewer are sufficient.
 _FOREIGN_REPLIES, _LATE_FOREIGN_REPLIES = 3, 2
-#: Number of consecutive requests that must each get exactly one reply before a second device is ruled out.
+#: Number of consecutive requests that must each receive exactly one reply before a second device is ruled out.
 _ONE_REPLY_REQUESTS_NEEDED = 2
 
 
@@ -26,11 +26,11 @@ class Statistics:
 
     Attributes:
         requests: Requests that were sent, including repeated requests and requests of other kinds.
-        replies: Requests that got a valid reply.
-        failures: Requests that did not.
+        replies: Requests that received a valid
+        reply. failures: Requests that did not.
         late_replies: Replies that arrived after their request had failed.
-        extra_replies: Replies that no request asked for, such as second copies.
-        conflicts: Requests that got two different replies. They are among the failures.
+        extra_replies: Unrequested replies, such as second copies. conflicts:
+        Requests that received two different replies. They are included in the failures.
     """
 
     requests: int = 0
@@ -48,7 +48,8 @@ class ReplyCounter:
         statistics: Counters for the user.
         unanswered: Number of requests whose reply can still arrive.
         recent_replies: Replies to the last requests. Extra replies are compared with them.
-        requests_with_one_reply: Number of requests in a row that got exactly one reply, since the last other reply.
+        requests_with_one_reply: Number of consecutive requests that received exactly one reply, since the last other
+            reply.
     """
 
     def __init__(self, requests: SessionRequests, *, has_time_to_settle: bool) -> None:
@@ -78,8 +79,8 @@ class ReplyCounter:
     def count_discarded(self, data: bytes, last_request: PendingRequest | None) -> None:
         """Count the replies in discarded bytes, which arrived without a request.
 
-        Raises SecondDeviceError if a second device seems to answer. Two requests in a row that got exactly one reply
-        show that there is no such device, so the count of its replies starts again.
+        Raises SecondDeviceError if a second device seems to answer. Two consecutive requests that received exactly
+        one reply show that there is no such device, so the count of its replies is reset.
         """
         replies = split_replies(data, last_request, self._requests.kinds) if last_request is not None else []
         if replies:
@@ -105,7 +106,10 @@ class ReplyCounter:
         return extra_count
 
     def _list_foreign(self, replies: Sequence[bytes]) -> list[bytes]:
-        """Return the replies that equal none of the last replies to requests. They may come from a second device."""
+        """Return the replies that differ from all of the last replies to requests.
+
+        They may come from a second device.
+        """
         return [reply for reply in replies if reply not in self.recent_replies]
 
     def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Interfaces and families of encoders, the reports of their frames, and verdicts on positions."""
+"""Interfaces and families of encoders, the reports in their frames, and verdicts on positions."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ class Answer(NamedTuple):
 
 
 class _Sent(NamedTuple):
-    """Request that was sent in a word of ``bits`` bits, with the class of the register that it reads or writes."""
+    """Request sent in a word of ``bits`` bits, with the class of the register that it reads or writes."""
 
     request: Any
     register: type | None
@@ -52,14 +52,14 @@ class _Sent(NamedTuple):
 
 
 class Pipeline:
-    """Requests over SPI that wait for their replies. Create it with ``pipeline()`` of an encoder.
+    """SPI requests that are waiting for their replies. Create it with ``pipeline()`` of an encoder.
 
     For each word, call ``ask`` (or ``read`` or ``write``), exchange the word on your bus, and call ``take`` with the
     word that you received.
 
     Args:
         encoder: The encoder.
-        replies: Class of the reply to each class of requests.
+        replies: Class of the reply to each request class.
         late: True if the encoder answers in the word after the request.
         read: Class of the request that reads a register, if there is one.
         write: Classes of the requests that write a register, one for each word.
@@ -89,19 +89,19 @@ class Pipeline:
         self._sent: _Sent | None = None
         #: Request before ``_sent``, to which a late reply belongs.
         self._previous: _Sent | None = None
-        #: Number of bits of the last word.
+        #: Number of bits in the last word.
         self._bits = 0
 
     @property
     def bits(self) -> int:
-        """Number of bits of the last word that ``ask``, ``read`` or ``write`` returned, 0 before the first."""
+        """Number of bits in the last word that ``ask``, ``read`` or ``write`` returned, or 0 before the first word."""
         return self._bits
 
     def ask(self, request: Request) -> int:
-        """Return the word of a request, and remember the request until its reply arrives.
+        """Return the word for a request, and remember the request until its reply arrives.
 
         Args:
-            request: The frame. Its class must be one that the encoder answers.
+            request: The frame. The encoder must answer requests of its class.
 
         Raises:
             TypeError: The encoder does not answer frames of this class.
@@ -124,7 +124,7 @@ class Pipeline:
         return self._start_request(self._make_read_request(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
-        """Yield the words that write a register. Exchange and take each word before the next.
+        """Yield the words that write a register. Exchange and process each word before the next.
 
         Args:
             value: The value, an object of the register's class.
@@ -156,8 +156,8 @@ class Pipeline:
             bits: Number of bits received, if known. The number itself does not show missing bits.
 
         Returns:
-            The answer. With late replies, it belongs to the request before the last one, and is None if there was none
-            or if its word had a different length.
+            The answer. With late replies, it belongs to the request before the last one, and is None if there was no
+            such request or its word had a different length.
 
         Raises:
             FrameError: The word is damaged. The pipeline stays in step: take the next word as usual.
@@ -182,11 +182,14 @@ class Pipeline:
         return Answer(request, reply, register_value)
 
     def restart(self) -> None:
-        """Forget all requests. Call this after the encoder was switched off or a word was lost."""
+        """Forget all requests. Call this after the encoder has been switched off or a word has been lost."""
         self._sent = self._previous = None
 
     def _make_read_request(self, address: int) -> Request:
-        """Return the request that reads the register at an address. Raises TypeError if the encoder has none."""
+        """Return the request that reads the register at an address.
+
+        Raises TypeError if the encoder has no such request.
+        """
         if self._read is None:
             raise TypeError(f"{self._encoder.code} has no request that reads a register")
         request: Request = self._read(address=address)
@@ -206,7 +209,7 @@ class Pipeline:
             yield request_class(**fields)
 
     def _start_request(self, request: Any, register: type | None) -> int:
-        """Return the word of a request, and remember the request until its reply arrives.
+        """Return the word for a request, and remember the request until its reply arrives.
 
         ``register`` is the class of the register that the request reads or writes, or None. Raises TypeError if the
         encoder does not answer the request, and RuntimeError if the word received with the previous request has not
@@ -246,8 +249,8 @@ class Pipeline:
 class RegisterBus:
     """Registers over SPI, for ``run``. Create it with ``bus()`` of a pipeline.
 
-    Each access sends its requests and takes their replies. Send no other words meanwhile. Flags in the replies are not
-    checked, so read back what you write.
+    Each access sends its requests and receives their replies. Do not send other words meanwhile. Flags in the replies
+    are not checked, so read back what you write.
     """
 
     def __init__(self, line: Pipeline, exchange: Callable[[int], int]) -> None:

@@ -153,8 +153,8 @@ static inline bool cw_digits_fit(uint32_t bits, uint32_t digit_bits, uint32_t ba
 }
 
 /**
- * Return the digit with this code, or base if no digit has it. codes has the code of the digit 0 in
- * its lowest bits.
+ * Return the digit with this code, or base if there is none. The lowest bits of codes are the code
+ * of digit 0.
  */
 CW_CONSTEXPR
 static inline uint32_t cw_digit(uint64_t code, uint32_t digit_bits, uint32_t base, uint64_t codes)

@@ -50,7 +50,7 @@ static inline uint32_t cw_received_bit(const uint8_t *rx, size_t place)
     return (byte >> left) & 1U;
 }
 
-/** Marks functions whose code is about as short as a call of them. */
+/** Marks functions that are about as short as a call to them. */
 #ifdef __GNUC__
 #define CW_INLINE __attribute__((always_inline))
 #else
@@ -146,7 +146,7 @@ CW_CONSTEXPR
 static inline void cw_received_halves(
     const uint8_t *rx, size_t size, size_t first, uint32_t *upper, uint32_t *lower)
 {
-    /* Take 8 bytes from the one with the first bit on, or the last 8, and drop the bits before. */
+    /* Take 8 bytes starting with the first bit, or the last 8, and drop earlier bits. */
     const size_t wanted_end = (first / 8U) + 8U;
     const size_t end = (wanted_end > size) ? size : wanted_end;
     const size_t bits_before = (first + 64U) - (8U * end);
@@ -197,7 +197,7 @@ static inline void cw_received_words32(const uint32_t *words, size_t count, uint
 }
 
 /**
- * Return one bit of each of 8 samples, that of the first sample in bit 7.
+ * Return one bit of each of 8 samples, with the first sample in bit 7.
  *
  * @param samples  the samples
  * @param pin_bit  number of the bit in each sample, 0 to 7

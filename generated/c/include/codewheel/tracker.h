@@ -118,8 +118,8 @@ static inline void cw_tracker_start(
     cw_tracker *tracker, const cw_tracker_config *config, uint32_t now_us)
 {
     CW_ASSERT((tracker != NULL) && (config != NULL));
-    /* 1/16 more per 2^20 us is 1.3 percent more than max_speed, which is per second. A 16th that is
-       rounded down is too little if max_speed is below 64. */
+    /* 1/16 more per 2^20 us is 1.3 percent more than max_speed, which is per second. A 16th rounded
+       down is too little if max_speed is below 64. */
     const uint32_t margin =
         (config->max_speed >> 4U) + (((config->max_speed & 0xFU) != 0U) ? 1U : 0U);
     tracker->limit = (config->max_speed > (0xFFFFFFFFU - margin)) ?
@@ -179,7 +179,7 @@ static inline cw_result cw_tracker_lose(cw_tracker *tracker)
  * @param now_us  start of that frame
  * @return
  *   OK     accepted, the members are updated.
- *   RANGE  rejected: position out of reach, or a 0 during boot_us. Only the member refused changes.
+ *   RANGE  rejected: position out of reach, or a 0 during boot_us. Only refused changes.
  *   LOST   rejected, like every position until _restart. The members known and lost indicate this,
  *          refused keeps counting, and the other members keep the last accepted position.
  */

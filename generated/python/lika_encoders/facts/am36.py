@@ -261,13 +261,13 @@ SSI: Final = SsiFacts(
 #
 # In edition 1.1 [am36_1_1_biss: p.21]:
 # Instead of: the note on BiSS C-mode.
-# Text: The clock range is taken from edition 1.0. It is not known for 1.1. The encoder is always a slave, and it must
-# be the only slave of its master. Never install it in a network with several slaves.
-# Why: Section 6.6, which gives the clock, is not on a public page.
+# Text: The encoder is always a slave, and it must be the only slave of its master. Never install it in a network with
+# several slaves. The clock range is taken from edition 1.0. It is not known for edition 1.1.
+# Why: Section 6.6, which specifies the clock range, is not publicly available.
 #
 # In edition 1.1 [am36_1_1: p.24, am36_1_1: p.29]:
-# Not known: the register profile_id, the register serial_number, the register command, the register device_type, the
-# register device_id, the register manufacturer_id, the printed table of defaults, the BiSS C-mode timings and 2 more.
+# Not known: the registers profile_id, serial_number, command, device_type, device_id and manufacturer_id, the printed
+# table of defaults, the BiSS C-mode timings, and 2 more.
 # Why: Page 24 lists the registers by address. The pages that describe them are not public. For Command, it is known
 # only that 01 in 48h stores a resolution. Its other values and the pause after it are not known. No procedure is known
 # to be correct for this edition.
@@ -773,7 +773,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="Safety p.8, 3 p.11",
     ),
-    Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="Safety p.8"),
+    Characteristic(name="explosive_areas", value="Not for use in explosive or flammable areas", source="Safety p.8"),
     Characteristic(
         name="emc_directive",
         value="Directive 2004/108/EC on electromagnetic compatibility",
@@ -783,9 +783,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="emc_precautions",
         value=(
             "Discharge your body and tools before handling the encoder. Use a stabilized, noise-free supply, with EMC "
-            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
-            "necessary and away from high-voltage power cables. Mount the device away from capacitive and inductive "
-            "noise sources, or shield it from them. Do not place strong magnets on or near the unit."
+            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep the cables no longer "
+            "than necessary and away from high-voltage power cables. Mount the device away from capacitive and "
+            "inductive noise sources, or shield it from them. Do not place strong magnets on or near the unit."
         ),
         source="Electrical safety p.8",
     ),
@@ -1347,8 +1347,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "number\""
         ),
         used=(
-            "The values are plain binary numbers. The year is the plain value of its byte. 46h is the high byte of "
-            "the serial number."
+            "The values are plain binary numbers. The year is the number in its byte. 46h is the high byte of the "
+            "serial number."
         ),
         why=(
             "The manual does not say whether year and week are binary or packed decimal digits, or from which year "
@@ -1608,7 +1608,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "The bits are assumed to have the same meaning as in edition 1.0. One of them selects binary or Gray code "
             "for the position."
         ),
-        why="The page that describes it is not public.",
+        why="The page that describes the register is not public.",
         status=Status.SETTLED,
         severity=Severity.WRONG_DATA,
         affects=("registers.configuration.note",),
@@ -1619,10 +1619,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         title="In edition 1.1: note on BiSS",
         printed="interfaces.biss.note",
         used=(
-            "The clock range is taken from edition 1.0. It is not known for 1.1. The encoder is always a slave, and "
-            "it must be the only slave of its master. Never install it in a network with several slaves."
+            "The encoder is always a slave, and it must be the only slave of its master. Never install it in a "
+            "network with several slaves. The clock range is taken from edition 1.0. It is not known for edition 1.1."
         ),
-        why="Section 6.6, which gives the clock, is not on a public page.",
+        why="Section 6.6, which specifies the clock range, is not publicly available.",
         status=Status.SETTLED,
         severity=Severity.WRONG_LIMIT,
         affects=("interfaces.biss.note",),

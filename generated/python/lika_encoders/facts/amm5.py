@@ -278,8 +278,8 @@ SSI: Final = SsiFacts(
 # Why: In the BiSS protocol description, the clock range starts at 80 kHz.
 #
 # Before edition 1.4 [Document release]:
-# Not known: the register command, the BiSS C-mode time eeprom_write, the procedure set_preset, the procedure
-# store_preset, the procedure save_parameters and the procedure activate_preset.
+# Not known: the register command, the BiSS C-mode time eeprom_write, and the procedures set_preset, store_preset,
+# save_parameters and activate_preset.
 # Why: The Command register was updated, so older encoders may have different values or a different pause. Every
 # procedure ends by accessing this register, so no procedure is known to be correct for these encoders.
 
@@ -1501,7 +1501,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="1.1 p.8",
     ),
-    Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="1.1 p.8"),
+    Characteristic(name="explosive_areas", value="Not for use in explosive or flammable areas", source="1.1 p.8"),
     Characteristic(
         name="emc_directive",
         value="Directive 2014/30/EU on electromagnetic compatibility",
@@ -1511,9 +1511,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="emc_precautions",
         value=(
             "Discharge your body and tools before handling the encoder. Use a stabilized, noise-free supply, with EMC "
-            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
-            "necessary and away from high-voltage power cables. Mount the device away from capacitive and inductive "
-            "noise sources, or shield it from them. Do not place strong magnets on or near the unit."
+            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep the cables no longer "
+            "than necessary and away from high-voltage power cables. Mount the device away from capacitive and "
+            "inductive noise sources, or shield it from them. Do not place strong magnets on or near the unit."
         ),
         source="1.2 p.8",
     ),
@@ -1884,7 +1884,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         printed=(
             "Pin 1 is the ground of the encoder and must be used. The mating cable tables do not list a wire for it."
         ),
-        used="The tables are listed as printed. No wire is assumed for pin 1.",
+        used="The tables are reproduced as printed. No wire is assumed for pin 1.",
         why=(
             "All twelve conductors (6 × 2) are used for other signals. The manual does not say whether the shield or "
             "the drain wire is connected to pin 1."

@@ -400,11 +400,11 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="dc_maximum_offset",
                     printed_name="DC maximum offset",
                     meaning=(
-                        "Set together with \"Signal error\". The signal monitoring checks the DC voltage of all "
-                        "analog signal lines."
+                        "Set together with \"Signal error\". Signal monitoring checks the DC voltage of all analog "
+                        "signal lines."
                     ),
                     active="high",
-                    when_active="an analog signal line has reached the upper threshold of its DC voltage",
+                    when_active="the DC voltage of an analog signal line has reached the upper threshold",
                     when_inactive="no active error",
                     source="6.4 p.25",
                 ),
@@ -445,8 +445,8 @@ REGISTERS: Final[Mapping[str, Register]] = MappingProxyType(
                     name="dc_minimum_offset",
                     printed_name="DC minimum offset",
                     meaning=(
-                        "Set together with \"Signal error\". The signal monitoring checks the DC voltage of all "
-                        "analog signal lines."
+                        "Set together with \"Signal error\". Signal monitoring checks the DC voltage of all analog "
+                        "signal lines."
                     ),
                     active="high",
                     when_active="an analog signal line has fallen to the lower threshold of its DC voltage",
@@ -704,7 +704,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         name="control_error",
         meaning=(
             "The signal level or the output current of the amplitude control has reached a threshold. Bits 2, 3, 6 "
-            "and 7 of the diagnostic data show which."
+            "and 7 of the diagnostic data show which one."
         ),
         printed_name="Control error",
         register="error_register",
@@ -718,7 +718,7 @@ ALARMS: Final[tuple[Alarm, ...]] = (
         name="signal_error",
         meaning=(
             "The AC amplitude of a differential signal or the DC voltage of an analog signal line has reached a "
-            "threshold. Bits 0, 1, 4 and 5 of the diagnostic data show which."
+            "threshold. Bits 0, 1, 4 and 5 of the diagnostic data show which one."
         ),
         printed_name="Signal error",
         register="error_register",
@@ -901,7 +901,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="1.1 p.8, 3 p.11",
     ),
-    Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="1.1 p.8"),
+    Characteristic(name="explosive_areas", value="Not for use in explosive or flammable areas", source="1.1 p.8"),
     Characteristic(
         name="emc_directive",
         value="Directive 2014/30/EU on electromagnetic compatibility",
@@ -911,9 +911,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="emc_precautions",
         value=(
             "Discharge your body and tools before handling the encoder. Use a stabilized, noise-free supply, with EMC "
-            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
-            "necessary and away from high-voltage power cables. Mount the device away from capacitive and inductive "
-            "noise sources, or shield it from them. Do not place strong magnets on or near the unit."
+            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep the cables no longer "
+            "than necessary and away from high-voltage power cables. Mount the device away from capacitive and "
+            "inductive noise sources, or shield it from them. Do not place strong magnets on or near the unit."
         ),
         source="1.2 p.8",
     ),

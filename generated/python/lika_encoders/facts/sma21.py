@@ -1633,7 +1633,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         ),
         source="1.1 p.9, 3 p.11, 4 p.15",
     ),
-    Characteristic(name="explosive_areas", value="Not for explosive or flammable areas", source="1.1 p.9"),
+    Characteristic(name="explosive_areas", value="Not for use in explosive or flammable areas", source="1.1 p.9"),
     Characteristic(
         name="emc_directive",
         value="Directive 2014/30/EU on electromagnetic compatibility",
@@ -1643,9 +1643,9 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = (
         name="emc_precautions",
         value=(
             "Discharge your body and tools before handling the encoder. Use a stabilized, noise-free supply, with EMC "
-            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep them no longer than "
-            "necessary and away from power cables. Mount the device as far as possible from sources of interference, "
-            "or shield it from them. Keep strong magnets away from the unit."
+            "filters where needed. Use shielded cables, with twisted pairs where possible. Keep the cables no longer "
+            "than necessary and away from power cables. Mount the device as far as possible from sources of "
+            "interference, or shield it from them. Keep strong magnets away from the unit."
         ),
         source="1.2 p.9",
     ),
@@ -2682,7 +2682,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
             "580 kHz per period and 2320 kHz between edges, at 4.7 m/s with 2 µm and at 2.4 m/s with 1 µm, calculated "
             "with the minimum distance of 0.25 µs"
         ),
-        used="The table is listed as printed.",
+        used="The table is reproduced as printed.",
         why=(
             "At 2 µm, 4.7 m/s corresponds to 587.5 kHz per period and 2,350 kHz between edges. At 1 µm, 2.4 m/s "
             "corresponds to 600 kHz per period and 2,400 kHz between edges. 580 kHz and 2,320 kHz correspond to 4.64 "

@@ -21,10 +21,10 @@ class _Change(NamedTuple):
 def why(encoder: Sender, frame: object) -> tuple[str, ...]:
     """Return the changes that make an invalid frame valid, as text, the most likely first.
 
-    An example is ``"with all bits inverted: check for swapped wires of the data line"``. If the line is dead, or if the
+    Example: ``"with all bits inverted: check for swapped wires of the data line"``. If the line is dead, or if the
     frame has all data channels, a sentence about that is the only result. A short CRC is sometimes correct by chance. A
     CRC of 6 bits is correct in 1 of 64 cases, and in most cases there is a bit whose inversion makes it correct. Check
-    several frames, and look for the mistake that explains all of them.
+    several frames, and look for a single mistake that explains all of them.
     """
     if explanation := _explain_whole_frame(encoder, frame):
         return (explanation,)
@@ -48,7 +48,7 @@ def hint(encoder: Sender, frame: object) -> str:
 _LEAST_BITS: Final = 12
 #: Widths of CRCs that are tried.
 _USUAL_CRC_BITS: Final = (6, 4, 16)
-#: Most bits and bytes at the beginning or the end of a frame that are tried.
+#: Maximum number of bits and bytes that are tried at the beginning or the end of a frame.
 _MOST_EXTRA_BITS: Final = 3
 _MOST_EXTRA_BYTES: Final = 3
 
@@ -65,8 +65,8 @@ def _explain_whole_frame(encoder: Sender, frame: object) -> str:
 def _explain_dead_line(encoder: Sender, frame: object, has_check: bool) -> str:
     """Return a sentence about a dead line, or an empty string if the line changes.
 
-    On a dead line nothing is received, or at least 12 bits that are all equal. If the frames have no CRC or other check
-    (``has_check`` is False), such bits can also be a valid frame.
+    On a dead line, nothing is received, or at least 12 equal bits. If the frames have no CRC or other
+    check (``has_check`` is False), such bits can also be a valid frame.
     """
     received = _convert_to_number(frame, _count_frame_bits(encoder))
     if received is None:
@@ -89,7 +89,7 @@ def _explain_dead_line(encoder: Sender, frame: object, has_check: bool) -> str:
 def _explain_all_channels(encoder: Sender, frame: object) -> str:
     """Return a sentence about a frame with all data channels, or an empty string. ``decode`` expects a single channel.
 
-    Such a frame has the bits of all channels. If leading zeros are missing, it has the correct CRCs of all channels.
+    The frame contains the bits of all channels. If leading zeros are missing, it has the correct CRCs of all channels.
     """
     channel_layout: Callable[[], Any] | None = getattr(encoder, "channels", None)
     frame_bits = _count_frame_bits(encoder)
@@ -109,7 +109,7 @@ def _explain_all_channels(encoder: Sender, frame: object) -> str:
 def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None:
     """Return a frame as a number, and its length in bits. Return None if it is not a number.
 
-    A text of characters other than 0 and 1 is not a number. The length of a frame that is given as a number is at least
+    Text with characters other than 0 and 1 is not a number. The length of a frame that is given as a number is at least
     ``frame_bits``.
     """
     if isinstance(frame, (bytes, bytearray, memoryview)):
@@ -127,9 +127,10 @@ def _convert_to_number(frame: object, frame_bits: int) -> tuple[int, int] | None
 
 
 def _can_be_invalid(encoder: Sender) -> bool:
-    """Return whether some frames of the right length are invalid. If none is, a valid frame proves nothing.
+    """Return whether some frames of the right length are invalid. If none of them is, a valid frame proves nothing.
 
-    Three frames are tried: 0, 1, and all bits 1. Frames of bytes, and of unknown length, are assumed to have a check.
+    Three frames are tried: 0, 1, and all bits 1. Frames of bytes and frames of unknown length are assumed to have a
+    check.
     """
     bits = _count_frame_bits(encoder)
     # 0 stands for bytes, or for an unknown length.
@@ -150,7 +151,10 @@ def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
 
 
 def _yield_changes(encoder: Sender, frame: object) -> Iterator[_Change]:
-    """Yield the changes that would undo each common mistake. For a frame that is text of 0 and 1, there are none."""
+    """Yield the changes that would undo each common mistake.
+
+    There are none for a frame that is text made of 0 and 1.
+    """
     if isinstance(frame, (bytes, bytearray, memoryview)):
         yield from _yield_changes_of_bytes(encoder, bytes(cast(bytes, frame)))
         return
@@ -236,7 +240,7 @@ def _explain_by_flipped_bit(
 
 
 def _count_frame_bits(encoder: Sender) -> int:
-    """Return the number of bits in a frame, or 0 for a frame of bytes or if the order code does not determine it."""
+    """Return the number of bits in a frame, or 0 if it consists of bytes or the order code does not determine it."""
     try:
         return cast(int, getattr(encoder, "frame_bits", 0))
     except ValueError:

@@ -28,13 +28,13 @@ class ChannelTable:
 
     Attributes:
         channels: Table of each channel, in the order in which they are sent.
-        fault: Error of each frame: of its length, or of its first channel with an error.
+        fault: Error of each frame: a length error, or the error of its first channel that has one.
         agree: True for each frame whose positions agree. None if nothing is compared.
         verdict: Verdict of all channels of each frame, as an index in ``Verdict``.
     """
 
     def __init__(self, layout: Any, channels: tuple[Table, ...], is_wrong_length: Any) -> None:
-        """Combine the tables of the channels. ``is_wrong_length`` is True for each frame of a wrong length."""
+        """Combine the tables of the channels. ``is_wrong_length`` is True for each frame of the wrong length."""
         self._layout = layout
         self.channels = channels
         # A wrong length takes precedence. Then the first channel with an error counts.
@@ -49,7 +49,7 @@ class ChannelTable:
     def _find_worst_verdicts(self) -> Any:
         """Return the verdict of each frame, as an index in ``Verdict``: the worst verdict of its channels.
 
-        A frame with an error, or whose positions do not agree, is not usable.
+        A frame is not usable if it has an error or its positions do not agree.
         """
         worst = np.full(len(self.fault), _USABLE_NUMBER, np.uint8)
         for index, table in enumerate(self.channels):
@@ -102,14 +102,17 @@ def decode_channels(layout: Any, frames: object) -> ChannelTable:
 
 
 class _Rows(NamedTuple):
-    """Frames as rows of bytes, and an array that is True for each frame of the wrong length, which zeros replace."""
+    """Frames as rows of bytes, and an array that is True for each frame of the wrong length.
+
+    Zeros replace such frames.
+    """
 
     rows: Any
     is_wrong_length: Any
 
 
 def _read_rows_of_frames(frames: Any, bits: int, length: int) -> _Rows:
-    """Return frames of ``bits`` bits, given as numbers or as bytes, as rows of ``length`` bytes."""
+    """Convert frames of ``bits`` bits from numbers or bytes to rows of ``length`` bytes."""
     if isinstance(frames, np.ndarray) and frames.dtype.kind in "uiO" and frames.ndim == 1:
         frames = frames.tolist()
     if isinstance(frames, (list, tuple)):
@@ -126,7 +129,7 @@ def _read_rows_of_frames(frames: Any, bits: int, length: int) -> _Rows:
 
 
 def _convert_numbers(frames: list[Any], bits: int, length: int) -> _Rows:
-    """Return frames of ``bits`` bits that are given as numbers as rows of ``length`` bytes."""
+    """Convert frames of ``bits`` bits from numbers to rows of ``length`` bytes."""
     data = bytearray()
     is_wrong_length: list[bool] = []
     for frame in frames:
@@ -138,7 +141,7 @@ def _convert_numbers(frames: list[Any], bits: int, length: int) -> _Rows:
 
 
 def _extract_bits(rows: Any, low_bit: int, width: int) -> Any:
-    """Return the ``width`` bits of each row from bit ``low_bit`` on as numbers.
+    """Return the ``width`` bits of each row that start at bit ``low_bit``, as numbers.
 
     Bit 0 is the lowest bit of the last byte.
     """

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Base classes for all encoders and the frames that they send."""
+"""Base classes of all encoders and of the frames that they send."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
     @runtime_checkable
     class PositionFrame(Frame, Protocol):
-        """Frame with a position. All such frames have this base class, so ``isinstance`` is quick."""
+        """Frame with a position. All such frames have this base class, so ``isinstance`` is fast."""
 
         @property
         def position(self) -> int:
@@ -72,7 +72,7 @@ if TYPE_CHECKING:
 else:
 
     class PositionFrame:
-        """Frame with a position. All such frames have this base class, so ``isinstance`` is quick."""
+        """Frame with a position. All such frames have this base class, so ``isinstance`` is fast."""
 
         __slots__ = ()
 
@@ -162,7 +162,7 @@ class Encoder:
                 setattr(cls, name, _BoundDecoder(name, vars(cls)[name]))
 
     def exchanges(self) -> tuple[Exchanged, ...]:
-        """Return the requests over RS-485 with their replies, unless they have data IDs."""
+        """Return the RS-485 requests and their replies, unless the requests have data IDs."""
         return ()
 
     @property
@@ -178,7 +178,7 @@ class Encoder:
 
     @property
     def timeout(self) -> Timeout | None:
-        """Timeout after a frame over BiSS, of this order code. None over other interfaces, or if it is not known."""
+        """Timeout after a BiSS frame, for this order code. None over other interfaces, or if it is not known."""
         facts = self._facts()
         return getattr(facts, "timeout", None)
 
@@ -247,7 +247,7 @@ class Encoder:
             The count, which continues when the position wraps around.
 
         Raises:
-            RangeError: This encoder does not have the position.
+            RangeError: The encoder does not have this position.
             ValueError: The manual does not say where the position wraps around.
         """
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
@@ -269,12 +269,12 @@ class Encoder:
     def _range_in(self, frame: str, /) -> PositionRange:
         """Raise ValueError, because the manual of this family does not say where the position wraps around.
 
-        Other families replace this method by one that returns the range of the positions in a frame of this name.
+        Other families override this method and return the range of the positions in a frame of this name.
         """
         raise ValueError(f"the manual does not say where the position of {self.code} wraps around")
 
     def _position_ranges(self) -> Mapping[str, PositionRange]:
-        """Return the range of the positions in each frame by name, or nothing if all frames have the same range."""
+        """Return the range of positions in each frame by name, or an empty one if all frames have the same range."""
         return {}
 
     def _hint(self, frame: object) -> str:
@@ -284,15 +284,15 @@ class Encoder:
         return hint(self, frame)
 
     def _comparison_key(self) -> tuple[object, ...]:
-        """Return what is compared for equality.
+        """Return the values that are compared for equality.
 
-        It leaves out the text of the label, because two labels can mean one encoder.
+        It omits the text on the label, because two labels can denote the same encoder.
         """
         values = (getattr(self, name) for name in self._parameters)
         return (type(self), self.code, self.parts, self.unlisted, self.special_code, *values)
 
     def _with_changes(self: _Same, **changes: Any) -> _Same:
-        """Return a copy of the encoder in which these attributes have other values."""
+        """Return a copy of the encoder with other values for these attributes."""
         return _restore(type(self), {**self._list_attributes(), **changes})
 
     def _list_attributes(self) -> dict[str, Any]:
@@ -354,11 +354,11 @@ def _restore(encoder_class: type[_Same], state: dict[str, Any]) -> _Same:
 
 
 def load_fact(module: str, name: str) -> object:
-    """Return a table of facts, such as ``SSI``, of a family's module.
+    """Return a table of facts, such as ``SSI``, from a family's module.
 
-    It is in the package ``facts`` next to the module.
+    It is in the package ``facts``, next to the module.
 
-    Names of tables are in capitals.
+    Table names are in capitals.
 
     Raises:
         AttributeError: There is no such table.
@@ -372,7 +372,7 @@ def load_fact(module: str, name: str) -> object:
 
 
 def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
-    """Return the encoder of a family that belongs to a label.
+    """Return the encoder with this label from a family.
 
     Args:
         label: The text on the label.

@@ -59,9 +59,9 @@ class StreamTransport:
         await self._writer.drain()
 
     async def read(self, timeout_s: float, /) -> bytes:
-        """Return the bytes that have arrived. If there are none, wait for the first for at most ``timeout_s``.
+        """Return the bytes that have arrived. If there are none, wait for the first byte for at most ``timeout_s``.
 
-        At the end of the stream, there are none, and this returns at once.
+        At the end of the stream, the result is empty and is returned immediately.
         """
         try:
             return await wait_for(self._reader.read(4096), max(timeout_s, 0.0005))
@@ -74,7 +74,7 @@ class StreamTransport:
 
 
 class ThreadTransport:
-    """Any other transport, such as a serial port, whose waits take place in a thread."""
+    """Any other transport, such as a serial port, which waits in a thread."""
 
     def __init__(self, transport: Transport) -> None:
         self._transport = transport
@@ -98,10 +98,10 @@ class ThreadTransport:
 
 
 async def _finish_in_thread(function: Callable[[_Argument], _Result], argument: _Argument) -> _Result:
-    """Return the result of a function that is called in a thread.
+    """Call a function in a thread, and return its result.
 
-    A cancelled task first waits for the thread, which cannot be stopped. Otherwise its read would take bytes of the
-    reply to the next request.
+    A cancelled task first waits for the thread, which cannot be stopped. Otherwise, its read would consume bytes of
+    the reply to the next request.
     """
     call = ensure_future(to_thread(function, argument))
     try:
@@ -151,11 +151,11 @@ class AsyncLink:
         return self.session.statistics
 
     async def position(self, request: Any = None) -> int:
-        """Return the position in counts, requested by ``request`` or with factory defaults."""
+        """Return the position in counts, from the reply to ``request`` or to the request with factory defaults."""
         return await self._carry_out(self.session.position(request))
 
     async def read(self, request: Any = None) -> PositionFrame:
-        """Return a frame with the position, requested by ``request`` or with factory defaults."""
+        """Return a frame with the position: the reply to ``request``, or to the request with factory defaults."""
         return await self._carry_out(self.session.read(request))
 
     async def exchange(self, request: Any) -> Frame:
@@ -180,11 +180,11 @@ class AsyncLink:
         await self.close()
 
     async def _carry_out(self, work: Work[_Result]) -> _Result:
-        """Carry out a task of the session: send its requests, and pass the received bytes on. Return its result.
+        """Carry out a task of the session: send its requests, and pass on the received bytes. Return its result.
 
         Raises:
             PortError: The transport failed.
-            LinkError: Raised by the session.
+            LinkError: The session raised this error.
         """
         async with self._lock:
             try:
@@ -232,7 +232,7 @@ class AsyncPorts:
     """Functions of a manufacturer's package that open ports for asyncio.
 
     Args:
-        lookup: Function that returns the encoder that belongs to a label.
+        lookup: Function that returns the encoder for a label.
     """
 
     def __init__(self, lookup: Callable[[str], Encoder]) -> None:

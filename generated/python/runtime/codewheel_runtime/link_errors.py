@@ -37,11 +37,11 @@ class PortError(LinkError):
 
 
 class NoReplyError(LinkError):
-    """Nothing arrived in time, or only the echo of the request or the reply to another request."""
+    """In time, nothing arrived except an echo of the request or the reply to another request."""
 
 
 class DisturbedError(LinkError):
-    """Bytes arrived, but no valid reply, two different replies, or a reply with a different value than its request."""
+    """Bytes arrived, but with no valid reply, two different replies, or a reply that does not match its request."""
 
 
 class WrongEncoderError(LinkError):
@@ -53,7 +53,7 @@ class SecondDeviceError(LinkError):
 
 
 class BusyError(LinkError):
-    """The memory of the encoder stayed busy."""
+    """The encoder's memory stayed busy."""
 
 
 class NotUsableError(LinkError):

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Families of one manufacturer's package: finds the encoder for a label, and identifies encoders by their registers."""
+"""Families in one manufacturer's package. Finds the encoder for a label, and identifies encoders by their registers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Package(NamedTuple):
         name: Name of the package.
         beginnings: Prefixes of the order codes of each family, without spaces, by the name of its module.
         specials: Modules of special models, each with the suffix of their order codes without the slash.
-        identified: Modules of the families that registers identify.
+        identified: Modules of the families that can be identified by registers.
     """
 
     name: str
@@ -30,7 +30,7 @@ class Package(NamedTuple):
     def lookup(self, label: str) -> Encoder:
         """Return the encoder for a label, from any family of the manufacturer.
 
-        Raises OrderCodeError if no family has it.
+        Raises OrderCodeError if no family has this code.
         """
         text = check_label(label)
         # A special model, such as S001, is the text after the last slash of a label. Its families are tried first.

@@ -11,7 +11,7 @@ def load(module: str) -> Any:
     """Return a module of an optional package.
 
     Raises:
-        ModuleNotFoundError: The package is not installed, and the message has the command that installs it. Or a
+        ModuleNotFoundError: The package is not installed. The message contains the command that installs it. Or a
             package that it needs is not installed.
     """
     try:

@@ -94,7 +94,7 @@ def read_parameters(
     """Return the parameters that registers contain, by name. ``register_bytes`` are bytes of registers by address.
 
     If only some bytes of a parameter's register are given, the others come from the present parameter of ``variant``,
-    the encoder. Parameters of registers that are not given are left out.
+    the encoder. Parameters of registers that are not given are omitted.
 
     Raises:
         ValueError: A byte belongs to no parameter.
@@ -191,8 +191,8 @@ def is_consistent(
 ) -> bool:
     """Return whether a register has the expected value, or True if not all of its bytes were read.
 
-    ``register_bytes`` are the bytes that were read, by address. ``is_expected`` returns whether the bytes of the
-    register are as expected. Bytes that cannot be decoded are not as expected.
+    ``register_bytes`` are the bytes that were read, by address. ``is_expected`` returns whether the register
+    contains the expected bytes. Bytes that cannot be decoded count as not expected.
     """
     addresses = range(address, address + length)
     data = [register_bytes[byte_address] for byte_address in addresses if byte_address in register_bytes]

@@ -15,8 +15,8 @@ __all__ = ["FoundReply", "PendingRequest", "ReplyKind", "compute_xor", "find_err
 class ReplyKind(NamedTuple):
     """Kind of request, and its reply.
 
-    ``control`` is the first byte of the request, ``id`` its data ID, or 0 if it has none, and ``length`` the number of
-    bytes of the reply. ``flags`` are the names of the flags in the reply. ``repeats_first`` is True if the reply also
+    ``control`` is the first byte of the request, ``id`` is its data ID or 0, and ``length`` is the number of bytes in
+    the reply. ``flags`` are the names of the flags in the reply. ``repeats_first`` is True if the reply also
     begins with ``control``.
     """
 
@@ -31,7 +31,7 @@ class ReplyKind(NamedTuple):
 
 
 class PendingRequest(NamedTuple):
-    """Request that waits for its reply: the request, its bytes on the line, its kind, and the decoder of its reply.
+    """Request that is waiting for a reply: the request, its bytes on the line, its kind, and the reply decoder.
 
     ``answers`` are the answers to open questions that the decoder needs, by name.
     """
@@ -63,16 +63,16 @@ class FoundReply(NamedTuple):
 
     @property
     def is_ambiguous(self) -> bool:
-        """True if the replies to requests of this kind differ, so the right one is unknown."""
+        """True if the replies to requests of this kind differ, so that the right one is unknown."""
         return any(other != self.reply for other in self.same_request)
 
 
 def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> FoundReply | None:
     """Return the reply to a request in the received bytes, or None if they contain no valid reply.
 
-    The reply has the length and the first byte of its kind, and contains no error. Any bytes may precede it, such as an
-    echo, but only complete replies may follow it. If several places fit, the last one is the reply. ``kinds`` are the
-    kinds of requests by their first byte.
+    The reply has the length and the first byte of its kind, and contains no errors. Any bytes, such as an echo, may
+    precede it, but only complete replies may follow it. If several places match, the last one is the reply. ``kinds``
+    are the kinds of requests by their first byte.
     """
     if not pending.kind.repeats_first:
         return _find_reply_without_mark(received, pending)
@@ -102,8 +102,8 @@ def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, Rep
 def _find_reply_without_mark(received: bytes, pending: PendingRequest) -> FoundReply | None:
     """Return the reply to a request whose reply can begin with any byte, or None.
 
-    The received bytes, with or without the echo of the request in front, must be exactly one reply, or several replies
-    and nothing between them. Of several, the last is the reply, and the others are in ``same_request``.
+    The received bytes, with or without a leading echo of the request, must be exactly one reply or several adjacent
+    replies. If there are several, the last one is the reply, and the others are in ``same_request``.
     """
     length = pending.kind.length
     without_echo = received.removeprefix(pending.data)

@@ -26,7 +26,7 @@ class Bus(Protocol):
 class Line(Protocol):
     """Connection that sends a request and receives the reply, such as a serial port.
 
-    The reply to each request is read and checked, so it cannot be mistaken for a later reply.
+    Each reply is read and checked before the next request, so it cannot be mistaken for a later one.
     """
 
     def drain(self) -> object:
@@ -123,7 +123,7 @@ class _Procedure:
         self._original_values: dict[int, tuple[str, bytes]] = {}
 
     def run_steps(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
-        """Carry out steps in order. If one fails, registers are closed and restored as far as possible.
+        """Carry out steps in order. If a step fails, registers are closed and restored as far as possible.
 
         ``progress`` is called before each step with its index, the number of steps, and the step. A failure raises
         StepError. An interruption, such as Ctrl-C, is raised unchanged.
@@ -226,7 +226,7 @@ class _Procedure:
                 raise TimeoutError(f"the register did not reach the expected value within {self.poll_s:g} s")
 
     def _send(self, step: Send) -> None:
-        """Send the request of a step as often as it says, and check each reply if its length is known."""
+        """Send the request of a step the required number of times, and check each reply if its length is known."""
         line = cast(Line, self.bus)
         for name in ("drain", "send", "receive"):
             if not callable(getattr(line, name, None)):
@@ -240,7 +240,7 @@ class _Procedure:
         line.drain()
 
     def restore(self, remaining: Sequence[Step]) -> tuple[str, ...]:
-        """Close the registers that the remaining steps would have closed, and restore the registers that were modified.
+        """Close the registers that the remaining steps would have closed, and restore modified registers.
 
         Return the names of the registers for which this failed.
         """
@@ -254,7 +254,7 @@ class _Procedure:
         return tuple(failed)
 
     def _try_to_write(self, register: str, address: int, data: bytes) -> list[str]:
-        """Write to a register. Return a list with its name if this failed, otherwise an empty list."""
+        """Write to a register. Return a list with the register's name if this failed, otherwise an empty list."""
         try:
             cast(Bus, self.bus).write(address, data)
         except Exception:  # The original error is the one to report.
@@ -265,8 +265,8 @@ class _Procedure:
 def _check_reply(step: Send, reply: bytes) -> None:
     """Raise an error unless ``reply`` is a complete reply to the request of a step.
 
-    A complete reply has the length in the step, and begins with the first byte of the request. If the step says so, its
-    last byte is the XOR of all other bytes.
+    A complete reply has the length given in the step, and begins with the first byte of the request. If the step
+    requires it, the last byte is the XOR of all other bytes.
     """
     reply_text = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
     if not reply:
@@ -295,7 +295,7 @@ def run(
     """Carry out the steps of a procedure in order.
 
     If a step fails or is interrupted, opened registers are closed and modified registers are restored. Commands are
-    not undone. Values are read back before a command acts on them. Omit the ``Verify`` steps for an encoder that
+    not undone. Values are read back before a command uses them. Omit the ``Verify`` steps for an encoder that
     does not return the values that it stored.
 
     On a line, unread bytes are discarded before each request, and the reply to each request is checked before the
@@ -315,7 +315,7 @@ def run(
         The registers that were read, in order.
 
     Raises:
-        StepError: A step failed. Its ``__cause__`` is the reason, a ``VerifyError`` if a register does not hold the
+        StepError: A step failed. Its ``__cause__`` is the reason: a ``VerifyError`` if a register does not hold the
             value that was written.
     """
     procedure = _Procedure(bus, poll_s, wait)

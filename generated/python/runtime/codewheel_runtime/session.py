@@ -2,20 +2,22 @@
 """Requests and replies over RS-485, without I/O: timeouts, resynchronization and retries.
 
 The methods of a :class:`Session` are generators that yield each action as an :class:`Ask`, and receive the bytes that
-arrived. ``link`` carries them out with any transport, such as a serial port, and ``link_async`` does so for asyncio.
+arrived. ``link`` carries them out on any transport, such as a serial port, and ``link_async`` does the same for
+asyncio.
 
-A reply carries no sequence number to match it to its request, and its 8-bit CRC misses 1 in 256 corrupted frames. So
-the session accepts a reply only if it begins with the first byte of its request and is a valid frame, and if no other
-reply to such a request arrives with it. After any failure it resynchronizes: it sends a request of another kind, and
-discards everything before the reply to that. So late replies are not mistaken for the reply to the next request. If
-requests of other kinds get no reply either, it waits four timeouts, so only an even later reply could be mistaken.
+Replies have no sequence number that matches them to requests, and their 8-bit CRC misses 1 in 256 corrupted frames.
+Therefore, the session accepts a reply only if it is a valid frame that begins with the first byte of its request, and
+no other reply to such a request arrives with it. After any failure, it resynchronizes: it sends a request of another
+kind, and discards everything that precedes the reply. In this way, late replies are not mistaken for the reply to the
+next request. If requests of other kinds also get no reply, it waits for four timeouts, so that only an even later reply
+could be mistaken for another.
 
-An extra reply, such as a second copy, must not be taken for the reply to the next request. So after each reply the line
-must be quiet for a time, ``settle_s``, before the reply is returned. If the extra reply arrives in this time, it is
-discarded. If it arrives later, it comes shortly before or after the reply to the next request. If the two differ,
-neither is used, and the request is repeated. The condition is that ``settle_s`` is not shorter than the time from a
-request to the end of its reply, as the program sees it: a serial adapter that collects bytes adds its latency. So the
-default follows the measured times.
+An extra reply, such as a second copy, must not be mistaken for the reply to the next request. Therefore, the line must
+be quiet for the time ``settle_s`` before a reply is returned. If the extra reply arrives in this time, it is discarded.
+If it arrives later, it comes shortly before or after the reply to the next request. If the two differ, neither is used,
+and the request is repeated. For this, ``settle_s`` must be at least the time from a request to the end of its reply, as
+seen by the program, including the latency of a serial adapter that collects bytes. Therefore, the default follows the
+measured times.
 
 The reply to a write can be identical to the request, and therefore to its echo. Read back what you write.
 
@@ -75,7 +77,7 @@ _MOST_BYTES = 1024
 _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
 #: Number of timeouts after which late replies are no longer expected.
 _TIMEOUTS_OF_LATE_REPLIES = 4
-#: Number of kinds of requests that ``settle_s=0`` needs.
+#: Number of request kinds that ``settle_s=0`` requires.
 _KINDS_OF_REQUESTS_NEEDED = 3
 
 
@@ -90,7 +92,7 @@ class Ask(NamedTuple):
     wait_s: float
 
 
-#: Work of a session: it yields actions, receives the bytes that arrived, and returns a result.
+#: Task of a session: it yields actions, receives the bytes that arrived, and returns a result.
 Work = Generator[Ask, bytes, _Result]
 
 
@@ -105,7 +107,7 @@ class Session:
         settle_s: Time in seconds for which the line must be quiet after a reply. The default is 0.25 ms plus the time
             that the request and the reply take at the baud rate, or the usual time of the last replies if that is
             longer. With 0, a request of another kind is sent before each request instead, so an extra reply can be
-            taken for the reply to at most one other request, and a second device is not detected.
+            mistaken for the reply to at most one other request, and a second device is not detected.
         clock: Function that returns the time in seconds.
 
     Attributes:
@@ -158,7 +160,7 @@ class Session:
     def position(self, request: Any = None) -> Work[int]:
         """Request a frame and return its position in counts.
 
-        ``request`` is the request, None for the one with factory defaults.
+        ``request`` is the request, or None for the request with factory defaults.
 
         Raises:
             NotUsableError: The encoder reports that its position is not usable.
@@ -189,7 +191,7 @@ class Session:
 
         Raises:
             BusyError: The memory stayed busy.
-            DisturbedError: The reply has another value than the request, such as another address.
+            DisturbedError: A value in the reply, such as the address, differs from that in the request.
             LinkError: There is no valid reply, or no such request.
         """
         pending = self.requests.prepare(request)
@@ -210,7 +212,7 @@ class Session:
             yield from self.pause(_BUSY_PAUSE_S)
 
     def run(self, steps: Sequence[Step]) -> Work[None]:
-        """Carry out the steps of a procedure. If a request in a series fails, the series starts again.
+        """Carry out the steps of a procedure. If a request in a series fails, the series is restarted.
 
         Raises:
             StepError: A step failed, or is neither a request nor a wait.
@@ -269,7 +271,7 @@ class Session:
                 sent_count = 0
 
     def _send_with_retries(self, pending: PendingRequest) -> Work[bytes]:
-        """Send a request, again after each of at most ``retries`` failures, and return the reply.
+        """Send a request, repeat it after at most ``retries`` failures, and return the reply.
 
         Raises the error of the last attempt. SecondDeviceError is raised at once, because another attempt would not
         help.
@@ -286,10 +288,10 @@ class Session:
                 attempts_left -= 1
 
     def _send_in_step(self, pending: PendingRequest, *, is_first: bool = True) -> Work[bytes]:
-        """Send a request once when the replies are in step with the requests, and return the reply.
+        """Send a request once, after the replies are in step with the requests, and return the reply.
 
-        If the previous request failed, or if ``settle_s`` is 0, the session first resynchronizes. With ``settle_s`` of
-        0, a request that continues a series (``is_first`` is False) is sent without this.
+        If the previous request failed, or if ``settle_s`` is 0, the session first resynchronizes. If ``settle_s`` is
+        0, this is skipped for a request that continues a series (``is_first`` is False).
         """
         control = pending.data[0]
         if self._failed_control:
@@ -350,7 +352,7 @@ class Session:
     def _receive_reply(self, pending: PendingRequest) -> Work[bytes]:
         """Send a request, and return the valid reply once the line has been quiet for a time.
 
-        Bytes that arrive after a reply start the search again, because they can belong to it or be another reply.
+        If bytes arrive after a reply, the search starts again, because they can belong to the reply or to another one.
         """
         begin = self.clock()
         deadline = begin + self.timeout_s
@@ -379,7 +381,7 @@ class Session:
         """Return the reply among the ``received`` bytes, and count the other replies that arrived with it.
 
         Raises:
-            DisturbedError: Other replies to such a request differ from it.
+            DisturbedError: Other replies to this kind of request differ from it.
             SecondDeviceError: A second device seems to answer.
         """
         if found_reply.other_replies:
@@ -416,7 +418,7 @@ class Session:
 
 
 def _check_seconds(name: str, seconds: float) -> None:
-    """Raise an error unless a time is a finite number that is not negative. ``name`` is the name of the argument.
+    """Raise an error unless a time is a finite, nonnegative number. ``name`` is the name of the argument.
 
     Raises:
         TypeError: The time is not a number.

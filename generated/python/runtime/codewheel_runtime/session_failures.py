@@ -7,7 +7,7 @@ from .link_errors import DisturbedError, LinkError, NoReplyError, WrongEncoderEr
 from .replies import PendingRequest, compute_xor, find_error
 from .session_requests import SessionRequests, format_hex
 
-#: Most received bytes that an error prints.
+#: Maximum number of received bytes that an error prints.
 _PRINTED_BYTES = 24
 
 
@@ -15,7 +15,7 @@ class FailureExplainer:
     """Explains failed requests of one session.
 
     Attributes:
-        suspicious_replies: Number of replies in a row that look like replies from another kind of encoder.
+        suspicious_replies: Number of consecutive replies that seem to come from another kind of encoder.
     """
 
     def __init__(self, requests: SessionRequests) -> None:
@@ -25,8 +25,8 @@ class FailureExplainer:
     def explain(self, received: bytes, pending: PendingRequest, timeout_s: float) -> LinkError:
         """Return the error for received bytes that contain no valid reply. Its class indicates the most likely cause.
 
-        NoReplyError means that nothing, only the echo or only another reply has arrived. WrongEncoderError means that
-        two replies in a row look like replies from another kind of encoder. All other causes are a DisturbedError.
+        NoReplyError means that nothing has arrived except an echo or another reply. WrongEncoderError means that
+        two consecutive replies seem to come from another kind of encoder. All other causes are a DisturbedError.
         """
         kind = pending.kind
         request_text = f"the request {format_hex(pending.data)} to {self._requests.encoder.code}"
@@ -68,8 +68,8 @@ class FailureExplainer:
     ) -> LinkError:
         """Return the error for received bytes without a valid reply from an encoder whose requests have no data IDs.
 
-        Its text says that the reply is incomplete, has another value than the request, or is invalid. ``request_text``
-        names the request, and ``bytes_text`` contains the received bytes.
+        Its text says whether the reply is incomplete, differs from a value in the request, or is invalid.
+        ``request_text`` names the request, and ``bytes_text`` contains the received bytes.
         """
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
@@ -80,10 +80,10 @@ class FailureExplainer:
         return DisturbedError(difference or f"no valid reply to {request_text} in {bytes_text}", received)
 
     def _explain_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
-        """Return why the bytes look like a reply from another kind of encoder, or an empty string if they do not.
+        """Return why the bytes seem to come from another kind of encoder, or an empty string if they do not.
 
-        Such bytes begin like a reply and have a valid CRC, but they have another length, or values that this encoder
-        does not send.
+        Such bytes begin like a reply and have a valid CRC, but another length or values that this encoder does not
+        send.
         """
         begins_like_reply = received[0] == pending.kind.control and len(received) >= 3
         # The CRC is the XOR of the other bytes, so the XOR of all bytes is 0.

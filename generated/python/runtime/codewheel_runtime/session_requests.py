@@ -23,14 +23,14 @@ __all__ = ["SessionRequests", "format_hex", "load_rs485_facts"]
 class SessionRequests:
     """Requests of one encoder.
 
-    The requests either have data IDs, or are frames of classes of their own.
+    Each request either has a data ID or is a frame with its own class.
 
     Attributes:
         encoder: The encoder, with RS-485.
         exchanges: Requests without data IDs, with their replies. Empty if the requests have data IDs.
         kinds: Kinds of requests with data IDs, by the first byte.
         captures: Kinds of requests that capture a position.
-        position_kind: First of these whose reply has the position, or None.
+        position_kind: First of these whose reply contains the position, or None.
     """
 
     def __init__(self, encoder: Encoder) -> None:
@@ -58,7 +58,7 @@ class SessionRequests:
         raise LinkError(f"no reply of {self.encoder.code} contains the whole position")
 
     def prepare(self, request: Any) -> PendingRequest:
-        """Return a request with its bytes, and with what is needed to find and decode its reply.
+        """Return a request with its bytes and the data needed to find and decode its reply.
 
         ``request`` is bytes, an object of the encoder's module, or a member of its ``DataId``. Raises LinkError if the
         encoder does not have the request.
@@ -90,11 +90,11 @@ class SessionRequests:
         return PendingRequest(request, data, request_kind, partial(decode, **answers), answers)
 
     def _prepare_exchange(self, object_or_bytes: Any) -> PendingRequest:
-        """Return a request of an encoder without data IDs, with what is needed to find and decode its reply.
+        """Return a request of an encoder without data IDs, with the data needed to find and decode its reply.
 
         ``object_or_bytes`` is an object of the class of a request, or the bytes of a request. The bytes are decoded as
-        each kind of request in turn, until one fits. Raises LinkError if they fit no request, or if the encoder does
-        not answer it.
+        each kind of request in turn, until one fits. Raises LinkError if they do not match any request, or if the
+        encoder does not answer the request.
         """
         # Empty if the request is an object. Empty bytes fit no kind of request either.
         request_bytes = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
@@ -125,9 +125,9 @@ class SessionRequests:
         raise LinkError(f"{self.encoder.code} has no request '{request_text}'; its requests are {requests}")
 
     def find_difference(self, pending: PendingRequest, frame: Frame) -> str:
-        """Return as text how a reply differs from the values of its request, or an empty string if it does not differ.
+        """Describe how a reply differs from the values in its request, or return an empty string if it does not.
 
-        Fields and joined numbers that both have are compared, such as an address. Answers to open questions are
+        Fields and joined numbers that both contain, such as an address, are compared. Answers to open questions are
         ignored.
         """
         fields = getattr(pending.request, "_fields", ())
@@ -143,7 +143,7 @@ class SessionRequests:
 
 
 def _decode_request(exchange: Exchanged, data: bytes) -> Any:
-    """Return the request that these bytes are, as an object, or None if they are not a request of this kind."""
+    """Return the request with these bytes as an object, or None if they are not a request of this kind."""
     try:
         return exchange.request.decode(data)
     except FrameError:
@@ -178,9 +178,9 @@ def _find_request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
 
 
 def _may_begin(shape: Shape, data_id: Any) -> bool:
-    """Return whether a reply with this shape may begin with the control byte of a data ID.
+    """Return whether a reply of this shape can begin with the control byte of a data ID.
 
-    The constants in its first byte must match the control byte, and a field of data IDs must allow this data ID.
+    The constants in its first byte must match the control byte, and a data ID field must allow this data ID.
     """
     for check in shape.checks:
         is_in_first_byte = check.low + check.width <= 8

@@ -18,7 +18,7 @@ class Write(NamedTuple):
         register: Name of the register.
         meaning: Purpose of the step.
         closes: True if the step closes registers that an earlier step opened.
-        length: Number of bytes that are written at once, most significant first.
+        length: Number of bytes in a single write, most significant first.
     """
 
     address: int
@@ -44,7 +44,7 @@ class Wait(NamedTuple):
 
 @by_class
 class Send(NamedTuple):
-    """Send a request, once or several times.
+    """Send a request one or more times.
 
     Attributes:
         request: Bytes of the request.
@@ -78,9 +78,9 @@ class Read(NamedTuple):
 
 @by_class
 class Verify(NamedTuple):
-    """Read back what earlier steps wrote to a register, and stop if a bit in ``mask`` differs.
+    """Read back the data that earlier steps wrote to a register, and stop if a bit in ``mask`` differs.
 
-    Over BiSS, a corrupted write can look as if it had succeeded. This step is not in the manuals. It ensures that
+    Over BiSS, a corrupted write can look successful. This step is not in the manuals. It ensures that
     only the intended value is saved or activated. ``mask`` and ``order`` apply to the number that the bytes form.
     """
 
@@ -94,7 +94,7 @@ class Verify(NamedTuple):
 
 @by_class
 class Modify(NamedTuple):
-    """Read a register, replace its bits in ``mask`` by the bits of ``value``, and write it.
+    """Read a register, replace its bits in ``mask`` with the bits of ``value``, and write it.
 
     ``mask`` and ``value`` apply to the number that the bytes form. ``order`` is its byte order, as in
     ``int.from_bytes``. ``whole`` is true if the register has a single address for several bytes.
@@ -138,5 +138,5 @@ def write_bytes(
 
 
 def write_whole(register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False) -> tuple[Write]:
-    """Return the step that writes ``data`` at once to a register that has a single address."""
+    """Return the step that writes ``data`` in a single write to a register that has only one address."""
     return (Write(address, int.from_bytes(data, "big"), register, meaning, closes, len(data)),)

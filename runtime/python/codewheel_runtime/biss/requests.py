@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Requests to registers as whole words, and the answers to them."""
+"""Register requests that are sent as whole words, and the answers to them."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from ..codec import check_width, whole_number
 from ..errors import ConstantError, CrcError, LengthError
 from .control import HEAD_BITS, ZEROS, ControlHead, Outcome, bit_at, crc, decode_byte, encode_byte
 
-#: Numbers of bits of an answer up to W, and of a request or an answer as a word.
+#: Number of bits in the answers up to W, and in a request or answer that is sent as a word.
 _ECHO_BITS: Final = 18
 _WORD_BITS: Final = 32
 #: The bits R W S of a request as a word, in bits 16 to 14: 101 to read, 011 to write.
 _READ_REQUEST_BITS: Final = 0x00014000
 _WRITE_REQUEST_BITS: Final = 0x0000C000
-#: The bits R W of an access.
+#: The bits R and W of an access.
 _READ_BITS: Final = 0b10
 _WRITE_BITS: Final = 0b01
-#: Answers up to W that are all 1.
+#: The answers up to W if all of them are 1.
 _ALL_ONES: Final = 0x3FFFF
 
 
@@ -106,7 +106,7 @@ class Request:
         return (0,) * ZEROS + start_bit + word_bits
 
     def _check_echo(self, answers: int) -> Outcome:
-        """Return the outcome of the 18 answers to the header, from IDL0 in bit 17 to W in bit 0.
+        """Return the outcome from the 18 answers to the header, IDL0 in bit 17 to W in bit 0.
 
         The outcome is RUNNING if the slave accepts the access.
         """
@@ -129,7 +129,7 @@ class Request:
         return Outcome.NO_ANSWER if access_bits == 0 else Outcome.BAD_ECHO
 
     def _check_data(self, answers: int) -> tuple[Outcome, int | None]:
-        """Return the outcome of the 12 answers to DATA and its CRC, and the byte that was read.
+        """Return the outcome from the 12 answers to DATA and its CRC, and the byte that was read.
 
         The byte is None for a write, and after a CRC error. A write has succeeded if the slave has echoed the byte and
         its CRC.
@@ -162,8 +162,8 @@ class Answer:
     def decode(cls, request: Request, cds: int) -> Answer:
         """Decode the CDS bits of the 32 frames in which the word of a request was sent.
 
-        This function is for masters that send a whole word before they look at the answer. They cannot wait for a busy
-        slave.
+        This function is for masters that send a whole word before they look at the answer. Such masters cannot wait
+        for a busy slave.
 
         Args:
             request: The request.

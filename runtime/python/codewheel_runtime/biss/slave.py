@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Slave for register access, bit by bit."""
+"""BiSS slave for register access, bit by bit."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ class Wants(Enum):
 class Slave:
     """BiSS C slave, for simulators and test benches.
 
-    Call :meth:`next` once in every BiSS frame, then check ``wants``. To answer S in time, the slave requests a byte
-    before it is certain that the master reads it: after W, and after each P the byte of the following register, even if
-    the master does not continue. Registers with side effects on reading must allow for that.
+    Call :meth:`next` once in every BiSS frame, then check ``wants``. To answer S in time, the slave requests each
+    byte before it knows whether the master will read it: after W and, for the next register, after each P. If reading a
+    register has side effects, the program must allow for this.
 
     Attributes:
-        readable: Addresses that a master may read. Others are refused.
-        writable: Addresses that a master may write. Others are refused.
+        readable: Addresses that a master may read. The slave refuses others.
+        writable: Addresses that a master may write. The slave refuses others.
         wants: Request of the slave.
         address: Address of the register in the request.
         value: Value to store.
@@ -65,7 +65,7 @@ class Slave:
         self._register_address = 0
         #: Number of zeros that were received since the last 1.
         self._zeros = 0
-        #: Number of CDM bits of this phase in ``_received``, the last one in bit 0.
+        #: Number of CDM bits of this phase in ``_received``, where the last one is bit 0.
         self._bit_count = 0
         self._received = 0
 
@@ -122,13 +122,13 @@ class Slave:
         return self._answer_id_bit(upstream)
 
     def _may_access_register(self) -> bool:
-        """Return whether the master may read, or in a write, may write the current register."""
+        """Return whether the master may read the current register or, in a write, may write it."""
         return self._register_address in (self.writable if self._is_write else self.readable)
 
     def _request_byte(self) -> None:
         """In a read, ask the program for the byte of the current register.
 
-        Nothing is requested if the byte is known already, or while an earlier value is not stored.
+        Nothing is requested if the byte is already known, or while an earlier value has not been stored.
         """
         if not self._is_write and self._byte_to_send is None and self.wants is Wants.NOTHING:
             self.wants = Wants.BYTE
@@ -137,7 +137,7 @@ class Slave:
     def _leave_frame(self) -> None:
         """Leave the control frame, and ignore the rest of it.
 
-        A request to the program for a byte is withdrawn, but a value that was received must still be stored.
+        A request for a byte from the program is withdrawn, but a received value must still be stored.
         """
         self._phase = Phase.WAIT
         if self.wants is Wants.BYTE:
@@ -152,8 +152,8 @@ class Slave:
     def _answer_id_bit(self, upstream: int) -> int:
         """Return the CDS bit in the place of an IDL bit: 1 to take this ID, otherwise the bit that arrives at SLI.
 
-        The IDL bits stand for the IDs 0, 1, 2 and so on. A slave takes the first ID that no slave further from the
-        master has taken. ``upstream`` is the bit that arrives at SLI: 1 if such a slave has taken this ID.
+        The IDL bits represent the IDs 0, 1, 2 and so on. A slave takes the first ID that is not taken by a slave
+        further from the master. ``upstream`` is the bit that arrives at SLI: 1 if such a slave has taken this ID.
         """
         is_taken = bool(upstream)
         if is_taken or self._has_taken_id or self._bit_count > IDS:
@@ -164,7 +164,7 @@ class Slave:
         return 1
 
     def _follow_header(self, cdm: int, upstream: int) -> int:
-        """Take a CDM bit of the header, and return the CDS bit that answers it.
+        """Process a CDM bit of the header, and return the CDS bit that answers it.
 
         The answers to CTS, ID, ADR and their CRC are the IDL bits. The answers to R and W follow.
         """
@@ -179,7 +179,7 @@ class Slave:
         return cdm if is_r_bit else self._answer_w_bit(cdm)
 
     def _take_address(self) -> None:
-        """Take the address of the register from the header. Leave the control frame if it is not for this slave.
+        """Read the register address from the header. Leave the control frame if it is not for this slave.
 
         It is not for this slave if it is a command (CTS = 0), has a different ID, or has a CRC error.
         """
@@ -208,7 +208,7 @@ class Slave:
         return cdm
 
     def _follow_start(self, cdm: int, upstream: int) -> int:
-        """Return the answer to S, with which the master asks for a register: 0 while the slave is busy, otherwise 1.
+        """Return the answer to S, with which the master requests a register: 0 while the slave is busy, otherwise 1.
 
         The slave is busy until the program has fulfilled its request (``wants``). If the master sends 0 instead of S,
         leave the control frame and return the bit that arrives at SLI.
@@ -224,7 +224,7 @@ class Slave:
         return 1
 
     def _follow_byte(self, cdm: int) -> int:
-        """Take a CDM bit of a byte, its CRC or P, and return the CDS bit that answers it.
+        """Process a CDM bit of a byte, its CRC or P, and return the CDS bit that answers it.
 
         In a read, this is a bit of the byte and its CRC. In a write, it is the received bit. The answer to P is 1 to
         refuse the next register.

@@ -20,8 +20,7 @@ def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
     """Return the frame in a cell of text. Raises ValueError if the text is not a frame.
 
     Spaces and underscores are ignored. A frame of bytes is a row of hexadecimal bytes, with or without a leading
-    ``0x``. A frame of bits is a number: ``0x`` and ``0b`` specify its base, and ``digits`` specifies the base of other
-    texts.
+    ``0x``. A frame of bits is a number. ``0x`` or ``0b`` specifies its base, otherwise ``digits`` does.
     """
     compact = text.replace(" ", "").replace("_", "")
     if shape.length:
@@ -56,9 +55,9 @@ def _read_bytes(compact: str, text: str) -> bytes:
 
 
 class TextCells:
-    """Reader of text cells that contain frames. An empty cell, or one without a frame, yields None.
+    """Reader of text cells that contain frames. A cell that is empty or contains no frame yields None.
 
-    ``seen`` is the number of cells that are not empty, and ``unread`` the number of these cells that contain no frame.
+    ``seen`` is the number of nonempty cells, and ``unread`` is the number of those that contain no frame.
     Words for a missing value, such as ``nan``, count as empty. ``place`` and ``error`` are the location and the error
     message of the first cell without a frame.
     """
@@ -96,5 +95,5 @@ class TextCells:
 
     @property
     def are_mostly_unread(self) -> bool:
-        """True if more than half of the cells that are not empty contain no frame."""
+        """True if more than half of the nonempty cells contain no frame."""
         return 2 * self.unread > self.seen

@@ -14,7 +14,7 @@ from .shape import Check, CrcOf, DigitCoding, Shape
 np: Any = load("numpy")
 
 
-#: Size of a word in bits and in bytes, and the word in which all bits are 1.
+#: Size of a word in bits and in bytes, and the word whose bits are all 1.
 _WORD_BITS: Final = 64
 _WORD_BYTES: Final = 8
 _WORD_MASK: Final = (1 << _WORD_BITS) - 1
@@ -38,9 +38,9 @@ def shift_left(numbers: Any, places: int) -> Any:
 class Chunk:
     """Chunk of frames. Each frame is a number of ``bits`` bits, split into 64-bit words. Higher bits are 0.
 
-    ``words`` is a list of arrays, each with an element for each frame. The first array contains the lowest 64 bits of
+    ``words`` is a list of arrays, each with one element per frame. The first array contains the lowest 64 bits of
     all frames. ``_cached_bytes`` keeps the arrays of single bytes that were extracted, by the index of the byte.
-    ``_before_conversion`` is a copy of the chunk from before digits and Gray code were converted, otherwise None.
+    ``_before_conversion`` is a copy of the chunk before digits or Gray code were converted, otherwise None.
     """
 
     def __init__(self, words: list[Any], bits: int) -> None:
@@ -67,7 +67,10 @@ class Chunk:
         return self._cached_bytes[index]
 
     def take_from_byte(self, low: int, mask: int) -> Any:
-        """Return the bits of each frame from bit ``low`` on, limited to ``mask``. All of them are in the same byte."""
+        """Return the bits of each frame that start at bit ``low``, limited to ``mask``.
+
+        All of them are in the same byte.
+        """
         byte_index, shift = divmod(low, 8)
         bits = self.byte(byte_index)
         if shift:
@@ -76,7 +79,7 @@ class Chunk:
         return bits if mask == mask_of_shifted_byte else bits & np.uint8(mask)
 
     def take(self, low: int, width: int) -> Any:
-        """Return the ``width`` bits of each frame from bit ``low`` on. The array has 8-bit or 64-bit numbers.
+        """Return the ``width`` bits of each frame that start at bit ``low``. The array has 8-bit or 64-bit numbers.
 
         If the width is 0, all numbers are 0.
         """
@@ -87,7 +90,7 @@ class Chunk:
         return self._take_from_words(low, width, out=None)
 
     def write_bits(self, low: int, width: int, out: Any) -> None:
-        """Write the ``width`` bits of each frame from bit ``low`` on into ``out``, an array of 64-bit numbers.
+        """Write the ``width`` bits of each frame that start at bit ``low`` into ``out``, an array of 64-bit numbers.
 
         If the width is 0, all numbers are 0.
         """
@@ -130,7 +133,7 @@ class Chunk:
             np.equal(bit, 0, out=out)
 
     def convert_to_binary(self, shape: Shape) -> None:
-        """Convert to binary any numbers in this chunk that are sent as separate digits or in Gray code.
+        """Convert numbers in this chunk that are sent as separate digits or in Gray code to binary.
 
         ``as_sent`` returns the unconverted bits. Frames with such numbers have a single word.
         """
@@ -146,7 +149,7 @@ class Chunk:
         self._cached_bytes.clear()
 
     def _convert_from_digits(self, coding: DigitCoding) -> None:
-        """Replace separate digits, such as BCD, by the binary number that they form.
+        """Replace separate digits, such as BCD, with the binary number that they form.
 
         If the code of a digit is invalid, all bits of the number are 1, which is above the highest number.
         """
@@ -188,7 +191,7 @@ class Chunk:
 
 
 def _is_in_one_byte(low: int, width: int) -> bool:
-    """Return whether the ``width`` bits from bit ``low`` on are in the same byte of a frame."""
+    """Return whether the ``width`` bits that start at bit ``low`` are in the same byte of a frame."""
     return low % 8 + width <= 8
 
 
@@ -255,7 +258,7 @@ def _read_short_rows(rows: Any, is_little_endian: bool) -> Any:
 
 
 def take_checked_bits(chunk: Chunk, check: Check) -> Any:
-    """Return the bits of each frame to which a check applies: from one place, or from several that form a number."""
+    """Return the bits of each frame to which a check applies: one group of bits, or several that form a number."""
     if not check.joined:
         return chunk.take(check.low, check.width)
     numbers = np.zeros(len(chunk.words[0]), np.uint64)
@@ -265,7 +268,7 @@ def take_checked_bits(chunk: Chunk, check: Check) -> Any:
 
 
 def are_within_limits(bits: Any, check: Check, limit: int) -> Any:
-    """Return an array that is True for each number from ``check.lowest`` to ``limit``, which is the limit of the check.
+    """Return an array that is True for each number from ``check.lowest`` to ``limit``, the limit of the check.
 
     ``bits`` are the bits of a field. Negative numbers are in two's complement.
     """
@@ -303,7 +306,7 @@ def compute_parity(chunk: Chunk, check: Check) -> Any:
 def _xor_bits_of_each(numbers: Any, width: int) -> Any:
     """Return the XOR of the ``width`` lowest bits of each number: 1 for an odd number of ones. Higher bits must be 0.
 
-    The upper half of the bits is folded onto the lower half until one bit is left. An example with four bits is
+    The upper half of the bits is folded onto the lower half until one bit is left. Example with four bits:
     ``1011 -> 10 ^ 11 = 01 -> 0 ^ 1 = 1``.
     """
     number_type = numbers.dtype.type
@@ -351,10 +354,10 @@ def _xor_all_bytes(chunk: Chunk, xorout: int) -> Any:
 def _fold_crc(number: Any, crc: CrcOf, bits: int) -> Any:
     """Return the remainder of each frame, a number of ``bits`` bits, after division by the polynomial of its CRC.
 
-    The remainder is 0 if the CRC is correct. Each step removes the bits from ``step.shift`` up, and XORs them onto the
-    lower bits (``step.mask``) at two places: at bit 0 and, unless ``step.back`` is 0, at bit ``step.back``. This does
-    not change the remainder. As soon as the numbers fit into 32 bits, the steps use 32-bit numbers, which takes half
-    the time.
+    The remainder is 0 if the CRC is correct. Each step removes the bits from ``step.shift`` upward, and XORs them onto
+    the lower bits (``step.mask``) at two places: at bit 0 and, unless ``step.back`` is 0, at bit ``step.back``. This
+    does not change the remainder. As soon as the numbers fit into 32 bits, the steps use 32-bit numbers, which takes
+    half the time.
     """
     remainder = number ^ np.uint64(crc.xorout) if crc.xorout else number
     number_type = np.uint64

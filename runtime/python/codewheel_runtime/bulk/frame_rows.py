@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Reads the frames that ``decode_many`` gets as rows of bytes or as 64-bit words."""
+"""Reads the frames passed to ``decode_many`` as rows of bytes or as 64-bit words."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def is_arrow(frames: object) -> bool:
 
 
 class ReadFrames(NamedTuple):
-    """Frames as an array of rows of bytes or of 64-bit numbers, and the indices of frames with a wrong length.
+    """Frames as an array of byte rows or 64-bit numbers, and the indices of frames with the wrong length.
 
-    Zeros replace frames with a wrong length.
+    Frames with the wrong length are replaced by zeros.
     """
 
     frames: Any
@@ -31,12 +31,12 @@ class ReadFrames(NamedTuple):
 def read_rows(frames: Any, length: int) -> ReadFrames:
     """Return frames of ``length`` bytes as an array with a row of bytes for each frame.
 
-    A missing frame, such as None, has the wrong length, and so does a row of an array with masked bytes. Arrays and
-    buffers have frames of one length only. Lists can have frames of different lengths.
+    A missing frame, such as None, and an array row with masked bytes have the wrong length. In arrays
+    and buffers, all frames have the same length. Lists can have frames of different lengths.
 
     Raises:
         TypeError: The frames are not bytes.
-        ValueError: An array or a buffer does not have complete frames of this length.
+        ValueError: An array or a buffer does not contain complete frames of this length.
     """
     if isinstance(frames, (list, tuple)):
         return _read_list_of_rows(cast(Iterable[Any], frames), length)
@@ -75,7 +75,7 @@ def read_words(frames: Any, bits: int) -> ReadFrames:
     """Return frames of ``bits`` bits as 64-bit numbers. A missing frame, such as None, has the wrong length.
 
     ``frames`` is an array or a list of numbers, or a buffer. A buffer of bytes has eight bytes per frame, least
-    significant first. A buffer of other items is read as an array.
+    significant first. A buffer with items of another type is read as an array.
 
     Raises:
         TypeError: The frames are not integers or a buffer.
@@ -99,7 +99,7 @@ def read_words(frames: Any, bits: int) -> ReadFrames:
 def _read_array_of_words(frames: Any, bits: int) -> ReadFrames:
     """Return an array of integers, or of floating-point numbers without fractions, as 64-bit numbers.
 
-    Masked frames and negative ones have a wrong length. Raises TypeError for other arrays.
+    Masked and negative frames have the wrong length. Raises TypeError for other arrays.
     """
     if frames.dtype.kind == "f" and frames.ndim == 1:
         frames = read_floats(frames, bits)
@@ -117,7 +117,7 @@ def _read_array_of_words(frames: Any, bits: int) -> ReadFrames:
 
 
 def _read_list_of_words(frames: Iterable[Any]) -> ReadFrames:
-    """Return a list of numbers as 64-bit numbers. Negative and longer ones have a wrong length.
+    """Return a list of numbers as 64-bit numbers. Negative numbers and numbers with more bits have the wrong length.
 
     Raises TypeError for items that are neither integers nor missing.
     """
@@ -134,7 +134,7 @@ def _read_list_of_words(frames: Iterable[Any]) -> ReadFrames:
 
 
 def _is_missing(frame: object) -> bool:
-    """Return True if the frame is None, NaN or ``pandas.NA``."""
+    """Return whether the frame is None, NaN or ``pandas.NA``."""
     # This is a fast path for the usual types.
     if type(frame) is int or type(frame) is bytes:
         return False

@@ -14,7 +14,7 @@ from .units import find_unit_size
 def unwrap_positions(positions: Any, usable: Any, position_range: PositionRange, previous: int | None) -> Any:
     """Return the position of each frame as a count that continues when the position wraps around.
 
-    A frame without a usable position has the count of the preceding one. ``usable`` is True for usable positions, and
+    A frame without a usable position has the count of the preceding frame. ``usable`` is True for usable positions.
     ``previous`` is the last count of the preceding frames, or None.
 
     Raises:
@@ -49,7 +49,7 @@ class Motion(NamedTuple):
     Attributes:
         rows: Row of the later position.
         counts: Difference of the unwrapped positions.
-        seconds: Time between the two. NaN if the later one does not have a later time.
+        seconds: Time between the two. NaN if the time of the later position is not later.
     """
 
     rows: Any
@@ -58,7 +58,7 @@ class Motion(NamedTuple):
 
 
 def find_motion(counts: Any, times: Any, usable: Any, previous: tuple[int, float] | None) -> Motion:
-    """Return the motion between the usable positions of a table.
+    """Return the motion between the usable positions in a table.
 
     ``counts`` and ``times`` are the unwrapped position and the time of each frame. ``previous`` is the unwrapped
     position and the time of the last usable frame before the table, or None.
@@ -100,8 +100,8 @@ def check_times(seconds: Any, count: int) -> Any:
     ``seconds`` is the time between two frames, or an array of times. ``count`` is the number of frames.
 
     Raises:
-        ValueError: The times are not numbers, there is not one for each frame, or a single time is 0, negative or
-            infinite.
+        ValueError: The times are not numbers, their number differs from the number of frames, or a single time is
+            0, negative or infinite.
     """
     np: Any = load("numpy")
     times: Any = np.asarray(seconds)

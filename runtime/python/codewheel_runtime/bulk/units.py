@@ -16,7 +16,7 @@ LengthUnit = Literal["counts", "micrometres", "millimetres", "metres"]
 #: Units for speeds: a unit per second, or revolutions per minute.
 SpeedUnit = Unit | Literal["rpm"]
 
-#: Size of one turn in each angular unit, and size of each unit of length in micrometers.
+#: Size of one turn in each unit of angle, and of each unit of length in micrometers.
 _UNITS_PER_TURN: Final[Mapping[str, float]] = {"turns": 1, "degrees": 360, "radians": tau}
 _MICROMETERS_PER_UNIT: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000, "metres": 1_000_000}
 POSITION_UNITS: Final = ("counts", *_UNITS_PER_TURN, *_MICROMETERS_PER_UNIT)
@@ -53,7 +53,7 @@ def find_unit_size(encoder: Any, unit: str) -> tuple[float, int]:
 
 
 def _wrong_unit_message(encoder: Any, unit: str, units_of_same_kind: Mapping[str, float]) -> str:
-    """Return the message for a unit that the encoder does not measure in, with the units that it measures in.
+    """Return the message for a unit that the encoder does not support, with the units that it supports.
 
     ``units_of_same_kind`` contains either all units of angles or all units of lengths, including ``unit``.
     """

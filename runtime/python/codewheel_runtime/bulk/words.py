@@ -14,8 +14,8 @@ np: Any = load("numpy")
 WordKind = Literal["packed", "little", "big", "little32", "big32"]
 DigitKind = Literal["hex", "decimal"]
 
-#: Number of bytes and byte order of a word. 0 stands for packed words, whose number of bytes is the minimum for their
-#: bits.
+#: Number of bytes and byte order of a word. 0 represents packed words, which have the minimum number of bytes for
+#: their bits.
 WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
     {
         "packed": (0, ">"),
@@ -75,6 +75,6 @@ def short(text: str) -> str:
 
 
 def listed(names: list[str]) -> str:
-    """Return at most eight of the names for a message, and how many more there are."""
+    """Return at most eight of the names for a message, and the number of remaining names."""
     first_names = ", ".join(short(name) for name in names[:8])
     return f"{first_names} and {len(names) - 8} more" if len(names) > 8 else first_names

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Layouts of BiSS frames for encoders without a package, such as ``position=32,error,warning,crc=6:0x43``."""
+"""BiSS frame layouts for encoders without a package, such as ``position=32,error,warning,crc=6:0x43``."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _FIELDS_HELP: Final = "expected fields in the order of transmission, such as pos
 #: Flags of BiSS frames, which are active at level 0, and the resulting verdict on the position.
 _VERDICT_BY_FLAG: Final = {"error": Verdict.NOT_USABLE, "warning": Verdict.USABLE_WITH_WARNING}
 
-#: Most characters of a number, which is enough for 64 bits.
+#: Maximum number of characters in a number, which is enough for 64 bits.
 _LONGEST_NUMBER: Final = 20
-#: Names of bits that are in no column.
+#: Names for bits that do not get a column.
 _FILLER_NAMES: Final = ("zero", "unused")
 
 
@@ -38,7 +38,7 @@ class _Field(NamedTuple):
 
 
 class BissLayout(NamedTuple):
-    """Layout of the BiSS frames of an encoder without a package.
+    """BiSS frame layout of an encoder without a package.
 
     Attributes:
         text: The layout as text.
@@ -102,14 +102,14 @@ class BissLayout(NamedTuple):
 
 
 def biss_layout(text: str) -> BissLayout:
-    """Return a layout of BiSS frames.
+    """Return a BiSS frame layout.
 
     Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
-    ``singleturn=24`` are numbers with their widths in bits. If all counts are in one turn, write ``singleturn=32``, so
-    that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` describes two bits that
-    are always 0, and ``unused=2`` two bits without meaning. ``crc=6:0x43`` is an inverted 6-bit CRC with this
-    polynomial. The polynomial's highest bit may be omitted. ``crc=16:0x190d9:0x0`` also has a start value. Any other
-    name with a width in bits is a numeric field.
+    ``singleturn=24`` are numbers with their widths in bits. If all counts belong to one turn, write ``singleturn=32``
+    so that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` describes two bits
+    that are always 0, and ``unused=2`` describes two bits without a meaning. ``crc=6:0x43`` is an inverted 6-bit CRC
+    with this polynomial. The polynomial's highest bit may be omitted. ``crc=16:0x190d9:0x0`` also has a start value.
+    Any other name with a width in bits is a numeric field.
 
     Args:
         text: The layout.
@@ -139,10 +139,10 @@ def biss_layout(text: str) -> BissLayout:
 
 
 def _check_fields(fields: Sequence[_Field]) -> None:
-    """Raise UsageError if the fields together cannot form a frame.
+    """Raise UsageError if these fields cannot form a frame.
 
-    The frame can have a wrong length, two fields of the same name, a reserved name, or a CRC that is not the last
-    field.
+    Possible reasons: the length is wrong, two fields have the same name, a name is reserved, or a CRC is not the
+    last field.
     """
     bits = sum(field.width for field in fields)
     names = [field.name for field in fields if field.name not in _FILLER_NAMES]
@@ -159,7 +159,8 @@ def _check_fields(fields: Sequence[_Field]) -> None:
 def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
     """Return the description of a frame with these fields, for ``decode_many``.
 
-    ``widths`` contains the width of each column by name, and ``joins`` the position that is joined from several fields.
+    ``widths`` contains the width of each column by name, and ``joins`` contains the position if it consists of several
+    fields.
     """
     columns: list[Column] = []
     checks: list[Check] = []
@@ -201,7 +202,7 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
 
 
 def _parse_field(text: str) -> _Field:
-    """Return the field that a part of a layout describes, such as ``position=32``, ``error`` or ``crc=6:0x43``.
+    """Return the field for a part of a layout, such as ``position=32``, ``error`` or ``crc=6:0x43``.
 
     Raises:
         UsageError: The text is not a field.
@@ -236,8 +237,8 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     ``text`` is the field as it was written, for the error.
 
     Raises:
-        UsageError: A number does not fit the width, the polynomial is missing or even, there are more numbers, or the
-            CRC has more than 32 bits.
+        UsageError: A number does not fit the width, the polynomial is missing or even, there are too many numbers, or
+            the CRC has more than 32 bits.
     """
     top_bit = 1 << width
     poly = numbers[0] if numbers else 0
@@ -255,7 +256,7 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
 
 
 def _parse_number(text: str) -> int:
-    """Return a number that is not negative, such as ``6`` or ``0x43``. Raises ValueError for other texts."""
+    """Return a nonnegative number, such as ``6`` or ``0x43``. Raises ValueError for other text."""
     # Spaces around the digits are accepted. ``int`` would also accept digits of other scripts, and underscores.
     if len(text) > _LONGEST_NUMBER or not text.strip().isascii() or "_" in text:
         raise ValueError

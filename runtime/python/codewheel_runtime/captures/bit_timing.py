@@ -9,14 +9,14 @@ from ..packages import load
 
 np: Any = load("numpy")
 
-#: Longest distance of an edge from the line through all edges, in samples. Sampling alone moves it by less.
+#: Maximum distance of an edge from the line through all edges, in samples. Sampling alone causes a smaller distance.
 _LONGEST_DISTANCE: Final = 1.5
 #: Smallest divisor, for cycles with fewer than two edges.
 _SMALLEST_DIVISOR: Final = 1e-9
 
 
 class BitTiming(NamedTuple):
-    """Timing of the bits of some cycles. Arrays have a row for each cycle.
+    """Timing of the bits in some cycles. Arrays have one row per cycle.
 
     Attributes:
         edges: Times of the rising edges of the clock, one for each bit.
@@ -34,7 +34,7 @@ class BitTiming(NamedTuple):
 
 
 class _EdgeLines(NamedTuple):
-    """Straight lines through the edges of each cycle: time over the number of the edge.
+    """Straight lines through the edges of each cycle: time as a function of the edge number.
 
     Attributes:
         times: Times of the edges on the line.
@@ -50,9 +50,9 @@ class _EdgeLines(NamedTuple):
 def refine_timing(timing: BitTiming, has_edge: Any, data_edges: Any) -> BitTiming:
     """Return the timing of cycles with few samples per clock period, accurate to a fraction of a sample.
 
-    The edges are moved to a straight line through all edges of a cycle, and the delay becomes the mean delay of all
-    bits. ``has_edge`` is False for times after the last edge of a cycle, and ``data_edges`` are the edges of the data
-    line. Cycles whose edges are not on a line, because the clock is uneven, keep their timing.
+    The edges are moved onto a straight line through all edges of a cycle, and the mean delay of all bits is used as
+    the delay. ``has_edge`` is False for times after the last edge of a cycle, and ``data_edges`` are the edges of the
+    data line. Cycles whose edges are not on a line, because the clock is uneven, keep their timing.
     """
     lines = _fit_lines(timing.edges, has_edge)
     expected_changes = lines.times + timing.delay[:, None]
@@ -87,7 +87,7 @@ def _fit_lines(times: Any, has_edge: Any) -> _EdgeLines:
 
 
 def _average_distance(expected_changes: Any, longest_distance: Any, data_edges: Any) -> Any:
-    """Return how much later than expected the data line changes in each cycle, as the mean over its bits.
+    """Return how much later than expected the data line changes in each cycle, averaged over its bits.
 
     ``expected_changes`` has a row for each cycle and a column for each bit. Bits without a change within
     ``longest_distance`` of the expected time are ignored. If no bit has such a change, the result is 0.

@@ -39,7 +39,7 @@ __all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "ChannelCapture"
 
 np: Any = load("numpy")
 
-#: Digits of a time after the decimal point, in seconds: picoseconds.
+#: Number of decimals of a time in seconds: picoseconds.
 _TIME_DIGITS: Final = 12
 
 _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
@@ -151,7 +151,7 @@ class Captures(NamedTuple):
 
 
 class _Channels(Protocol):
-    """Layout of frames with several data channels, a ``ChannelLayout``, whose module imports this one."""
+    """Layout of frames with several data channels: a ``ChannelLayout``, whose module imports this one."""
 
     @property
     def bits(self) -> int: ...
@@ -204,10 +204,9 @@ def _read_capture(capture_input: CaptureInput) -> Capture:
 
 
 def _report_exchanged_lines(capture_input: CaptureInput) -> None:
-    """Raise InputError if a capture has valid frames with the clock and the data line exchanged, otherwise do nothing.
+    """Raise InputError if a capture has valid frames when the clock and the data line are exchanged.
 
-    The caller has found no valid frames. With the lines exchanged, more than nine in ten of the first cycles must be
-    valid.
+    The caller has found no valid frames. With the lines exchanged, more than 90 % of the first cycles must be valid.
     """
     encoder = capture_input.encoder
     if isinstance(encoder, Encoder) and encoder.interface not in (Interface.BISS, Interface.SSI):
@@ -286,5 +285,5 @@ def _make_batches(capture_frames: CaptureFrames, log: Log) -> Generator[FrameBat
 
 
 def _round_times(seconds: Any) -> Any:
-    """Return times without rounding errors of the computation, such as 3e-05 for 2.9999999999999997e-05."""
+    """Return times without the rounding errors of the computation, such as 3e-05 for 2.9999999999999997e-05."""
     return np.round(seconds, _TIME_DIGITS)

@@ -44,7 +44,7 @@ class CaptureFrames(NamedTuple):
 
 
 class CaptureInput(NamedTuple):
-    """Capture to decode, and how.
+    """Capture to decode, and how to decode it.
 
     Attributes:
         encoder: The encoder, or a layout of BiSS frames.
@@ -52,7 +52,7 @@ class CaptureInput(NamedTuple):
         probes: Arguments about the connection and the timing.
         layout: Kind of the replies on a serial line, or empty for the most frequent one with a position.
         answers: Answers to the questions that the manual leaves open, by name.
-        swap_lines: Use the clock as the data line and the data line as the clock.
+        swap_lines: Exchange the clock and the data line.
     """
 
     encoder: Encoder | BissLayout
@@ -113,9 +113,9 @@ def _find_replies(
 ) -> CaptureFrames:
     """Return the replies of an encoder among the bytes on a serial line.
 
-    The first part is read at once, because it shows the kind of the replies, and therefore their shape. ``line`` yields
-    the bytes, and ``name`` is the name of the file, for errors. ``layout`` is the kind of the replies, or empty for the
-    most frequent one with a position. ``answers`` are answers to open questions by name.
+    The first part is read immediately, because it shows the kind of the replies, and therefore their shape. ``line``
+    yields the bytes, and ``name`` is the name of the file, for errors. ``layout`` is the kind of the replies, or empty
+    for the most frequent one with a position. ``answers`` are answers to open questions by name.
 
     Raises:
         InputError: No byte was sent. Or ``layout`` is empty, and there is no valid reply with a position.
@@ -174,7 +174,7 @@ def _prepend(
 def _find_frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
     """Return all kinds of frames on a serial line: replies from the encoder and requests from the master.
 
-    A kind whose description needs answers to open questions is left out, unless it is the one that ``layout`` requests.
+    A kind whose description needs answers to open questions is omitted, unless ``layout`` requests it.
     ``layout`` is empty if no kind is requested.
     """
     wanted = find_layout(encoder, layout).name if layout else ""

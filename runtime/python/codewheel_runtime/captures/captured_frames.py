@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Frames and lost cycles that are found in one stretch of a capture."""
+"""Frames and lost cycles found in one stretch of a capture."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .accesses import ControlBits
 
 
 class Lost(NamedTuple):
-    """Cycle or bytes in a capture that contain no frame.
+    """Cycle or bytes in a capture without a frame.
 
     Attributes:
         time: Time of the beginning, in seconds or in samples.

@@ -16,7 +16,7 @@ np: Any = load("numpy")
 
 #: Identification at the beginning of a file.
 SALEAE_HEADER: Final = b"<SALEAE>"
-#: Number of edges that are read at once. Each takes eight bytes.
+#: Number of edges that are read at a time. Each takes eight bytes.
 _EDGES_AT_ONCE: Final = SAMPLES // 8
 
 
@@ -55,7 +55,7 @@ class _Saleae:
         return data
 
     def _read_chunk(self) -> tuple[int, int]:
-        """Read the header of the next chunk. Return its first level and the number of its edges, which follow.
+        """Read the header of the next chunk. Return its first level, and the number of the edges that follow.
 
         Raises InputError if the header is damaged.
         """
@@ -100,7 +100,10 @@ class _Saleae:
             raise InputError(self._path, "this Saleae file is damaged: more bytes follow its last edge")
 
     def _read_edge_times(self, count: int, last_time: float) -> Any:
-        """Return the next ``count`` edge times. Raises InputError unless they ascend from ``last_time``."""
+        """Return the next ``count`` edge times.
+
+        Raises InputError unless they are in ascending order, starting at ``last_time``.
+        """
         # The time of each edge is a number of eight bytes.
         edge_times = np.frombuffer(self._read_exactly(8 * count), "<f8")
         are_finite = np.isfinite(edge_times).all()

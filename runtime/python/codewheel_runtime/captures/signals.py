@@ -12,9 +12,10 @@ from ..packages import load
 
 np: Any = load("numpy")
 
-#: Number of samples that are read at once.
+#: Number of samples that are read at a time.
 SAMPLES: Final = 1 << 21
-#: Most bytes of samples in a compressed file, when unpacked: three minutes at 24 MHz, which take a minute to read.
+#: Maximum unpacked size in bytes of the samples in a compressed file: three minutes at 24 MHz, which take a minute to
+#: read.
 MOST_UNPACKED: Final = 1 << 32
 
 
@@ -53,10 +54,10 @@ class Signals(NamedTuple):
 
 
 class SignalNames(NamedTuple):
-    """Chosen channels: those of the clock and the data line, or of one data line if ``clock`` is None.
+    """Chosen channels: those of the clock and the data line, or just the data line if ``clock`` is None.
 
     A channel is chosen by its name, or by its number from 1. An empty name is replaced by a channel with a common name
-    for the line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
+    for the line. ``exchanged`` is True to exchange the clock and the data line.
     """
 
     clock: str | None = ""
@@ -74,11 +75,11 @@ class SignalNames(NamedTuple):
         return places[::-1] if self.exchanged else places
 
     def _find_places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
-        """Return the index of each signal among the channels of a file, the clock first, as if not exchanged.
+        """Return the index of each signal among the channels of a file, clock first, as if they were not exchanged.
 
-        A signal without a chosen name uses the channel with a usual name. If no name is chosen, a usual name is
+        A signal without a chosen name uses the channel that has a usual name. If no name is chosen, a usual name is
         missing, and there are as many channels as signals, they are taken in order. If only one of two signals has a
-        channel, the other gets the remaining one of two channels. Raises the errors of ``places``.
+        channel, the other one gets the remaining channel. Raises the errors of ``places``.
         """
         if self.clock is None:
             choices = [_SignalChoice(self.data, _NAMES_OF_SERIAL_LINES, "--data")]
@@ -127,9 +128,11 @@ class _SignalChoice(NamedTuple):
 
 
 def _add_remaining_channel(choices: Sequence[_SignalChoice], places: list[int | None]) -> list[int | None]:
-    """Return the places of two signals among two channels. If only one is known, the other has the remaining channel.
+    """Return the places of two signals among two channels.
 
-    A place is None if it is not known. It stays None if the chosen name of the signal does not exist.
+    If only one place is known, the other signal has the remaining channel.
+
+    A place is None if it is unknown. It stays None if the chosen name of the signal does not exist.
     """
     known = [place for place in places if place is not None]
     has_unknown_name = any(choice.name and place is None for choice, place in zip(choices, places, strict=True))
@@ -161,7 +164,7 @@ def _find_place(channels: Sequence[str], name: str) -> int | None:
 def _find_usual_place(channels: Sequence[str], usual_names: Iterable[str]) -> int | None:
     """Return the index of the channel with a usual name, or None if no channel has such a name.
 
-    The first usual name that belongs to exactly one channel counts. Case is ignored. If there is only one channel, it
+    The first usual name that belongs to exactly one channel is used. Case is ignored. If there is only one channel, it
     is taken whatever its name.
     """
     if len(channels) == 1:
@@ -218,9 +221,9 @@ def read_samples(parts: Iterable[Samples], masks: tuple[int, ...]) -> Generator[
 
 
 def _find_changes(samples: Any, sample_before: int, mask: int) -> tuple[Any, Any]:
-    """Return the indices of the samples that differ from the sample before, and the bits in which each differs.
+    """Return the indices of the samples that differ from the previous sample, and the bits in which each one differs.
 
-    Only the bits in ``mask`` count. ``sample_before`` is the sample before the first one.
+    Only the bits in ``mask`` are considered. ``sample_before`` is the sample before the first one.
     """
     sample_type = samples.dtype.type
     changes = np.bitwise_xor(samples[1:], samples[:-1])
@@ -236,7 +239,7 @@ def _find_changes(samples: Any, sample_before: int, mask: int) -> tuple[Any, Any
 
 
 def pack_bits(columns: Any) -> Any:
-    """Return rows of levels as one number per sample, with the first column in the lowest bit.
+    """Return rows of levels as one number per sample, with the first column as the lowest bit.
 
     Any number other than 0 is the level 1. There are at most 8 columns, because the results are bytes.
     """
@@ -294,7 +297,7 @@ def _split_array(array: Any, places: tuple[int, ...]) -> Generator[Samples, None
 
 
 class SignalEdges(NamedTuple):
-    """Some edges of one signal that is stored separately.
+    """Some edges of a signal that is stored separately.
 
     Attributes:
         level: Level before the edges.

@@ -22,21 +22,21 @@ UNITS: Final = {
     "us": 1e-6, "µs": 1e-6, "microseconds": 1e-6,
     "ns": 1e-9, "nanoseconds": 1e-9, "ps": 1e-12, "picoseconds": 1e-12, "fs": 1e-15, "femtoseconds": 1e-15,
 }  # fmt: skip
-#: Time stamp of ISO 8601, as in CSV files of Saleae, without its time zone.
+#: ISO 8601 time stamp without its time zone, as in Saleae CSV files.
 STAMP: Final = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:\.\d{1,12})?")
 
 _TIME_HEADING: Final = re.compile(r"(?:(?:time|zeit)\s*)?[\[(]?(?P<unit>[a-zµ]*)[\])]?", re.IGNORECASE)
-#: Names of a column with the number of the sample.
+#: Names of a column that contains the sample number.
 _NAMES_OF_SAMPLE_NUMBERS: Final = ("sample", "samples", "sample number", "index", "no", "no.", "nr", "#", "sequence")
 #: Marks of a comment at the beginning of a line.
 _COMMENT_MARKS: Final = (";", "#")
-#: Number of rows that are enough to recognize numbers of samples.
+#: Number of rows that is enough to recognize sample numbers.
 _FIRST_ROWS: Final = 4
-#: Most digits of the number of a sample. Python does not convert texts of thousands of digits.
+#: Maximum number of digits in a sample number. Python does not convert text with thousands of digits.
 _MOST_DIGITS: Final = 18
-#: A decimal comma: one between two digits.
+#: A decimal comma: a comma between two digits.
 _DECIMAL_COMMA: Final = re.compile(r"(?<=\d),(?=\d)")
-#: Name of the column whose unit is the time between two samples in seconds, as oscilloscopes of Rigol write it.
+#: Name of the column whose unit is the time between two samples in seconds, as written by Rigol oscilloscopes.
 _INCREMENT_COLUMN: Final = "increment"
 _SMALLEST_INCREMENT: Final = 1e-300
 _RATE_IN_HEADER: Final = re.compile(r"\s*([0-9]{1,12}(?:\.[0-9]{1,9})?)\s*([kKMG]?)(?:Hz|S/s|Sa/s)?\s*")
@@ -130,8 +130,8 @@ def find_table_form(path: str, head: bytes) -> TableForm:
 def _find_delimiter(lines: Sequence[str]) -> str | None:
     """Return the separator of the cells, or None for white space.
 
-    A comma counts only if there is no other separator, because it can be decimal. The last line may be cut off, and the
-    first lines can be titles, so the second-to-last line is examined, or the first of at most two lines.
+    A comma counts only if there is no other separator, because it can be a decimal comma. The last line may be cut off,
+    and the first lines can be titles, so the second-to-last line is examined, or the first of at most two lines.
     """
     sample_line = lines[-2] if len(lines) > 2 else lines[0]
     return next((mark for mark in ";\t," if mark in sample_line), None)
@@ -141,8 +141,8 @@ def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
     """Return the headers of a table from the cells of its first lines, or None if the lines are not a table.
 
     A line of units can follow the names of the columns. Oscilloscopes also write settings, line by line, before the
-    names. The lines are not a table if several of them are followed by no row, or if the last header has fewer cells
-    than the first row.
+    names. The lines are not a table if there are several but no row follows them, or if the last header has fewer
+    cells than the first row.
     """
     row_indices = (index for index, cells in enumerate(cells_by_line) if _is_row(cells))
     line_count = next(row_indices, len(cells_by_line))
@@ -166,7 +166,7 @@ def _find_headers(cells_by_line: Sequence[list[str]]) -> _Headers | None:
 
 
 def _is_time(name: str) -> bool:
-    """Return whether a name is the name of a time column, such as ``TIME`` or ``Time (s)``, and not just a unit."""
+    """Return whether a name denotes a time column, such as ``TIME`` or ``Time (s)``, and is not just a unit."""
     return name.strip().lower().startswith(("time", "zeit"))
 
 
@@ -175,8 +175,8 @@ def _name_channels(
 ) -> list[str]:
     """Return the names of the channels: from a comment of sigrok, from the header, or numbers from 1.
 
-    The names in a comment are used only if there is one for each channel. ``comments`` are lines without the mark of
-    the comment. ``first_rows`` are the cells of some rows, the first of which shows the number of channels.
+    The names in a comment are used only if there is one for each channel. ``comments`` are lines without the comment
+    mark. ``first_rows`` are the cells of some rows, the first of which shows the number of channels.
     ``has_times`` is True if a column of times or of numbers precedes the channels.
     """
     first_channel = int(has_times)
@@ -214,7 +214,7 @@ def _have_fractions(first_rows: Sequence[list[str]]) -> bool:
 def _find_increment_rate(headers: _Headers) -> float | None:
     """Return the sample rate from the column ``Increment``, or None without this column.
 
-    The unit of this column is a number, the time between two samples in seconds.
+    The unit of this column is a number: the time between two samples in seconds.
     """
     if headers.names is None or headers.units is None:
         return None
@@ -254,7 +254,7 @@ def _is_number(text: str) -> bool:
 def _are_numbered(rows: Sequence[list[str]]) -> bool:
     """Return whether the first cells of four or more rows are successive numbers, such as sample numbers.
 
-    Rows of a single cell are ignored.
+    Rows with a single cell are ignored.
     """
     first_cells = [row[0] for row in rows if len(row) > 1]
     are_short = all(len(cell) <= _MOST_DIGITS for cell in first_cells)
@@ -296,7 +296,7 @@ def _find_first_row(head: bytes, header_count: int) -> int:
 
 
 def _split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Return the cells of a line without spaces and quotes around them, and without empty cells at its end."""
+    """Return the cells of a line, without surrounding spaces and quotes, and without trailing empty cells."""
     cells = [cell.strip().strip('"') for cell in line.split(delimiter)]
     while cells and not cells[-1]:
         cells.pop()
@@ -306,7 +306,7 @@ def _split_cells(line: str, delimiter: str | None) -> list[str]:
 def _find_unit(name: str) -> float | None:
     """Return the unit of the first column in seconds, according to its header, such as ``Time [ms]``.
 
-    It is 0 for a column of sample numbers, and for a column ``Time`` without a unit. It is None if the header is the
+    It is 0 for a column of sample numbers or a column ``Time`` without a unit. It is None if the header is the
     name of a channel.
     """
     if name.strip().lower() in _NAMES_OF_SAMPLE_NUMBERS:

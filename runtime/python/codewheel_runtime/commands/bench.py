@@ -26,7 +26,7 @@ np: Any = import_module("numpy")
 
 #: Number of lost cycles and accesses that are printed.
 _MOST_PRINTED = 10
-#: Most characters of the header of a CSV file that are searched for the column of frames.
+#: Maximum number of characters that are searched for the column of frames in the header of a CSV file.
 _LONGEST_HEADER = 1 << 16
 
 
@@ -72,7 +72,7 @@ def plot(package: str, options: argparse.Namespace) -> None:
 
 
 def _has_frames(path: str) -> bool:
-    """Return whether a file has a column of frames: Parquet, or CSV with a column ``word`` or ``frame``.
+    """Return whether a file has a column of frames: a Parquet file, or a CSV file with a column ``word`` or ``frame``.
 
     Other files are captures.
     """
@@ -88,7 +88,7 @@ def _has_frames(path: str) -> bool:
 
 
 def _read_frames(encoder: Encoder | BissLayout, options: argparse.Namespace) -> Table:
-    """Return a table of the frames in a file that has the columns ``time`` and ``word`` or ``frame``."""
+    """Return a table of the frames in a file with the columns ``time`` and ``word`` or ``frame``."""
     if isinstance(encoder, BissLayout):
         shape = encoder.shape
     else:
@@ -110,7 +110,7 @@ def _read_frames(encoder: Encoder | BissLayout, options: argparse.Namespace) -> 
 
 
 def _accept_all_frames(_frames: Any) -> float:
-    """Return 1.0 as the fraction of valid frames, so that the check of the first frames of a file always passes."""
+    """Return 1.0 as the fraction of valid frames, so that the check of a file's first frames always passes."""
     return 1.0
 
 
@@ -125,7 +125,7 @@ def _list_numbers(frames: Any) -> Any:
 
 
 def _select_encoder(package: str, options: argparse.Namespace) -> Encoder | BissLayout:
-    """Return the encoder or the layout that the arguments select.
+    """Return the encoder or the layout selected by the arguments.
 
     Without ``--biss``, the first of ``files`` is the label of the encoder. It becomes ``order_code``, and is removed
     from the files.
@@ -155,7 +155,7 @@ def _select_encoder(package: str, options: argparse.Namespace) -> Encoder | Biss
 def _list_capture_arguments(options: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments that ``capture`` and ``plot`` pass on to the functions for captures, by name.
 
-    An example is ``{"clock": "MA", "data": "SLO", "rate": None, …, "layout": "", "answers": {}}``.
+    Example: ``{"clock": "MA", "data": "SLO", "rate": None, …, "layout": "", "answers": {}}``.
     """
     names = ("clock", "data", "rate", "rest", "baud", "threshold", "layout")
     arguments: dict[str, Any] = {name: getattr(options, name) for name in names}
@@ -200,7 +200,7 @@ def _name_layout(options: argparse.Namespace) -> str:
 
 
 def _explain_no_frames(lost: Any, options: argparse.Namespace) -> str:
-    """Return the message for a capture without a frame, with the reason why the first cycle was lost."""
+    """Return the message for a capture without a frame, with the reason for the first lost cycle."""
     first_lost: Lost | None = next(iter(lost), None)
     reason = f": {first_lost.reason}" if first_lost else ""
     return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_name_layout(options)}"

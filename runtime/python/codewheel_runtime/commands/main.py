@@ -151,7 +151,7 @@ def _make_parser(package: str) -> argparse.ArgumentParser:
     def add_command(
         name: str, run: Callable[..., int | None], summary: str, description: str = "", epilog: str = ""
     ) -> Any:
-        """Add a command with its summary, and return its parser.
+        """Add a command and its summary, and return its parser.
 
         ``run`` carries out the command. ``main`` finds it as ``run`` in the parsed arguments. ``run`` takes the name of
         the package and these arguments, and can return an exit code.
@@ -248,10 +248,10 @@ def _run_bench_command(name: str, package: str, options: argparse.Namespace) -> 
 def _decode(package: str, options: argparse.Namespace) -> int | None:
     """Decode the frame in the arguments and print it, or decode a file. Return the exit code.
 
-    An argument is a frame if it has the form of a frame and no file has this name.
+    An argument is a frame if it looks like a frame and there is no file of this name.
 
     Raises:
-        CommandFailed: The frame is empty, or its digits can be bits or hexadecimal digits.
+        CommandFailed: The frame is empty, or its digits could be bits or hexadecimal digits.
     """
     encoder = find_encoder(package, options)
     if not any(argument.strip() for argument in options.file):

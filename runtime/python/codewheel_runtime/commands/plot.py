@@ -43,7 +43,7 @@ _UNITS_TO_TRY: Final = (
     _Units("degrees", "angle in degrees", "rpm", "speed in rpm"),
     _Units("counts", "position in counts", "counts", "speed in counts/s"),
 )
-#: Number of points above which only the lowest and the highest point of each segment are drawn.
+#: Maximum number of points of which all are drawn, instead of the lowest and the highest of each segment.
 _MOST_POINTS: Final = 20_000
 #: Number of points below which each of them is marked.
 _FEW_POINTS: Final = 200
@@ -105,7 +105,7 @@ def _draw_speed(axes: Any, table: Table, times: Any, unit: SpeedUnit) -> None:
 
 
 def _list_marks(table: Table, times: Any, lost: Sequence[Lost]) -> Iterator[tuple[Any, str, str]]:
-    """Yield times to mark, possibly none, with a label and a color: ``(times, "CRC error", "tab:red")``."""
+    """Yield times to mark, which may be empty, with a label and a color: ``(times, "CRC error", "tab:red")``."""
     for kind, color in _ERROR_COLORS.items():
         yield times[table.fault == kind], _name_error(kind), color
     yield times[table.ok & ~table.usable], "position not usable", "tab:orange"
@@ -166,7 +166,7 @@ def _name_error(kind: ErrorKind) -> str:
 
 
 def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
-    """Draw values over time. If they are degrees that wrap around (``wraps``), the line has a gap where they do."""
+    """Draw values over time. If they are degrees that wrap around (``wraps``), the line has a gap at each wrap."""
     times, values = _reduce_points(times, values)
     if wraps and len(values):
         # Degrees jump by up to 360 where they wrap around. A NaN there interrupts the line.
@@ -179,10 +179,10 @@ def _draw_line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
 
 
 def _reduce_points(times: Any, values: Any) -> tuple[Any, Any]:
-    """Return at most about 20,000 points that look like all points, with their times.
+    """Reduce points to about 20,000 that look the same when plotted, with their times.
 
     The points are split into segments of equal length. The lowest and the highest point of each segment are kept. Of
-    the points after the last complete segment, only the very last is kept. Values that are NaN are left out.
+    the points after the last complete segment, only the last one is kept. NaN values are omitted.
     """
     is_finite = np.isfinite(values)
     times = times[is_finite]

@@ -25,7 +25,7 @@ _FORMAT_BY_SUFFIX: Final[dict[str, RecordKind]] = {
     ".parquet": "parquet",
     ".pq": "parquet",
 }
-#: Number of rows of a Parquet file that are written at once.
+#: Number of rows of a Parquet file that are written at a time.
 _ROWS_AT_ONCE: Final = 4096
 
 
@@ -36,7 +36,7 @@ class RecordedReading(NamedTuple):
         time: Time of the reading in seconds, since the first one was started.
         position: Position in counts. None if it is not usable, or if there was an error.
         verdict: Verdict of the frame. Empty after an error.
-        reports: Names of the active reports of the encoder, with spaces between them.
+        reports: Names of the encoder's active reports, separated by spaces.
         error: Kind of the error, such as ``no reply``. Empty if there was none.
     """
 
@@ -60,7 +60,7 @@ class Recorder(Protocol):
 
 
 class _Csv:
-    """CSV with a header. Each row is written at once, so that another program can follow.
+    """CSV with a header. Each row is written immediately, so that another program can follow the file.
 
     Without a file, rows go to standard output. ``_own_file`` is the text layer over a file, which the caller closes.
     """
@@ -111,7 +111,7 @@ class _Parquet:
         number_types = {"time": self._pa.float64(), "position": self._pa.int64()}
         self._schema = self._pa.schema([(name, number_types.get(name, text_type)) for name in RecordedReading._fields])
         self._writer = import_module("pyarrow.parquet").ParquetWriter(file, self._schema)
-        #: Rows that are not written yet.
+        #: Rows that have not been written yet.
         self._rows: list[dict[str, Any]] = []
 
     def write(self, reading: RecordedReading) -> None:
@@ -136,7 +136,7 @@ _RECORDERS: Final[dict[RecordKind, Callable[[Any], Recorder]]] = {
 
 
 def record_kind(target: str, kind: RecordKind | None) -> RecordKind:
-    """Return the format to write: the requested format, or the format that the file name implies.
+    """Return the format to write: the requested format, or the format implied by the file name.
 
     Raises:
         UsageError: Parquet cannot be written to standard output.

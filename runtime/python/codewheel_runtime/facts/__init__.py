@@ -1,8 +1,8 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Classes for the tables from the manuals, except for frames and registers.
 
-``source`` is the section and page of the manual. An empty text, an empty tuple or None means that the manual does not
-say.
+``source`` is the section and page of the manual. An empty string, an empty tuple or None means that the manual does
+not give this fact.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ class Scale(NamedTuple):
 
     @property
     def places(self) -> int:
-        """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
+        """Number of decimals: as many as an exact value needs, otherwise enough for a tenth of a count."""
         # Decimals are exact if the reduced denominator divides a power of ten. This power has at most as many zeros as
         # the denominator has bits.
         reduced = self.denominator // gcd(self.numerator, self.offset, self.denominator)
@@ -86,7 +86,10 @@ class Scale(NamedTuple):
         return places
 
     def decimal(self, number: int) -> Decimal:
-        """Return the quantity for a number with ``places`` decimals. It is rounded if the exact decimals never end."""
+        """Return the quantity for a number with ``places`` decimals.
+
+        It is rounded if the exact value has infinitely many decimals.
+        """
         from decimal import Decimal
 
         scaled_number = number * self.numerator + self.offset
@@ -101,11 +104,11 @@ class Scale(NamedTuple):
 class FieldFacts(NamedTuple):
     """Facts about a field. For its position in the frame, see ``bit_fields`` of the class.
 
-    ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, ``unused`` the value of
-    unused bits in the manual. ``implemented`` is False for a field that does not exist in this encoder. ``reserved`` is
-    the only party that may use it. ``explained_by`` lists register fields with details, as ``register.field``.
-    ``zero_means`` is the value that is sent as 0, if there is such a value. ``digit_code`` is the code of each digit,
-    such as ``bcd``, of a number that is not sent in binary. ``scale`` gives the quantity that a number stands for.
+    ``active`` is ``high`` or ``low`` for a flag. ``constant`` is the value of a constant field, and ``unused`` is the
+    value of unused bits in the manual. ``implemented`` is False for a field that does not exist in this encoder.
+    ``reserved`` names the only party that may use it. ``explained_by`` lists register fields with details, as
+    ``register.field``. ``zero_means`` is the value that is sent as 0, if there is such a value. ``digit_code`` is the
+    code of each digit, such as ``bcd``, if a number is not sent in binary. ``scale`` converts the number to a quantity.
     """
 
     name: str
@@ -151,8 +154,8 @@ class Register(NamedTuple):
 
     If ``opened_by`` is given, that register must hold ``opened_by_value``, in its field ``opened_by_field`` if given,
     before this register can be written. ``wait_ms`` is the minimum time to wait after a write. ``above_max`` is the
-    reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to zero. ``reserved`` is
-    the only party that may use the register.
+    reaction to a value above the maximum. ``write_clears`` lists registers that a write sets to zero. ``reserved``
+    names the only party that may use the register.
     """
 
     name: str

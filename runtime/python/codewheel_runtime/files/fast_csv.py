@@ -15,7 +15,7 @@ from .inputs import FIRST
 
 np: Any = load("numpy")
 
-#: Number of bytes that are read at once. It is also the limit for a line.
+#: Number of bytes that are read at a time. This is also the limit for a line.
 BLOCK: Final = 1 << 21
 #: Value of each hexadecimal digit by its character code. Other characters have 255.
 _HEX_DIGIT_VALUES: Final = np.full(256, 255, np.uint8)
@@ -44,8 +44,8 @@ class Block(NamedTuple):
 def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
     """Yield blocks of whole lines from a file. The last block may end within a line.
 
-    ``data`` is the part of the file that was read before. A line that is longer than a block ends the blocks, because
-    the file is not CSV.
+    ``data`` is the part of the file that was read before. A line that is longer than a block ends the iteration,
+    because the file is not CSV.
     """
     while more := file.read(BLOCK):
         data += more
@@ -62,7 +62,7 @@ def split_into_blocks(data: bytes, file: BinaryIO) -> Iterator[bytes]:
 def has_a_row_per_line(block: bytes) -> bool:
     """Return whether each line of a block is a row: it has no comments, and its lines end only with LF or CRLF.
 
-    With an odd number of quotes, the last row of the block can continue in the next one, so the result is False.
+    With an odd number of quotes, the last row can continue in the next block, so the result is False.
     """
     if b"#" in block or (b'"' in block and block.count(b'"') % 2):
         return False
@@ -113,9 +113,9 @@ def make_block_reader(
 ) -> Callable[[bytes], Block | None] | None:
     """Return a function that reads a block of whole lines, or None if pyarrow is not installed.
 
-    The function returns None if a cell is missing, has a line end in quotes, or is not a frame in the usual form.
+    The function returns None if a cell is missing, contains a quoted line end, or is not a frame in the usual form.
     ``names`` are the names of all columns. ``frame_column`` is the index of the column of frames, and ``kept_columns``
-    have the index and the name of each other column to keep. ``digits`` is the base of numbers without ``0x``.
+    contains the index and the name of each other column to keep. ``digits`` is the base of numbers without ``0x``.
     """
     try:
         pa: Any = load("pyarrow")
@@ -163,8 +163,8 @@ def make_block_reader(
 def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
     """Return the frames in cells of text as numbers, or None if the cells need the slower reader.
 
-    Cells without ``0x`` are in the base ``digits``. If that is hexadecimal, either all cells or none must begin with
-    ``0x``. ``pa`` and ``pc`` are the modules of pyarrow. The conversion raises ArrowInvalid for cells that are not
+    Cells without ``0x`` are in the base ``digits``. If the base is hexadecimal, either all cells or none must begin
+    with ``0x``. ``pa`` and ``pc`` are the modules of pyarrow. The conversion raises ArrowInvalid for cells that are not
     numbers.
     """
 
@@ -188,7 +188,7 @@ def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
 def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     """Return the hexadecimal bytes in cells as an array with a row for each cell.
 
-    Return None if there is no cell, or if one has a different length or is not hexadecimal. ``pc`` is the module
+    Return None if there is no cell, or if a cell has a different length or is not hexadecimal. ``pc`` is the module
     ``pyarrow.compute``.
     """
     packed_cells = pc.replace_substring(cells, " ", "")

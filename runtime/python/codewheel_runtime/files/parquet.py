@@ -15,7 +15,7 @@ from ..packages import load
 from . import inputs
 from .inputs import FrameBatch, Source, StorageFormat, find_column, select_columns
 
-#: Number of bytes of a Parquet column that are read at once.
+#: Number of bytes of a Parquet column that are read at a time.
 _BUFFER_BYTES: Final = 1 << 20
 
 

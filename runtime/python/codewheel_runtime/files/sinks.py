@@ -27,7 +27,7 @@ _FORMAT_BY_SUFFIX: Final[dict[str, TargetKind]] = {
 
 #: Words for False and True in CSV.
 _BOOLEAN_WORDS: Final = ("false", "true")
-#: Number of CSV rows that are formatted at once.
+#: Number of CSV rows that are formatted at a time.
 _ROWS_AT_ONCE: Final = 1 << 14
 #: Number of CSV rows that are always formatted without pyarrow.
 _FEW_ROWS: Final = 1000
@@ -81,8 +81,8 @@ class Sink(Protocol):
 class TextConverter:
     """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk contains only numbers.
 
-    ``kind`` is the Arrow type, which the first chunk determines, and None before. ``lost`` is the number of cells that
-    became null because they are not numbers.
+    ``kind`` is the Arrow type, which the first chunk determines. Before that, it is None. ``lost`` is the number of
+    cells that became null because they are not numbers.
     """
 
     def __init__(self) -> None:
@@ -93,8 +93,8 @@ class TextConverter:
     def array(self, cells: Any) -> Any:
         """Return the cells of a chunk as an Arrow array. Empty cells become null.
 
-        The first chunk determines the type (``kind``). Cells of later chunks that do not fit the type become null, and
-        are counted in ``lost``.
+        The first chunk determines the type (``kind``). Later cells that do not fit the type become null, and are
+        counted in ``lost``.
         """
         if isinstance(cells, self._pa.Array):
             if self.kind is not None and self.kind != self._pa.string():
@@ -120,7 +120,7 @@ class TextConverter:
             return self._pa.array(numbers, self.kind)
 
     def _find_type(self, texts: Any) -> Any:
-        """Return the Arrow type for these texts: integers if all are integers, floats if all are numbers, or text.
+        """Return the Arrow type for these texts: integer if all are integers, float if all are numbers, otherwise text.
 
         If all texts are null, the type is text.
         """
@@ -135,7 +135,7 @@ class TextConverter:
         return self._pa.string()
 
     def _cast_cell(self, cell: Any) -> Any:
-        """Return a cell of text as a number of the type ``kind``, or None if it is not a number."""
+        """Return a text cell as a number of type ``kind``, or None if it is not a number."""
         try:
             return cell.cast(self.kind).as_py()
         except self._pa.ArrowInvalid:
@@ -212,7 +212,7 @@ class ArrowSink:
 
 
 class CsvSink:
-    """CSV file with a header. It needs only NumPy. With pyarrow, the same output is faster."""
+    """CSV file with a header. It needs only NumPy. With pyarrow, the output is the same but faster."""
 
     def __init__(self, file: Any, plan: Plan) -> None:
         # CSV keeps every cell as text, so no cell is ever lost.
@@ -238,7 +238,7 @@ class CsvSink:
 
     @cached_property
     def _formatter(self) -> _ArrowFormatter | None:
-        """Formatter of many rows, or None if pyarrow is not installed."""
+        """Formatter for many rows, or None if pyarrow is not installed."""
         try:
             return _ArrowFormatter(self._plan)
         except ImportError:
@@ -263,7 +263,7 @@ class CsvSink:
                 self._out.write(csv_text)
 
     def _write_rows(self, table: Table, other_columns: Mapping[str, Any]) -> None:
-        """Append rows with Python's CSV writer, which puts quotes where they are needed."""
+        """Append rows with Python's CSV writer, which adds quotes where needed."""
         columns: list[list[Any]] = []
         for name in self._plan.names:
             if name in self._plan.source_columns:
@@ -295,7 +295,7 @@ def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
 
 
 class _ArrowFormatter:
-    """Formatter of rows as CSV with pyarrow."""
+    """Formatter that writes rows as CSV with pyarrow."""
 
     def __init__(self, plan: Plan) -> None:
         self._pa: Any = load("pyarrow")
@@ -336,7 +336,7 @@ class _ArrowFormatter:
     def _convert_source(self, column: Any) -> Any:
         """Return a column of the source as an Arrow array for CSV.
 
-        Integers, bools and texts in Arrow arrays stay unchanged. Other columns become texts, as they do without
+        Integers, bools and texts in Arrow arrays stay unchanged. Other columns become text, as they do without
         pyarrow.
         """
         kinds = self._pa.types
@@ -364,7 +364,8 @@ def _list_csv_cells(column: Any) -> list[Any]:
 def _format_csv_cell(cell: Any) -> Any:
     """Return a cell of an Arrow array for CSV.
 
-    None becomes an empty text, a bool ``true`` or ``false``, and bytes hexadecimal text. Other cells stay unchanged.
+    None becomes empty text, a bool becomes ``true`` or ``false``, and bytes become hexadecimal text. Other cells stay
+    unchanged.
     """
     if cell is None:
         return ""

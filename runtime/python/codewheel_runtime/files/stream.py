@@ -63,7 +63,7 @@ class Summary(NamedTuple):
     def to_dict(self) -> dict[str, Any]:
         """Return the counts as plain values for JSON.
 
-        An example is ``{"frames": 9, "faults": {"crc": 1}, "verdicts": {"usable": 8}, "lost_cells": 0}``.
+        Example: ``{"frames": 9, "faults": {"crc": 1}, "verdicts": {"usable": 8}, "lost_cells": 0}``.
         """
         faults = {kind.name.lower(): count for kind, count in self.faults.items()}
         verdicts = {kind.value: count for kind, count in self.verdicts.items()}
@@ -119,10 +119,10 @@ class Files(NamedTuple):
         """Decode a file of frames into a file of columns, in bounded memory.
 
         Each frame becomes a row. The other columns of the file come first. They are unchanged, except that a column of
-        CSV becomes numbers in Parquet and Arrow if its first cells are numbers. Later cells that are not are left
-        empty, and counted as ``lost``. The position is empty if it is not usable, or if the frame has an error. The
-        error is in ``fault``. A cell without a frame becomes a row with a length error. The target appears when it is
-        complete. On error, no file is created and an existing file is left unchanged.
+        CSV becomes numbers in Parquet and Arrow if its first cells are numbers. Later cells that are not numbers
+        are left empty, and counted as ``lost``. The position is empty if it is not usable, or if the frame has an
+        error. The error is in ``fault``. A cell without a frame becomes a row with a length error. The target file
+        appears only when it is complete. On error, no file is created and an existing file is left unchanged.
 
         Args:
             encoder: The encoder, or its label.
@@ -192,8 +192,8 @@ class Files(NamedTuple):
             answers: Answers to the questions that the manual leaves open, by name.
 
         Returns:
-            A partition of the same type: a ``pyarrow.Table`` or ``RecordBatch`` or a pandas DataFrame. For other
-            types, a ``pyarrow.Table``, which they accept.
+            A partition of the same type: a ``pyarrow.Table`` or ``RecordBatch`` or a pandas DataFrame. Other
+            types get a ``pyarrow.Table``, which they accept.
 
         Raises:
             InputError: The column does not contain such frames.
@@ -233,7 +233,7 @@ class Output(NamedTuple):
 
 
 def find_target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
-    """Return the format to write: the requested format, or the format that the file name implies.
+    """Return the format to write: the requested format, or the format implied by the file name.
 
     A target ``-`` means standard output.
 
@@ -307,7 +307,7 @@ def decode_parts(
         sink: The file.
         limit: Maximum number of frames to decode.
         progress: Called after each part with the amount read, the total if known, and the number of frames.
-        add_columns: Function that adds columns to a table. It also gets the other columns of the same rows.
+        add_columns: Function that adds columns to a table. It also receives the other columns of the same rows.
 
     Raises:
         UsageError: ``limit`` is negative.
@@ -411,9 +411,9 @@ class _Counts:
 def make_plan(empty_result: Table, frame_source: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields.
 
-    ``empty_result`` is a table without frames, which shows the fields. ``frame_source`` is the source, ``source`` its
-    name for errors, and ``columns`` are the requested columns, or none. With ``raw``, positions that are not usable are
-    also written.
+    ``empty_result`` is a table that shows the fields but contains no frames. ``frame_source`` is the source, ``source``
+    its name for errors, and ``columns`` are the requested columns, or none. With ``raw``, positions that are not usable
+    are also written.
 
     Raises:
         UsageError: A requested column does not exist, or a column of the file has the name of a field.

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Opens output files, which appear only when they are complete."""
+"""Opens output files that appear only when they are complete."""
 
 from __future__ import annotations
 

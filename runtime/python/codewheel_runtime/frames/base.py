@@ -25,9 +25,9 @@ _TUPLE: Any = tuple
 
 
 class Coded:
-    """Frame or register. Another base of each class is the NamedTuple of its fields.
+    """Frame or register. The other base of each class is the NamedTuple of its fields.
 
-    Objects are equal only to objects of the same class, unlike a plain NamedTuple.
+    Unlike plain NamedTuples, objects are equal only to objects of the same class.
     """
 
     __slots__ = ()
@@ -49,8 +49,8 @@ class Coded:
         """Return the fields as plain values for JSON.
 
         Returns:
-            The fields by name. A choice is its name in lower case. The encoder is its ``order_code``. A frame with a
-            position also contains ``position``, ``usable_position`` and ``verdict``, and a frame from an encoder also
+            The fields by name. A choice becomes its name in lower case. The encoder is its ``order_code``. A frame with
+            a position also contains ``position``, ``usable_position`` and ``verdict``, and a frame from an encoder also
             contains ``reports``.
         """
         frame_class: Any = type(self)
@@ -88,7 +88,7 @@ class Coded:
     def _encoder(self) -> Encode:
         """Return the function that encodes frames of this class.
 
-        The function is made on the first call for the class.
+        The function is created on the first call for the class.
         """
         try:
             return _ENCODERS[self.__class__]
@@ -124,7 +124,7 @@ class InBits(Coded):
     __slots__ = ()
 
     def encode(self) -> int:
-        """Return the word, with the first bit as the most significant one, including the CRC if it has one.
+        """Return the word, with the first bit as the most significant bit, including the CRC if it has one.
 
         Raises:
             RangeError: A value does not fit its field.
@@ -155,7 +155,7 @@ class Sent(Coded):
 
     @property
     def reports(self) -> tuple[Report, ...]:
-        """Reports of the encoder: active flags, unused bits that differ from the manual, and values with a verdict."""
+        """Encoder reports: active flags, unused bits that differ from the manual, and values with a verdict."""
         report_causes = shape_of(type(self), *self._arguments()).report_causes
         if not report_causes:
             return ()
@@ -238,7 +238,7 @@ class FixedRegister(Fixed, InBytes):
 if TYPE_CHECKING:
 
     class _Of(Coded, Generic[_Encoder]):
-        """Base that type checkers see: it is generic in the class of the encoder."""
+        """Base class for type checkers, generic over the class of the encoder."""
 
         __slots__ = ()
 
@@ -255,7 +255,7 @@ else:
 
 
 class ByEncoder(ForEncoder, _Of[_Encoder]):
-    """Frame or register that depends on the encoder, and on no answer."""
+    """Frame or register that depends on the encoder, but not on any answer."""
 
     __slots__ = ()
 
@@ -286,7 +286,7 @@ class FrameOf(ByEncoder[_Encoder]):
 
         Raises:
             TypeError, ValueError: ``frames`` are not in this form.
-            TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends such frames.
+            TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends frames of this class.
         """
         return decode_frames(frames, cls, variant=variant)
 
@@ -305,7 +305,7 @@ class FrameOf(ByEncoder[_Encoder]):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown, or its type does not fit the field.
             ValueError: The columns have different lengths.
-            TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends such frames.
+            TypeError, FamilyError, InterfaceError: ``variant`` is not an encoder that sends frames of this class.
         """
         return encode_columns(columns, cls, variant=variant)
 
@@ -383,7 +383,7 @@ def decode_frames(frames: object, frame_class: type, /, *, variant: Encoder | No
 def encode_columns(
     columns: Mapping[str, Any] | Table, frame_class: type, /, *, variant: Encoder | None, **answers: object
 ) -> Any:
-    """Return many frames of one class, whose values are given as columns by name.
+    """Return many frames of one class from columns of values by name.
 
     ``variant`` is None for frames that are the same for every encoder.
 

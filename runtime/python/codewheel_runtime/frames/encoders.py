@@ -1,7 +1,7 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Encoders of one frame: a function for each class and encoder, made from the description of the frame.
+"""Functions that encode one frame: one for each class and encoder, created from the description of the frame.
 
-The function handles values that fit their fields and have exactly the usual type, such as ``int`` and no subclass.
+The function handles values that fit their fields and have exactly the usual type, such as ``int`` but not a subclass.
 ``encode_number`` handles all other values, and raises the errors.
 """
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: Function that returns a frame as a number or as bytes.
 Encode = Callable[[Any], Any]
-#: Number of bits of a CRC up to which tables are small.
+#: Maximum CRC width for which the tables are small.
 _TABLE_WIDTH: Final = 8
 
 
@@ -60,8 +60,8 @@ def find_class_encoder(frame: Any) -> Encode:
 def make_encoder(frame_class: type, arguments: tuple[Any, ...]) -> Encode:
     """Return a function that encodes frames of a class. ``arguments`` are the encoder and the answers that it needs.
 
-    The function is compiled for this class. If a field has no fast path, or limits that depend on the encoder, the
-    function reads the description of the frame each time instead.
+    The function is compiled for this class. If a field has no fast path, or has limits that depend on the encoder,
+    the function instead reads the frame description on each call.
     """
     shape = shape_of(frame_class, *arguments)
 
@@ -81,10 +81,10 @@ def make_encoder(frame_class: type, arguments: tuple[Any, ...]) -> Encode:
 
 
 class _Bits(NamedTuple):
-    """Two texts of code for a field, in which ``{0}`` is replaced by the variable that holds the value of the field.
+    """Two pieces of code for a field, in which ``{0}`` is replaced with the variable that holds the field's value.
 
     ``condition`` is True if the value has the usual type and fits, and ``bits`` is an expression for its bits. For a
-    number of 20 bits: ``"type({0}) is int and not {0} >> 20"`` and ``"{0}"``.
+    20-bit number: ``"type({0}) is int and not {0} >> 20"`` and ``"{0}"``.
     """
 
     condition: str
@@ -92,7 +92,7 @@ class _Bits(NamedTuple):
 
 
 def _describe_usual_bits(column: Column) -> _Bits | None:
-    """Return the code for the condition on a field and for its bits, or None if the field needs ``encode_number``.
+    """Return the code for the condition and the bits of a field, or None if the field needs ``encode_number``.
 
     ``encode_number`` handles strings, decimal digits, numbers and choices with a list of values, powers of two, numbers
     whose value 0 has a different meaning, and signed numbers without bits.
@@ -119,9 +119,9 @@ def _describe_usual_bits(column: Column) -> _Bits | None:
 
 
 class _FunctionText:
-    """Text of the function that encodes a frame, and the names in it. Fields are named by their index.
+    """Text of the function that encodes a frame, and the names used in it. Fields are named by their index.
 
-    For a position of 20 bits and an active-low error bit, the text is::
+    For a 20-bit position and an active-low error bit, the text is::
 
         def encode(frame):
             field_0, field_1, = frame
@@ -130,8 +130,8 @@ class _FunctionText:
                 return number
             return encode_any(frame)
 
-    ``_conditions`` and ``_terms`` hold the expressions that are joined by ``and`` and by ``|``, and ``_statements`` the
-    lines after them. ``names`` are the global variables of the function.
+    ``_conditions`` and ``_terms`` contain the expressions that are joined with ``and`` and with ``|``. ``_statements``
+    contains the lines that follow. ``names`` are the global variables of the function.
     """
 
     def __init__(self, shape: Shape, fields: tuple[str, ...]) -> None:
@@ -157,8 +157,8 @@ class _FunctionText:
     def _add_column(self, column: Column) -> None:
         """Add code for the condition on a field, and for its bits at their place in the frame.
 
-        The first field, a number of 20 bits from bit 1 up, adds ``type(field_0) is int and not field_0 >> 20`` to the
-        conditions, and ``field_0 << 1`` to the terms.
+        The first field, a 20-bit number that starts at bit 1, adds ``type(field_0) is int and not field_0 >> 20`` to
+        the conditions, and ``field_0 << 1`` to the terms.
         """
         usual = _describe_usual_bits(column)
         if usual is None:
@@ -208,7 +208,7 @@ class _FunctionText:
     def _add_result(self, shape: Shape) -> None:
         """Add code for the CRC and for the conversion to bytes.
 
-        A CRC of at most 8 bits, which are the lowest of the frame, is the XOR of one table entry for each 16 bits.
+        A CRC of at most 8 bits at the low end of the frame is the XOR of one table entry per 16 bits.
         """
         crc = shape.crc
         if crc is None:
@@ -240,7 +240,7 @@ class _FunctionText:
 
 
 def _make_tables(crc: CrcOf, bits: int) -> tuple[Any, ...]:
-    """Return one table for each 16 bits of a frame of ``bits`` bits. The XOR of the entries for a frame is its CRC.
+    """Return one table per 16 bits of a frame of ``bits`` bits. The XOR of the entries for a frame is its CRC.
 
     The first table is for the lowest bits. The bits of the CRC in the frame must be 0.
     """

@@ -431,8 +431,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         name="id_access",
         title="The tables do not give access rights for the identification registers",
         printed=(
-            "Figure 47 has r for EDSBANK, PROFILE_ID, SERIAL, DEV_ID and MFG_ID, for protection level RP1. The tables "
-            "of these registers have no R, unlike the tables of STATUS0 and STATUS1."
+            "Figure 47 shows r for EDSBANK, PROFILE_ID, SERIAL, DEV_ID and MFG_ID, for protection level RP1. The "
+            "tables of these registers have no R, unlike the tables of STATUS0 and STATUS1."
         ),
         used="They are read-only.",
         why=(

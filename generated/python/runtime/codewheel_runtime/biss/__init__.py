@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Register access over BiSS C: control frames for masters and slaves.
+"""Register access over BiSS C with control frames, for masters and slaves.
 
 A BiSS frame carries one bit of control data each way: CDM from the master, the inverse of the level of MA during the
 timeout, and CDS from the slave, after the start bit. The bits of successive frames form a control frame, which reads
@@ -24,7 +24,7 @@ CDS comes early in a frame and CDM at its end, so the answer to a bit comes in t
 start value 0, inverted, over CTS, ID and ADR, or over a byte of data. S, R, W, P and IDL are not protected by a CRC.
 Therefore:
 
-* A write that no slave understood looks like a refused one: the bits R and W come back as 00.
+* A write that no slave understood looks like a refused write: the bits R and W come back as 00.
 * If the slave's S bit is lost on its way to the master, master and slave stay out of step by one bit. A byte read then
   fails its CRC. A byte written is not stored, but values whose CRC ends in 0 (half of all values) are echoed as if they
   had been stored. Read back what you write.
@@ -35,9 +35,9 @@ Therefore:
 Source: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 9 to 14 and 18. Three details come from
 two published masters: the CRC covers CTS, each answer comes in the frame described above, and P comes before another
 S. The masters are lenzencoders/BISS-C (BiSS_C_Master/lib/BiSS_C_Master) and TexasInstruments/motor-control-sdk
-(source/position_sense/bissc). Two details are inferred: the end of a chain that has ID 0, and the reaction of a slave
-to a corrupted byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0) are not covered: a
-:class:`Slave` ignores them.
+(source/position_sense/bissc). Two details are inferred: that the end of a chain has ID 0, and how a slave reacts to a
+corrupted byte or to R W = 00 or 11. Not yet tested on hardware. Commands (CTS = 0) are not supported:
+a :class:`Slave` ignores them.
 """
 
 from __future__ import annotations

@@ -11,17 +11,17 @@ from typing import Final
 from ..codec import check_width, whole_number
 from ..errors import CrcError, LengthError
 
-#: Number of zeros that precede a control frame, and that end one at any time.
+#: Number of zeros that must precede a control frame, and that end a control frame at any time.
 ZEROS: Final = 14
-#: Number of bits of a control frame after S up to the CRC of the address, up to W, and of a byte with its CRC.
+#: Number of bits after S up to the CRC of the address, after S up to W, and in a byte with its CRC.
 ADDRESS_BITS: Final = 15
 HEADER_BITS: Final = 17
 BYTE_BITS: Final = 12
-#: Number of IDs that slaves can take. ID 0 is the only slave, or the last of a chain, whose SLI is 0.
+#: Number of IDs that slaves can take. ID 0 is the only slave, or the last slave in a chain, whose SLI is 0.
 IDS: Final = 8
 #: Number of registers that one control frame can reach: 00h to 3Fh or 40h to 7Fh.
 REGISTERS: Final = 64
-#: Numbers of bits: of CTS, ID and ADR, and of a CRC.
+#: Number of bits in CTS, ID and ADR together, and in a CRC.
 HEAD_BITS: Final = 11
 CRC_BITS: Final = 4
 
@@ -44,11 +44,11 @@ def crc(value: int, bits: int) -> int:
     """Compute the CRC of control data.
 
     Args:
-        value: Control data, the highest bit sent first.
-        bits: Number of bits. Any higher bits of ``value`` are ignored.
+        value: Control data, with the highest bit sent first.
+        bits: Number of bits. Higher bits of ``value`` are ignored.
 
     Returns:
-        The CRC, 4 bits, inverted as it is sent.
+        The 4-bit CRC, inverted as it is sent.
     """
     value = index(value)
     register = 0
@@ -67,7 +67,7 @@ def bit_at(bits: int, place: int) -> int:
 
 
 def append_bit(bits: int, bit: int) -> int:
-    """Return the bits received so far with one more bit, which becomes the lowest bit."""
+    """Append a bit to the bits received so far, as the lowest bit."""
     return (bits << 1) | bit
 
 
@@ -92,7 +92,7 @@ class ControlHead:
 
     @classmethod
     def decode_with_crc(cls, bits: int) -> ControlHead | None:
-        """Split the 11 bits of the head and check the CRC of 4 bits that follows them.
+        """Split the 11 bits of the head, and check the 4-bit CRC that follows them.
 
         Return None if the CRC is wrong.
         """
@@ -103,7 +103,7 @@ class ControlHead:
 
 
 def encode_byte(value: int) -> int:
-    """Append the CRC to a byte of data.
+    """Append its CRC to a data byte.
 
     Args:
         value: The byte.
@@ -119,7 +119,7 @@ def encode_byte(value: int) -> int:
 
 
 def decode_byte(bits: int) -> int:
-    """Check the CRC of a byte of data.
+    """Check the CRC of a data byte.
 
     Args:
         bits: The byte and its CRC, 12 bits.

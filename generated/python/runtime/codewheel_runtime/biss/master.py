@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Master for register access, bit by bit, and the registers of a slave on a bus."""
+"""BiSS master for register access bit by bit, and the registers of a slave on a bus."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class Master:
     """BiSS C master for register access.
 
     Start an access with :meth:`read` or :meth:`write`. Then call :meth:`next` once in every BiSS frame, between its
-    CDS bit and its timeout, until ``outcome`` is no longer RUNNING. Continue to call it while frames are sent, because
-    it counts the zeros that are required between two accesses. An access to one register takes at most 46 frames. Each
+    CDS bit and its timeout, until ``outcome`` is no longer RUNNING. Keep calling it while frames are sent, because it
+    counts the zeros that are required between two accesses. An access to one register takes at most 46 frames. Each
     further register adds 14 frames, and each frame in which the slave is busy adds one.
 
     Attributes:
@@ -41,9 +41,9 @@ class Master:
         #: Number of successive frames in which the slave was busy, and the allowed number.
         self._busy_count = 0
         self._busy_limit = 0
-        #: CDM bits of this phase, the first one highest: CTS to W, or a byte and its CRC.
+        #: CDM bits in this phase, with the first one highest: CTS to W, or a byte and its CRC.
         self._bits_to_send = 0
-        #: CDS bits of this phase, the last one in bit 0.
+        #: CDS bits in this phase, with the last one in bit 0.
         self._answer_bits = 0
 
     def read(self, address: int, count: int = 1, *, slave_id: int = 0, busy_limit: int) -> None:
@@ -53,8 +53,8 @@ class Master:
             address: Address of the first register, 00h to 7Fh.
             count: Number of registers.
             slave_id: ID of the slave, 0 to 7.
-            busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number that takes
-                20 ms.
+            busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number of frames
+                that takes 20 ms.
 
         Raises:
             RangeError: The ID or the address is out of range, ``count`` is not 1 or more, or the registers extend
@@ -72,8 +72,8 @@ class Master:
             address: Address of the first register, 00h to 7Fh.
             data: Bytes to write to ascending addresses.
             slave_id: ID of the slave, 0 to 7.
-            busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number that takes
-                20 ms.
+            busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number of frames
+                that takes 20 ms.
 
         Raises:
             RangeError: The ID or the address is out of range, ``data`` is empty, or the registers extend beyond 3Fh or
@@ -84,9 +84,9 @@ class Master:
     def _begin_frame(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
         """Begin a control frame for an access, and forget the previous access except for the number of zeros sent.
 
-        ``values`` has the byte to write for each register from ``address`` on, or None to read it. Raises RangeError,
-        before anything is changed, if the ID or the address is out of range, or if the registers extend beyond 3Fh or
-        7Fh.
+        ``values`` contains the byte to write to each register, starting at ``address``, or None to read the register.
+        Raises RangeError, before anything is changed, if the ID or the address is out of range, or if the registers
+        extend beyond 3Fh or 7Fh.
         """
         slave_id = whole_number("slave_id", slave_id)
         address = whole_number("address", address)
@@ -165,13 +165,13 @@ class Master:
         return self._request_register()
 
     def _request_register(self) -> int:
-        """Return the CDM bit S = 1, which asks the slave to look up a register, and start waiting for its answer."""
+        """Return the CDM bit S = 1, which requests a register from the slave, and start waiting for the answer."""
         self._phase = Phase.START
         self._busy_count = 0
         return 1
 
     def _follow_start(self, cds: int) -> int:
-        """Take an answer to S, and return the next CDM bit: S = 1 again while the slave is busy, then DATA7.
+        """Process an answer to S, and return the next CDM bit: S = 1 again while the slave is busy, then DATA7.
 
         An answer of 0 means that the slave is busy. After more than ``_busy_limit`` such answers, the access ends.
         DATA7 is the first bit of the byte, and 0 in a read.
@@ -188,9 +188,9 @@ class Master:
         return bit_at(self._bits_to_send, BYTE_BITS - 1)
 
     def _follow_byte(self, cds: int) -> int:
-        """Take an answer to a byte, and return the next CDM bit: DATA6..0, their CRC, P, and S if a register follows.
+        """Process an answer to a byte, and return the next CDM bit: DATA6..0, their CRC, P, and S if one follows.
 
-        In a read, DATA and CRC are zeros, and the answers to them are the byte. P is always 0.
+        In a read, DATA and CRC are zeros, and the answers to them form the byte. P is always 0.
         """
         has_sent_p = self._bit_count == BYTE_BITS
         if has_sent_p:
@@ -240,8 +240,8 @@ class RegisterBus:
         exchange: Function that carries out one BiSS frame. It takes the CDM bit of the previous frame, whose inverse MA
             carries during the timeout, and returns the CDS bit of this frame, alone or as the first member of a tuple.
         slave_id: ID of the slave, 0 to 7.
-        busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number that takes
-            20 ms.
+        busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number of frames
+            that takes 20 ms.
     """
 
     def __init__(

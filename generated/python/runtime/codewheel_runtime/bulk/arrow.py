@@ -47,8 +47,8 @@ def read_column(column: Any, shape: Shape) -> Any:
 def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, rows_before: int = 0) -> Any:
     """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
 
-    ``digits`` is the base of numbers in text without ``0x``. ``rows_before`` is the number of rows of the file that
-    were read before. If it is 0 and the column is text, most of its cells must be frames.
+    ``digits`` is the base of numbers in text that have no ``0x``. ``rows_before`` is the number of rows of the file
+    that have already been read. If it is 0 and the column is text, most of its cells must be frames.
 
     Raises:
         NoFrame: Most of the first cells of text are not frames.
@@ -101,7 +101,7 @@ def _read_integers(array: Any, shape: Shape) -> Any:
 
 
 def _read_rows(array: Any, length: int) -> Any:
-    """Return byte strings as an array with a row for each string, without copying.
+    """Return byte strings as an array with one row per string, without copying.
 
     Return None if a string has a different length.
     """
@@ -132,7 +132,7 @@ def _read_rows(array: Any, length: int) -> Any:
 def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
     """Return frames that are byte strings in the form that ``decode_many`` expects: unchanged, or as integers.
 
-    None stays None. For frames of bits, a string with too few bytes for all bits also becomes None.
+    None stays None. For frames of bits, a string that has too few bytes for all bits also becomes None.
     """
     if shape.length:
         return list(items)

@@ -18,7 +18,7 @@ WORDS: Final[Mapping[str, tuple[str, ...]]] = {
     "fault": tuple(kind.name.lower() for kind in ErrorKind),
     "verdict": tuple(verdict.value for verdict in Verdict),
 }
-#: Number of digits of quantities in Arrow, which is enough for every scale.
+#: Number of digits for quantities in Arrow, which is enough for every scale.
 _DECIMAL_PRECISION: Final = 38
 
 
@@ -46,7 +46,7 @@ def check_new_columns(columns: Mapping[str, Any], decoded_names: Collection[str]
 
     Raises:
         TypeError: A column is a single value.
-        ValueError: A column has a different length, or the name of a decoded column.
+        ValueError: A column has a different length, or the same name as a decoded column.
     """
     for name, column in columns.items():
         if not hasattr(column, "__len__"):
@@ -58,7 +58,7 @@ def check_new_columns(columns: Mapping[str, Any], decoded_names: Collection[str]
 
 
 def make_unknown_column_message(name: str, names: Sequence[str]) -> str:
-    """Return the message for a column that a table does not have, with the most similar one of its ``names``."""
+    """Return the message for a column that a table does not have, with the most similar of its ``names``."""
     nearest = get_close_matches(name, names, n=1)
     suggestion = f"; did you mean {nearest[0]!r}?" if nearest else ""
     return f"no column {name[:40]!r}; the columns are {', '.join(names)}{suggestion}"
@@ -76,8 +76,7 @@ def convert_to_quantities(numbers: Any, scale: Scale) -> Any:
 def read_cells(columns: Columns, name: str, rows: slice) -> list[Any]:
     """Return the values of a column in some rows as Python objects.
 
-    Errors and verdicts become members of their enumerations, values without a meaning become None, and bytes become
-    text.
+    Errors and verdicts become enumeration members, values without a meaning become None, and bytes become text.
     """
     column = columns[name][rows]
     cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
@@ -99,7 +98,7 @@ def list_texts(column: Any) -> list[str]:
 
 
 def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
-    """Return columns as Arrow arrays by name, ``fault`` and ``verdict`` as strings.
+    """Return columns as Arrow arrays by name, with ``fault`` and ``verdict`` as strings.
 
     Values without meaning, such as a position that is not usable, are null unless ``raw`` is True. NaN is always null.
     """

@@ -43,14 +43,14 @@ from .table import FrameSource, Table
 
 #: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
 CHUNK: Final = 32_768
-#: Number of allowed values above which a search takes less time than one comparison for each.
+#: Number of allowed values above which a search takes less time than a comparison with each of them.
 _MANY_VALUES: Final = 16
 #: Verdicts in the order of their numbers in a column. The worst is 0.
 VERDICTS: Final[list[Verdict | None]] = [*Verdict]
 
 
 def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
-    """Decode many frames into a table with an array for each field, and with the error of each frame.
+    """Decode many frames into a table that has an array for each field, and the error of each frame.
 
     A frame of the wrong length has a length error, and its values have no meaning.
 
@@ -172,7 +172,7 @@ def _find_faults(frames: Any, words: list[Any], shape: Shape) -> Any:
 
     If a frame has several errors, the lowest number counts, because ``decode`` checks in the order of these numbers.
     ``words`` are the frames as 64-bit words, limited to the bits of the frame. ``frames`` are the frames as they were
-    passed, in which the extra bits of a frame that is too long are still set.
+    passed. The extra bits of a frame that is too long are still set in them.
     """
     chunk = Chunk(words, shape.bits)
     # Each kind of error, with an array that is True for the frames with this error.
@@ -224,7 +224,7 @@ def _write_columns(chunk: Chunk, shape: Shape, columns: Mapping[str, Any]) -> No
 
 
 def _write_joined_number(chunk: Chunk, shape: Shape, join: Join, fields: Mapping[str, Column], out: Any) -> None:
-    """Write a number that is joined from several fields into ``out``, an array of 64-bit numbers.
+    """Write a number that consists of several fields into ``out``, an array of 64-bit numbers.
 
     ``join.fields`` lists the fields, each with the place of its lowest bit in the joined number. The first field
     provides the lowest bits. ``fields`` contains the descriptions of all fields by name.
@@ -244,7 +244,7 @@ def _write_joined_number(chunk: Chunk, shape: Shape, join: Join, fields: Mapping
 
 
 def _write_unused_bits(chunk: Chunk, shape: Shape, out: Any) -> None:
-    """Write a number for each frame into ``out`` in which each unused bit is 1 if it differs from the manual.
+    """For each frame, write a number into ``out`` in which each unused bit is 1 if it differs from the manual.
 
     The unused bits are side by side in this number. Groups of them are moved from bit ``low`` of the frame to bit
     ``place`` of the number. The numbers have as few bytes as possible.
@@ -312,8 +312,8 @@ def _read_text(chunk: Chunk, field: Column) -> Any:
 def _write_verdicts(shape: Shape, columns: Mapping[str, Any]) -> None:
     """Write the verdict on the position of each frame, as an index in ``VERDICTS``, into the column ``verdict``.
 
-    The verdict is NOT_USABLE if one of the causes for it is active, for example an error flag. Otherwise, it is
-    USABLE_WITH_WARNING if one of the causes for that is active, unless the default verdict is UNKNOWN. Otherwise, it is
+    The verdict is NOT_USABLE if one of its causes is active, for example an error flag. Otherwise, it is
+    USABLE_WITH_WARNING if a cause for that verdict is active, unless the default verdict is UNKNOWN. Otherwise, it is
     the default verdict. CRC errors and other frame errors are not considered here. The computation has no branches, so
     its time does not depend on the frames.
     """
@@ -338,10 +338,11 @@ def _write_verdicts(shape: Shape, columns: Mapping[str, Any]) -> None:
 
 
 def _find_active_causes(shape: Shape, columns: Mapping[str, Any]) -> dict[Verdict, list[Any]]:
-    """Return for each verdict a list of arrays, one for each of its causes: True for the frames in which it is active.
+    """Return a list of arrays for each verdict, one for each cause: True for the frames in which it is active.
 
     A cause is an active flag, unused bits that differ from the manual, or fields with certain values. ``columns`` are
-    the decoded fields. If no unused bit differs from the manual in any frame, causes by unused bits are omitted.
+    the decoded fields. If no unused bit differs from the manual in any frame, causes that consist of unused bits are
+    omitted.
     """
     # Each bit of this column is 1 where an unused bit differs from the manual.
     unused: Any = columns.get("unused")

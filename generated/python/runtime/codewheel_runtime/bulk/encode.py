@@ -23,13 +23,13 @@ from .encode_columns import FirstError, list_names, read_arrays
 from .shape import Column, DigitCoding, Join, Shape, find_width
 from .table import Table
 
-#: Bits of a character in a frame, and the number of the last character of Latin-1.
+#: Number of bits per character in a frame, and the number of the last Latin-1 character.
 _CHARACTER_BITS: Final = 8
 _LAST_LATIN_1: Final = 0xFF
 
 
 def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
-    """Return the frames whose fields are in ``columns``, as rows of bytes or as 64-bit numbers.
+    """Return the frames with the field values in ``columns``, as rows of bytes or as 64-bit numbers.
 
     ``columns`` is a decoded table, or arrays by name. Raises RowError if a value does not fit its field.
     """
@@ -65,7 +65,7 @@ def _make_words_of_constants(shape: Shape, row_count: int) -> list[Any]:
 def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
     """Return the encoded frames as arrays of 64-bit words, the lowest word first.
 
-    Each array has an element for each frame. ``arrays`` contains the values of each field by name. A value that does
+    Each array has one element per frame. ``arrays`` contains the values of each field by name. A value that does
     not fit is recorded in ``first_error``.
     """
     first_array = next(iter(arrays.values()))
@@ -93,7 +93,7 @@ def _encode_rows(arrays: Mapping[str, Any], shape: Shape, first_error: FirstErro
 
 
 def _insert_bits(words: list[Any], low: int, width: int, bits: Any) -> None:
-    """Insert ``width`` bits into each frame from bit ``low`` up. These bits of ``words`` must still be 0."""
+    """Insert ``width`` bits into each frame, starting at bit ``low``. These bits of ``words`` must still be 0."""
     word_index, shift = divmod(low, 64)
     if width:
         words[word_index] |= shift_left(bits, shift)
@@ -111,7 +111,9 @@ class _Piece(NamedTuple):
 
 
 def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[_Piece]:
-    """Yield the bits of a field with their place in the frame. A value that does not fit goes into ``first_error``.
+    """Yield the bits of a field, and their place in the frame.
+
+    A value that does not fit is recorded in ``first_error``.
 
     A text field has one piece for each character, and any other field has a single piece. ``arrays`` contains the
     values of each field by name.
@@ -139,7 +141,7 @@ def _encode_field(arrays: Mapping[str, Any], column: Column, first_error: FirstE
 def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
     """Return the bit of a flag in each frame: 1 for an active flag, or 0 if the flag is active low.
 
-    Values other than True and False, and active flags that the encoder does not send, go into ``first_error``.
+    Values other than True and False, and active flags that the encoder does not send, are recorded in ``first_error``.
     """
     is_active = values != 0
     if values.dtype.kind != "b":
@@ -151,9 +153,9 @@ def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
 
 
 def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Any:
-    """Return the number that groups of decimal digits form. Each group has a column of its own.
+    """Return the number that groups of decimal digits form. Each group has its own column.
 
-    Groups and numbers that are too large are added to ``first_error``.
+    Groups and numbers that are too large are recorded in ``first_error``.
     """
     first_name, *_ = column.runs[0]
     number = np.zeros(len(arrays[first_name]), np.uint64)
@@ -167,7 +169,10 @@ def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: First
 
 
 def _encode_signed(values: Any, column: Column, first_error: FirstError) -> Any:
-    """Return the bits of a signed number in two's complement. Values that do not fit go into ``first_error``."""
+    """Return the bits of a signed number in two's complement.
+
+    Values that do not fit are recorded in ``first_error``.
+    """
     sign_bit = (1 << column.width) >> 1
     # A field without bits can only have the value 0.
     highest = sign_bit - 1 if sign_bit else 0
@@ -180,10 +185,10 @@ def _encode_signed(values: Any, column: Column, first_error: FirstError) -> Any:
 
 
 def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
-    """Return the bits of an unsigned number as 64-bit numbers. Values that do not fit go into ``first_error``.
+    """Return the bits of an unsigned number as 64-bit numbers. Values that do not fit are recorded in ``first_error``.
 
-    If the bits 0 stand for another number (``column.zero_means``), such as 16, then 16 is sent as 0, and the value 0 is
-    an error. Some fields only accept powers of two.
+    If all bits 0 represent another number (``column.zero_means``), such as 16, then 16 is sent as 0, and the value 0 is
+    an error. Some fields accept only powers of two.
     """
     if column.power_of_two:
         # A power of two has a single bit, which subtracting 1 clears.
@@ -198,7 +203,7 @@ def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
 
 
 def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
-    """Return numbers as unsigned 64-bit numbers. Numbers outside 0 to ``highest`` go into ``first_error``."""
+    """Return numbers as unsigned 64-bit numbers. Numbers outside 0 to ``highest`` are recorded in ``first_error``."""
     # Unsigned arrays have no negative values.
     is_wrong = values < 0 if values.dtype.kind == "i" else np.zeros(len(values), bool)
     bits = values.astype(np.uint64)
@@ -212,7 +217,7 @@ def _encode_text(values: Any, column: Column, first_error: FirstError) -> Iterat
     """Yield the characters of a text field as pieces of 8 bits, from the highest place in the frame to the lowest.
 
     ``values`` is an array of strings. A string that is shorter than the field is padded with NUL characters. A longer
-    string, or a string with a character that is not Latin-1, goes into ``first_error``.
+    string, or one with a character outside Latin-1, is recorded in ``first_error``.
     """
     length = column.width // _CHARACTER_BITS
     # NumPy stores the characters of a bytes array (S) in one byte each, and the characters of a text array (U) in four.
@@ -237,8 +242,8 @@ def _insert_joined_number(
 ) -> None:
     """Insert a number that consists of several fields into the frames, such as a position of multiturn and singleturn.
 
-    Fields whose values are also given separately are in ``words`` already. If they differ from their bits in the joined
-    number, it goes into ``first_error``.
+    Fields whose values are also given separately are already in ``words``. If they differ from their bits in the joined
+    number, the error is recorded in ``first_error``.
     """
     width = find_width(shape, join)
     joined_numbers = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
@@ -258,11 +263,11 @@ def _insert_joined_number(
 
 
 def _insert_unused_bits(words: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
-    """Insert the unused bits with their values in the manual, inverted where a bit of the column ``unused`` is 1.
+    """Insert the unused bits with the values given in the manual, inverted where a bit of the column ``unused`` is 1.
 
     This column contains all unused bits of a frame side by side: ``place`` is a bit in the column, and ``low`` a bit in
-    the frame. Without this column, all unused bits have their values in the manual. Other bits that are 1 in the column
-    are an error, which goes into ``first_error``.
+    the frame. Without this column, all unused bits have the values given in the manual. Other bits that are 1 in the
+    column are an error, which is recorded in ``first_error``.
     """
     no_differences = np.zeros(len(words[0]), np.uint8)
     differences = arrays.get("unused", no_differences)
@@ -278,7 +283,7 @@ def _insert_unused_bits(words: list[Any], arrays: Mapping[str, Any], shape: Shap
 
 
 def _check_values(words: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
-    """Record the first value in ``first_error`` that is not one of its field's allowed values, or exceeds its limits.
+    """In ``first_error``, record the first value that its field does not allow, or that exceeds the field's limits.
 
     ``words`` are the frames so far, and ``arrays`` the values of each field by name, for the error.
     """
@@ -321,7 +326,7 @@ def _convert_from_binary(words: list[Any], shape: Shape) -> None:
 
 
 def _insert_parities_and_crc(words: list[Any], shape: Shape) -> None:
-    """Insert the parity bits, then the CRC, which covers them too. Both cover the bits as they are sent."""
+    """Insert the parity bits, then the CRC, which also covers the parity bits. Both cover the bits as they are sent."""
     chunk = Chunk(words, shape.bits)
     for check in shape.parities:
         parity_bits = compute_parity(chunk, check).astype(np.uint64)
@@ -334,7 +339,7 @@ def _insert_parities_and_crc(words: list[Any], shape: Shape) -> None:
 
 
 def _convert_to_digits(words: list[Any], coding: DigitCoding) -> None:
-    """Replace a binary number in each frame by the codes of its digits, such as BCD. Changes the first word."""
+    """Replace a binary number in each frame with the codes of its digits, such as BCD. Changes the first word."""
     base = np.uint64(len(coding.codes))
     codes = np.array(coding.codes, np.uint64)
     number = shift_right(words[0], coding.low) & bit_mask(coding.width)
@@ -349,7 +354,7 @@ def _convert_to_digits(words: list[Any], coding: DigitCoding) -> None:
 
 
 def _convert_to_gray(words: list[Any], low: int, width: int, excess: int) -> None:
-    """Convert the ``width`` bits from bit ``low`` on from binary to Gray code. Changes the first word.
+    """Convert the ``width`` bits starting at bit ``low`` from binary to Gray code. Changes the first word.
 
     ``excess`` is the number that the encoder sends for position 0, and is added to the binary number first.
     """

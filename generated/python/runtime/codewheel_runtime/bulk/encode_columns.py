@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Reads the columns that ``encode_many`` gets, and reports the first value that does not fit."""
+"""Reads the columns passed to ``encode_many``, and reports the first value that does not fit."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..errors import RangeError
 from .chunk import np
 from .shape import Column, Shape, find_scales
 
-#: Allowed ``dtype.kind`` of the NumPy array for a field, if more than integers are allowed. Bools are not numbers.
+#: Allowed ``dtype.kind`` of the NumPy array for a field, if it allows more than integers. Bools are not numbers.
 ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag": "uib"}
 
 
@@ -27,10 +27,10 @@ class RowError(RangeError):
 
 
 class FirstError:
-    """First error in the rows: the first wrong field of the first row with an error.
+    """First error in the rows: the first wrong field in the first row that has an error.
 
-    Fields are checked one after another, each in all rows. ``row`` is the lowest row with an error so far, or None, and
-    ``_error`` the arguments of its ``RowError``: field, value and allowed values.
+    Fields are checked one after another, each in all rows. ``row`` is the lowest row with an error so far, or None.
+    ``_error`` holds the arguments of its ``RowError``: field, value and allowed values.
     """
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class FirstError:
         self._error: tuple[str, object, str] = ("", 0, "")
 
     def add(self, is_wrong: Any, field: str, values: Any, allowed: str) -> None:
-        """Record the first row in which ``is_wrong`` is True, if no earlier or equal row has an error.
+        """Record the first row in which ``is_wrong`` is True, unless this row or an earlier one already has an error.
 
         ``values`` are the values of ``field`` in all rows, and ``allowed`` describes the allowed values, for the
         message.
@@ -57,7 +57,7 @@ class FirstError:
 
 
 def read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
-    """Return the columns of the frame that are present as arrays of equal length. A single value applies to all rows.
+    """Return the available columns of the frame as arrays of equal length. A single value applies to all rows.
 
     ``other_names`` are the names of columns that do not belong to the frame and are ignored.
 
@@ -83,7 +83,7 @@ def read_arrays(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[
 
 
 def _make_array(name: str, cells: Any) -> Any:
-    """Return a column as an array. Raises TypeError if it has cells of different shapes, or masked ones."""
+    """Return a column as an array. Raises TypeError if its cells have different shapes or are masked."""
     try:
         array: Any = np.asanyarray(cells)
     except ValueError:
@@ -98,7 +98,7 @@ def _make_array(name: str, cells: Any) -> Any:
 def _check_array(name: str, array: Any, cells: Any, field_kind: str, row_count: int) -> None:
     """Raise an error if a column does not have ``row_count`` rows, or if its type does not fit a field of this kind.
 
-    ``array`` has been made from ``cells``, which are the column as the caller passed it.
+    ``array`` was made from ``cells``, the column that the caller passed.
 
     Raises:
         ValueError: The length is wrong.

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Finds the checks of a frame that one comparison of whole words can replace."""
+"""Finds the frame checks that one comparison of whole words can replace."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ class _FixedBits:
 
 @lru_cache(maxsize=256)
 def find_quick_checks(shape: Shape) -> QuickChecks:
-    """Return the checks of a frame in the form in which they take the least time for many frames.
+    """Return the checks of a frame in the form that is fastest for many frames.
 
-    Checks are combined into a single comparison of all constant bits, and into the allowed values of single bytes. If
+    Checks are combined into a single comparison of all constant bits, and lists of allowed values for single bytes. If
     the four lowest bits of a frame must be 1010, the result is ``fixed=((0xF, 0xA),)``.
     """
     fixed_bits = _FixedBits()
@@ -74,7 +74,7 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
     return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
 
 
-#: Number of allowed values of a byte up to which the byte is compared with each of them.
+#: Maximum number of allowed values for which a byte is compared with each of them.
 _MOST_COMPARED_VALUES: Final = 8
 
 
@@ -87,7 +87,7 @@ def _find_constant_bits(values: list[int]) -> int:
 
 
 def _has_all_values(values: list[int], constant_mask: int) -> bool:
-    """Return whether these values of a byte are all values with the same constant bits.
+    """Return whether these are all the byte values that have the same constant bits.
 
     The constant bits are then the whole condition.
     """
@@ -96,7 +96,7 @@ def _has_all_values(values: list[int], constant_mask: int) -> bool:
 
 
 def _split_into_words(mask: int, required_bits: int, bits: int) -> tuple[tuple[int, int], ...]:
-    """Return the 64-bit words of a mask and of the required bits of a frame of ``bits`` bits, the lowest word first."""
+    """Return the mask and the required bits of a frame of ``bits`` bits as 64-bit words, lowest word first."""
     word_mask = (1 << 64) - 1
     return tuple(
         ((mask >> lowest_bit) & word_mask, (required_bits >> lowest_bit) & word_mask)

@@ -21,8 +21,8 @@ class Column(NamedTuple):
     bits that are all 0 represent this number. With ``power_of_two``, only powers of two can be encoded. ``runs``
     contains the name, divisor and modulus of each group of decimal digits: its number is ``bits // divisor % modulus``.
     ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` lists the only allowed
-    values of the field, if they are limited. ``scale`` contains the first members of the ``Scale`` that gives the
-    quantity that the number stands for.
+    values of the field, if they are limited. ``scale`` contains the first members of the ``Scale`` that converts
+    the number to a quantity.
     """
 
     name: str
@@ -76,7 +76,7 @@ class Check(NamedTuple):
     def is_within(self, bits: int) -> bool:
         """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``.
 
-        Without a limit, this is True.
+        Returns True if there is no limit.
         """
         if self.limit is None:
             return True
@@ -149,7 +149,7 @@ def compare_bits(function: Callable[[int, int], int], covered: int, width: int, 
 class DigitCoding(NamedTuple):
     """Number of ``width`` bits at ``low`` whose digits are sent separately, in ``digit_bits`` bits each.
 
-    ``codes`` has the code of each digit, from 0 up.
+    ``codes`` contains the code of each digit, starting with 0.
     """
 
     low: int
@@ -166,7 +166,7 @@ class Join(NamedTuple):
 
 
 class Unused(NamedTuple):
-    """Bits without a meaning in the manual, which gives them the value ``value``.
+    """Bits that have no meaning in the manual, but the value ``value``.
 
     In the column ``unused``, each bit that differs from the manual is 1. These bits start at bit ``place`` there.
     """
@@ -180,8 +180,8 @@ class Unused(NamedTuple):
 class VerdictCause(NamedTuple):
     """Cause of a ``verdict``: an active flag, or unused bits in ``mask`` that differ from the manual.
 
-    The flag counts only if no flag in ``unless`` is active. With ``when``, the cause is instead that all these columns
-    have the values next to them, 1 for an active flag.
+    The flag counts only if no flag in ``unless`` is active. With ``when``, the cause is instead that these columns
+    have the given values, where 1 is an active flag.
     """
 
     verdict: Verdict
@@ -195,7 +195,7 @@ class ReportCause(NamedTuple):
     """Cause of a ``report``: an active flag, unused bits in ``mask`` that differ from the manual, or ``when``.
 
     ``when`` lists columns with the value that each must have. ``chosen_verdict`` replaces the verdict of the report if
-    your answer to an open question of the manual changes it, otherwise it is None.
+    your answer to an open question changes it, otherwise it is None.
     """
 
     report: str
@@ -205,9 +205,9 @@ class ReportCause(NamedTuple):
     chosen_verdict: Verdict | None = None
 
     def of(self, reports: Mapping[str, Report]) -> Report:
-        """Return the report of this cause from all reports by name.
+        """Look up the report of this cause among all reports, by name.
 
-        Your answer to an open question can change its verdict.
+        Your answer to an open question can change the report's verdict.
         """
         report = reports[self.report]
         return report if self.chosen_verdict is None else report._replace(makes_position=self.chosen_verdict)
@@ -276,7 +276,7 @@ def list_column_types(shape: Shape) -> dict[str, str]:
 
 
 def _choose_types(column: Column) -> dict[str, str]:
-    """Return the NumPy types of the columns that a field becomes, by name. Only decimal digits can be several columns.
+    """Return the NumPy types of a field's columns, by name. Only groups of decimal digits can have several columns.
 
     Numbers are signed, unless they need all 64 bits.
     """
@@ -353,7 +353,7 @@ def find_width(shape: Shape, join: Join) -> int:
 
 
 def find_deferred_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
-    """Return the fields that are plain bits of a joined number: name, lowest bit in this number, and width.
+    """Return the fields that are plain bits of a joined number: name, lowest bit in the number, and width of each.
 
     The table extracts these fields from the joined number on access, instead of when frames are decoded. Only the first
     joined number of a frame has such fields, and only if it has fewer than 64 bits.
@@ -373,8 +373,8 @@ def find_position_columns(shape: Shape) -> frozenset[str]:
     """Return the names of the columns whose values have no meaning if the position is not usable.
 
     These are the position and the parts that it is joined from. A frame with a verdict but without the whole position
-    contains only a part of it, so all numbers of such a frame are returned. For frames without a verdict, the result is
-    empty.
+    contains only a part of it, so all numbers of such a frame are returned. The result is empty for frames without a
+    verdict.
     """
     if shape.position:
         parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
@@ -385,9 +385,9 @@ def find_position_columns(shape: Shape) -> frozenset[str]:
 
 
 def find_scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
-    """Return the names of the columns of quantities, each with the column of its number and the scale.
+    """Return the names of the quantity columns, each with the column of its number and the scale.
 
-    An example is ``{"temperature (°C)": ("temperature", Scale(…))}``. Such a name cannot be the name of a field.
+    Example: ``{"temperature (°C)": ("temperature", Scale(…))}``. Such a name cannot be the name of a field.
     """
     scales: dict[str, tuple[str, Scale]] = {}
     for column in shape.columns:
@@ -406,7 +406,7 @@ def holds(number: int, check: Check) -> bool:
 
 
 def all_match(columns: Any, values: Iterable[tuple[str, int]]) -> Any:
-    """Return an array that is True for each row in which all these columns have the values next to their names."""
+    """Return an array that is True for each row in which these columns have the values given with their names."""
     matches: Any = True
     for name, value in values:
         matches = matches & (columns[name] == value)
@@ -416,8 +416,8 @@ def all_match(columns: Any, values: Iterable[tuple[str, int]]) -> Any:
 def find_active(columns: Any, cause: ReportCause) -> Any:
     """Return an array that is True for the frames in which the cause of a report is active, valid or not.
 
-    The cause is columns with certain values, or an active flag, or unused bits that differ from the manual. ``columns``
-    are the columns of the frames by name.
+    The cause consists of columns with certain values, an active flag, or unused bits that differ from the manual.
+    ``columns`` are the columns of the frames by name.
     """
     if cause.when:
         return all_match(columns, cause.when)

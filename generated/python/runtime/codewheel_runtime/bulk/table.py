@@ -28,7 +28,7 @@ from .units import POSITION_UNITS, AngleUnit, LengthUnit, SpeedUnit, Unit, find_
 
 __all__ = ["AngleUnit", "FrameSource", "LengthUnit", "SpeedUnit", "Table", "Unit"]
 
-#: Number of rows that are converted to Python objects at once.
+#: Number of rows that are converted to Python objects at a time.
 _ROWS_AT_ONCE: Final = 1 << 14
 #: No other columns.
 _NO_COLUMNS: Final[Mapping[str, Any]] = MappingProxyType({})
@@ -46,10 +46,10 @@ class Table(TableOf[ColumnName, PositionUnit]):
     A number with a scale also has a column of its quantity, such as ``temperature (°C)``, with a
     :class:`decimal.Decimal` for each frame.
 
-    A table can also have other columns, such as ``time``.
+    A table can also contain other columns, such as ``time``.
 
     A table is a sequence of frames: ``len(table)`` is their number, ``table[10:20]`` a table of ten frames, and
-    ``table[7]`` a dictionary with the values of one frame. Iteration gives such a dictionary for each frame.
+    ``table[7]`` a dictionary with the values of one frame. Iteration yields such a dictionary for each frame.
     ``table["singleturn"]`` is a column, and ``columns`` contains all of them.
     """
 
@@ -142,7 +142,7 @@ class Table(TableOf[ColumnName, PositionUnit]):
 
     @property
     def reports(self) -> dict[str, Any]:
-        """Arrays by name of the report. Each is True for the valid frames with that report."""
+        """Arrays by report name. Each is True for the valid frames with that report."""
         reports: dict[str, Any] = {}
         for cause in self._report_causes:
             reports[cause.report] = find_active(self, cause) & self.ok
@@ -169,7 +169,7 @@ class Table(TableOf[ColumnName, PositionUnit]):
         return {name: self._find_column(name) for name in self.names}
 
     def with_columns(self, **columns: Any) -> Table:
-        """Return a table with other columns added in front.
+        """Return a table with additional columns in front.
 
         Args:
             columns: Columns by name, each with a value for every frame. ``time`` is in seconds.
@@ -179,7 +179,7 @@ class Table(TableOf[ColumnName, PositionUnit]):
 
         Raises:
             TypeError: A column is a single value.
-            ValueError: A column has a different length, or the name of a decoded column.
+            ValueError: A column has a different length, or the same name as a decoded column.
         """
         decoded_names = {*self._names} - {*self._others}
         check_new_columns(columns, decoded_names, self.count)
@@ -188,7 +188,7 @@ class Table(TableOf[ColumnName, PositionUnit]):
     def _replace_columns(
         self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]
     ) -> Table:
-        """Return a copy of the table with these columns, errors and verdicts, which can have other rows."""
+        """Return a copy of the table with other columns, errors, verdicts and possibly other rows."""
         return Table(
             encoder=self.encoder,
             columns=columns,
@@ -284,7 +284,7 @@ class Table(TableOf[ColumnName, PositionUnit]):
         return f"<{len(self._fault)} frames{encoder_text}, {error_count} with an error: {', '.join(self.names)}>"
 
     def faults(self) -> dict[ErrorKind, int]:
-        """Return the number of valid frames and the number of frames with each error, without those that are 0."""
+        """Return the number of valid frames and the number of frames with each error, omitting zeros."""
         counts = {kind: int((self._fault == kind).sum()) for kind in ErrorKind}
         return {kind: count for kind, count in counts.items() if count}
 
@@ -292,9 +292,9 @@ class Table(TableOf[ColumnName, PositionUnit]):
         """Return the position of each frame as a count that continues when the position wraps around.
 
         The count of the first usable position is this position, or the one nearest to ``previous``. A later frame
-        without a usable position has the count of the preceding frame. An earlier one has ``previous``, or the first
-        count. If no position is usable, all counts are ``previous`` or 0. Between two usable frames the encoder must
-        move by less than half of the modulus, if the position wraps.
+        without a usable position has the count of the preceding frame. An earlier frame has ``previous``, or the
+        first count. If no position is usable, all counts are ``previous`` or 0. If the position wraps, the encoder must
+        move by less than half of the modulus between two usable frames.
 
         Args:
             previous: Last count of the preceding frames, to continue from.
@@ -343,16 +343,16 @@ class Table(TableOf[ColumnName, PositionUnit]):
             unit: Unit of length or angle per second, or ``rpm`` for revolutions per minute.
 
         Returns:
-            An array of speeds. It is NaN for frames without a usable position, for the first frame that has one, and
-            where the time is not later than at the previous usable frame.
+            An array of speeds. It is NaN for frames without a usable position, for the first usable frame, and for a
+            time that is not later than that of the previous usable frame.
 
         Raises:
             AttributeError: The frames have no position.
             RangeError: A position is above the highest or below the lowest that this encoder sends.
             ValueError: The encoder does not measure in this unit, or the manual does not give the size of a count or
-                say where the position wraps around.
-            ValueError: ``seconds`` is a single time that is 0, negative or infinite, or there is not one number for
-                each frame. Or there is no column ``time``.
+                the wrap-around point.
+            ValueError: ``seconds`` is a single time that is 0, negative or infinite, or does not have one number
+                per frame. Or there is no column ``time``.
         """
         return self._compute_speed(seconds, unit, None)
 
@@ -374,7 +374,7 @@ class Table(TableOf[ColumnName, PositionUnit]):
         return compute_speeds(motion, unit, self.encoder, self.count)
 
     def in_si(self, previous: tuple[int, float] | None = None) -> Table:
-        """Return a table that also has the position and the speed in SI units.
+        """Return a table that also contains the position and the speed in SI units.
 
         The columns are ``radians`` and ``radians_per_second``, or ``metres`` and ``metres_per_second``. They are NaN if
         there is no usable position, and null in Arrow. The table needs a column ``time`` in seconds.
@@ -388,8 +388,8 @@ class Table(TableOf[ColumnName, PositionUnit]):
         Raises:
             AttributeError: The frames have no position.
             RangeError: A position is above the highest or below the lowest that this encoder sends.
-            ValueError: There is no column ``time``, or the manual does not give the size of a count or say where the
-                position wraps around.
+            ValueError: There is no column ``time``, or the manual does not give the size of a count or the
+                wrap-around point.
         """
         # This table, for type checkers with any unit.
         table: Any = self
@@ -399,7 +399,7 @@ class Table(TableOf[ColumnName, PositionUnit]):
         return self.with_columns(**columns)
 
     def _as_columns(self) -> Columns:
-        """Return this table as columns with names of any type, for functions that do not know the names."""
+        """Return this table as columns with any names, for functions that do not know the names."""
         return cast(Columns, self)
 
     def hidden(self, name: str) -> Any:

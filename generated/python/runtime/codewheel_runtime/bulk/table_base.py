@@ -9,7 +9,7 @@ from ..codec import PositionRange
 
 
 class FrameSource(Protocol):
-    """Encoder of the frames in a table, or a layout of frames instead."""
+    """Encoder of the frames in a table, or a frame layout."""
 
     @property
     def code(self) -> str:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     PositionUnit = TypeVar("PositionUnit", bound=str, default=Any)
 
     class TableOf(Generic[ColumnName, PositionUnit]):
-        """Base class for type checkers, generic in the names of the columns and in the units."""
+        """Base class for type checkers, generic over column names and units."""
 
 else:
     ColumnName = PositionUnit = str

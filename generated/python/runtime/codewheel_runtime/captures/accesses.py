@@ -36,7 +36,7 @@ class ControlBits(NamedTuple):
 
 
 class Access(NamedTuple):
-    """Access of the master to one register.
+    """Access by the master to one register.
 
     Attributes:
         time: Time of the cycle in which the control frame begins, in seconds or in samples.
@@ -86,9 +86,10 @@ class Accesses:
         self._is_write, self._is_outside_frame = False, True
 
     def feed(self, bits: ControlBits) -> Iterator[Access]:
-        """Yield the accesses that end in the cycles of these bits.
+        """Yield the accesses that end in the cycles with these bits.
 
-        Outside a control frame, all cycles up to the next 1 of CDM are skipped at once, because they are many.
+        Outside a control frame, all cycles up to the next CDM 1 are skipped in one step, because there are many of
+        them.
         """
         times, cds, cdm = bits
         ones = np.flatnonzero(cdm)
@@ -112,7 +113,7 @@ class Accesses:
             cycle = next_one + 1
 
     def finish(self) -> Iterator[Access]:
-        """Yield the access that the end of the capture cuts off, if there is one."""
+        """Yield the access that is cut off by the end of the capture, if there is one."""
         if not self._is_outside_frame and self._has_unfinished_access():
             yield self._make_access(None, _ENDED_WITHIN_ACCESS)
 
@@ -135,9 +136,9 @@ class Accesses:
         self._state = self._follow_idle
 
     def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow the bits of one cycle within a control frame. Yield the access if it ends.
+        """Track the bits of one cycle within a control frame. Yield the access if it ends.
 
-        A lost cycle (CDS -1) and 14 zeros of CDM end the control frame. The access is then yielded if its address is
+        A lost cycle (CDS -1) or 14 CDM zeros end the control frame. The access is then yielded if its address is
         known.
         """
         self._zeros = 0 if cdm else self._zeros + 1
@@ -155,14 +156,14 @@ class Accesses:
     def _has_unfinished_access(self) -> bool:
         """Return whether the address of an access has been transmitted, but its result is not known yet.
 
-        After all bits of a byte, the access has been yielded, and an access to the next register has not begun.
+        After the last bit of a byte, the access has been yielded, and the access to the next register has not begun.
         """
         if self._state == self._follow_byte:
             return self._bit_count < BYTE_BITS
         return self._state != self._follow_header or self._bit_count >= ADDRESS_BITS
 
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
-        """Return the access to the ID and the address that were transmitted, with this value and result."""
+        """Return the access to the transmitted ID and address, with this value and result."""
         head = ControlHead.decode(self._head)
         return Access(
             time=self._time,
@@ -175,10 +176,10 @@ class Accesses:
         )
 
     def _follow_header(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow a cycle of the header: CTS, ID, address, CRC, R and W. Then the answer to W decides.
+        """Process a cycle of the header: CTS, ID, address, CRC, R and W. Then the answer to W is decisive.
 
-        The CDS bit of a cycle answers the CDM bit of the cycle before, so the header ends one cycle after W. An access
-        that the slave refuses is yielded.
+        The CDS bit of a cycle answers the CDM bit of the previous cycle, so the header ends one cycle after W. An
+        access that the slave refuses is yielded.
         """
         self._bit_count += 1
         self._answers = append_bit(self._answers, cds)
@@ -213,7 +214,7 @@ class Accesses:
         return Request(head.slave_id, head.address, value)._check_echo(self._answers)
 
     def _follow_start(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow a cycle in which the master sends S before a byte. The slave is busy until it answers with 1.
+        """Process a cycle in which the master sends S before a byte. The slave is busy until it answers with 1.
 
         If the master sends 0 instead, the access ends, and is yielded.
         """
@@ -228,7 +229,7 @@ class Accesses:
             self._end_access()
 
     def _follow_byte(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Follow a cycle of a byte: eight bits, their CRC, and a bit P, after which S can start the next register.
+        """Process a cycle of a byte: eight bits, their CRC, and a bit P, after which S can start the next register.
 
         In a read, the slave sends the byte. In a write, the master sends it, and the slave repeats it. The access is
         yielded after the last bit of the CRC.
@@ -266,7 +267,7 @@ class Accesses:
 
 
 def _decode_value(bits: int) -> int | None:
-    """Return the byte in 12 bits, which are the byte and its CRC. Return None if the CRC is wrong."""
+    """Return the byte in 12 bits, which consist of the byte and its CRC. Return None if the CRC is wrong."""
     try:
         return decode_byte(bits)
     except CrcError:

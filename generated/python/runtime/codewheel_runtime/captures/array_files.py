@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Reads captures in NumPy files: samples in ``.npy``, and arrays with names in ``.npz``."""
+"""Reads captures in NumPy files: samples in ``.npy``, and named arrays in ``.npz``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ np: Any = load("numpy")
 
 
 class _ArrayForm(NamedTuple):
-    """Form of an array of samples: its NumPy type, and the numbers of channels and samples.
+    """Form of an array of samples: its NumPy type, number of channels and number of samples.
 
     If ``channels`` is None, each number is a sample whose bits are the channels.
     """
@@ -29,7 +29,7 @@ class _ArrayForm(NamedTuple):
 
 
 def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
-    """Return the form of the array in a NumPy file, and leave the file at its first sample.
+    """Return the form of the array in a NumPy file, and leave the file position at the first sample.
 
     Raises InputError if the file does not have whole numbers, one row per sample.
     """
@@ -69,7 +69,7 @@ def read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float |
 def _read_array_parts(
     file: BinaryIO, path: str, form: _ArrayForm, places: Sequence[int]
 ) -> Generator[Samples, None, None]:
-    """Yield the samples of some rows as unsigned numbers. The amount read is the number of bytes so far.
+    """Yield the samples in some rows as unsigned numbers. The amount read is the number of bytes so far.
 
     ``places`` are the columns of the signals. If the array has no columns, each number is a sample, and all its bits
     are kept. Raises InputError at the end if samples are missing there.
@@ -97,7 +97,7 @@ def _read_array_parts(
 
 
 class _Arrays(NamedTuple):
-    """Arrays of an ``.npz`` file: the channels by name, and the times and the sample rate in Hz, if it has them."""
+    """Arrays in an ``.npz`` file: the channels by name and, if available, the times and the sample rate in Hz."""
 
     channels: dict[str, Any]
     times: Any
@@ -135,8 +135,8 @@ def read_array_archive(
     """Return the signals of an ``.npz`` file: one array of samples, or an array for each channel.
 
     The names of the arrays are the names of the channels. A channel contains levels (0 and 1) or voltages. A single
-    number named ``rate`` or similar gives the sample rate in Hz, and an array named ``time`` or similar the times in
-    seconds.
+    number named ``rate`` or similar gives the sample rate in Hz, and an array named ``time`` or similar gives the
+    times in seconds.
     """
     total = sum(info.file_size for info in archive.infolist())
     if total > MOST_UNPACKED:
@@ -186,9 +186,9 @@ def _read_array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
         raise InputError(path, f"{short(name)} is not a valid NumPy array") from None
 
 
-#: Names of a sample rate in Hz next to the arrays of a file.
+#: Names for a sample rate in Hz that a file contains next to its arrays.
 _NAMES_OF_RATES: Final = ("rate", "samplerate", "sample_rate", "fs")
 
 
-#: Names of an array of times in seconds.
+#: Names for an array of times in seconds.
 _NAMES_OF_TIMES: Final = ("time", "times", "t", "seconds")

@@ -5,7 +5,7 @@ A cycle begins at the first falling edge of the clock after a pause. Over SSI, e
 Over BiSS, the data line is high at rest, goes low as an acknowledgement, and rises with the start bit. CDS, the frame
 and its CRC follow. The levels of the data line after the last bit of the frame are ignored.
 
-Each bit is read in its middle, which the delay of the line shifts. Over BiSS, the start bit shows the delay, and
+Each bit is read in its middle, which is shifted by the delay of the line. Over BiSS, the start bit shows the delay, and
 over SSI the first change of the data line.
 """
 
@@ -43,9 +43,9 @@ np: Any = load("numpy")
 
 #: A pulse shorter than this fraction of a period is a glitch.
 _GLITCH_FRACTION: Final = 0.15
-#: With fewer samples per clock period, the positions of edges are averaged, and so are the delays of all bits.
+#: With fewer samples per clock period, the edge positions and the delays of all bits are averaged.
 _FEW_SAMPLES_PER_PERIOD: Final = 8
-#: Number of edges without a pause after which a signal is not considered a clock.
+#: Number of edges without a pause above which a signal is not considered a clock.
 _EDGES_WITHOUT_PAUSE: Final = 1 << 22
 #: Shortest pause, so that no period is 0.
 _SHORTEST_PAUSE: Final = 1e-12
@@ -98,26 +98,26 @@ class _CycleFinder:
         self._is_biss = kind == "biss"
         self._bits = bits
         self._chosen_pause = pause
-        #: Time by which an edge is earlier than its sample on average, and length of a unit of time in seconds.
+        #: Average time by which an edge precedes its sample, and length of a time unit in seconds.
         self._early = early
         self._unit = unit
-        #: Edges of the cycles that are not complete, and the levels of both lines before these edges.
+        #: Edges in the incomplete cycles, and the levels of both lines before these edges.
         self._clock, self._data = np.zeros(0), np.zeros(0)
         self._levels = (1, 1)
-        #: Beginning of the capture, of which the first cycle may be cut off. Minus infinity after the first cycles.
+        #: Beginning of the capture, whose first cycle may be cut off. Minus infinity after the first cycles.
         self._begin = -np.inf
         #: End of the capture so far, and the amount of the file that has been read.
         self._end, self._done = 0.0, 0
         #: Time without an edge of the clock after which a cycle has ended. 0 while the clock period is not known.
         self._pause = 0.0
-        #: True once the clock has an edge, and True until the first stretch has arrived.
+        #: True once the clock has an edge, and True until the first stretch of the capture has arrived.
         self.is_clocked, self._is_new = False, True
 
     def feed(self, part: Edges, name: str) -> CapturedFrames | None:
-        """Return the frames that the next stretch of the capture completes.
+        """Return the frames that are completed by the next stretch of the capture.
 
         Return None if it completes no cycle, or while the clock has too few edges to determine its period. Raises
-        InputError if the clock has very many edges without a pause.
+        InputError if the clock has a very large number of edges without a pause.
         """
         self._append(part)
         count = len(self._clock)
@@ -137,7 +137,7 @@ class _CycleFinder:
         return None
 
     def _append(self, part: Edges) -> None:
-        """Append the edges of the next stretch of the capture: first of the clock, then of the data line."""
+        """Append the edges in the next stretch of the capture, first of the clock, then of the data line."""
         if self._is_new:
             # Only the first stretch shows the levels at the beginning.
             self._levels = (part.levels[_CLOCK_INDEX], part.levels[_DATA_INDEX])
@@ -149,7 +149,7 @@ class _CycleFinder:
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
     def finish(self) -> CapturedFrames:
-        """Return the frames at the end of the capture. Its last cycle ends there, even if no pause follows."""
+        """Return the frames at the end of the capture. The last cycle ends there, even if no pause follows."""
         has_period = len(self._clock) > 2
         if not self._pause and has_period:
             self._set_pause()
@@ -198,8 +198,8 @@ class _CycleFinder:
     def _find_data_end(self, clock_end: int, is_last: bool) -> int:
         """Return the number of edges of the data line that belong to the cycles before the clock edge ``clock_end``.
 
-        The data line may change after the clock stops, so its edges up to the next cycle count. While the next cycle is
-        not known, its edges within the pause count.
+        The data line may change after the clock stops, so its edges up to the next cycle are included. While the next
+        cycle is not known, edges within the pause are included.
         """
         if clock_end < len(self._clock):
             next_cycle = self._clock[clock_end]
@@ -212,8 +212,8 @@ class _CycleFinder:
     def _find_frames(self, starts: Any, ends: Any, is_last: bool) -> CapturedFrames:
         """Return the frames in the clock cycles, and the lost cycles with their reasons.
 
-        Each cycle has the clock edges from an index in ``starts`` up to, but not including, the one in ``ends``.
-        ``is_last`` is True at the end of the capture, which may cut off the last cycle.
+        Each cycle consists of the clock edges from an index in ``starts`` up to, but not including, the one in
+        ``ends``. ``is_last`` is True at the end of the capture, which may cut off the last cycle.
         """
         clock_level, data_level = self._levels
         lines = LineEdges(self._clock, self._data, clock_level, data_level)
@@ -309,7 +309,8 @@ class _CycleFinder:
         return _MESSAGES[reason]
 
 
-#: Descriptions of the reasons why a cycle has no frame. The one of ``TOO_FEW_BITS`` depends on the number of bits.
+#: Descriptions of the reasons why a cycle has no frame. The description for ``TOO_FEW_BITS`` depends on the number of
+#: bits.
 _MESSAGES: Final = {
     NO_START_BIT: "no start bit: the data line stays low after the acknowledgement",
     STAYS_HIGH: "no acknowledgement: the data line stays high",

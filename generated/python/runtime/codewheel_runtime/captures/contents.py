@@ -55,7 +55,7 @@ class CaptureSummary(NamedTuple):
 
     Attributes:
         frames: Counts of the frames.
-        lost: Number of lost cycles by reason. Only the part of the reason before a colon counts.
+        lost: Number of lost cycles by reason. Reasons are grouped by their text before a colon.
         first_lost: The first lost cycles, at most 1000.
         accesses: The first accesses to registers, at most 1000.
         access_count: Number of accesses.
@@ -95,7 +95,7 @@ class CaptureSummary(NamedTuple):
 
 
 class Log:
-    """Log of the lost cycles, accesses and other frames that are found while a capture is decoded."""
+    """Log of the lost cycles, accesses and other frames found while a capture is decoded."""
 
     def __init__(self, limit: int | None) -> None:
         # At most this number of lost cycles and of accesses is kept, or all of them if it is None.
@@ -127,7 +127,7 @@ class Log:
         self._add_accesses(self._finder.finish())
 
     def _add_accesses(self, accesses: Any) -> None:
-        """Count accesses, and keep the first ones."""
+        """Count accesses, and store the first ones."""
         for access in accesses:
             self.access_count += 1
             if self._limit is None or len(self.accesses) < self._limit:

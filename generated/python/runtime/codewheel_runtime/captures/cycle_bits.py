@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Finds the cycles of a clock, and the places of the bits in them, by the edges of the clock and the data line.
+"""Finds the cycles of a clock, and the places of their bits, from the edges of the clock and the data line.
 
 A cycle begins with a falling edge of the clock. Then rising and falling edges alternate::
 
@@ -7,7 +7,7 @@ A cycle begins with a falling edge of the clock. Then rising and falling edges a
                              falls  rises   falls  rises   falls  rises
     number of the rising edge          0              1              2
 
-All results are arrays with an element for each cycle.
+All results are arrays with one element per cycle.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ..packages import load
 
 np: Any = load("numpy")
 
-#: Number of periods without an edge after which the clock is idle. BiSS slaves end a cycle after 1.5 or more.
+#: Number of periods without an edge after which the clock is idle. BiSS slaves end a cycle after 1.5 or more periods.
 IDLE_PERIODS: Final = 1.4
 #: Longest delay of a data line, in clock periods, for which the finder waits for the next stretch of the capture.
 LONGEST_DELAY: Final = 256
@@ -85,7 +85,7 @@ class _StartBits(NamedTuple):
         arrival_times: Time at which the data line rises with the start bit. Infinity if it stays low.
         last_rises: Number of the last rising edge of the clock before the start bit arrives. -1 if there is none.
         delays: Delay of the start bit after this edge.
-        late_periods: Whole periods by which the acknowledgement, and so the data line, is late.
+        late_periods: Number of whole periods by which the acknowledgement, and therefore the data line, is late.
     """
 
     levels_before: Any
@@ -97,10 +97,10 @@ class _StartBits(NamedTuple):
 
 
 def find_cycles(lines: LineEdges, starts: Any, ends: Any, pause: float) -> Cycles:
-    """Return the clock cycles. Cycles without a falling edge are left out.
+    """Return the clock cycles. Cycles without a falling edge are omitted.
 
-    Each cycle has the clock edges from an index in ``starts`` up to, but not including, the one in ``ends``. ``pause``
-    is the time without an edge after which a cycle has ended.
+    Each cycle consists of the clock edges from an index in ``starts`` up to, but not including, the one in ``ends``.
+    ``pause`` is the time without an edge after which a cycle has ended.
     """
     clock = lines.clock
     # The level before edge n is the first level, inverted if n is odd. If it is low, the next edge rises, and the first
@@ -181,7 +181,7 @@ def _find_biss_errors(cycles: Cycles, start_bits: _StartBits, has_all_bits: Any)
 
 
 def _find_start_bits(lines: LineEdges, cycles: Cycles) -> _StartBits:
-    """Return the start bits: the data line goes low as an acknowledgement, and rises with the start bit."""
+    """Return the start bits. The data line goes low as an acknowledgement, and rises with the start bit."""
     clock, first_falls = lines.clock, cycles.first_falls
     # In each cycle, the first edge of the data line is the acknowledgement, and the second one is the start bit.
     first_data_edges = np.searchsorted(lines.data, cycles.begin_times, "left")
@@ -214,7 +214,7 @@ def find_rising_edges(cycles: Cycles, rise_numbers: Any) -> Any:
     """Return the index of a rising edge of each cycle among all edges of the clock.
 
     ``rise_numbers`` are the numbers of these edges in their cycles, from 0. The first rising edge follows the first
-    falling one, and every second edge rises.
+    falling edge, and every second edge is a rising edge.
     """
     return cycles.first_falls + 1 + 2 * rise_numbers
 
@@ -222,8 +222,8 @@ def find_rising_edges(cycles: Cycles, rise_numbers: Any) -> Any:
 def find_ssi_bits(lines: LineEdges, cycles: Cycles, frame_bits: int) -> CycleBits:
     """Return the places of the bits in each SSI cycle: one for each rising edge of the clock.
 
-    The first change of the data line in a cycle shows its delay after the clock. A cycle with fewer than ``frame_bits``
-    rising edges has no frame.
+    The first change of the data line in a cycle shows its delay relative to the clock. A cycle with fewer than
+    ``frame_bits`` rising edges has no frame.
     """
     clock = lines.clock
     last_edges = cycles.ends - 1
@@ -247,7 +247,7 @@ def find_ssi_bits(lines: LineEdges, cycles: Cycles, frame_bits: int) -> CycleBit
 
 
 def find_shortest_gaps(clock: Any, cycles: Cycles) -> Any:
-    """Return the shortest time between two successive edges of each cycle, from its first falling edge on.
+    """Return the shortest time between two successive edges of each cycle, starting at its first falling edge.
 
     If the next cycle begins with a rising edge, the time from that edge to the first falling edge also counts.
     ``clock`` are the times of all edges of the clock.

@@ -83,7 +83,7 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[Bytes, None, N
 
 
 def _choose_start_bits(falls: Any, earliest_start: float, shortest_byte_time: float) -> Any:
-    """Return the falling edges that begin a byte: the first one, then the first one after each byte.
+    """Return the falling edges that begin a byte: the first edge, then the first edge after each byte.
 
     A byte cannot begin before ``earliest_start``, or less than ``shortest_byte_time`` after the previous byte.
     """
@@ -97,7 +97,7 @@ def _choose_start_bits(falls: Any, earliest_start: float, shortest_byte_time: fl
     return falls[start_indices] if start_indices else np.zeros(0)
 
 
-#: Headers of the tables that Saleae's serial analyzer exports, with the columns of the times and of the bytes.
+#: Headers of the tables exported by Saleae's serial analyzer, with the columns of the times and of the bytes.
 _SALEAE_EXPORT_HEADERS: Final = (
     (("name", "type", "start_time", "duration", "data"), 2, 4),
     (("time [s]", "value"), 0, 1),
@@ -107,14 +107,14 @@ _SALEAE_EXPORT_HEADERS: Final = (
 _BYTE_TEXT: Final = re.compile(r"0x([0-9a-fA-F]{1,2})|([0-9]{1,3})")
 
 
-#: Number of rows of an export that are read at once.
+#: Number of rows of an export that are read at a time.
 _ROWS_AT_ONCE: Final = 1 << 16
 
 
 def find_exported_columns(head: bytes) -> tuple[int, int] | None:
     """Return the indices of the time and byte columns if a file is an export of serial bytes, otherwise None.
 
-    ``head`` are the first bytes of the file. Its first line must begin with a header that Saleae's serial analyzer
+    ``head`` contains the first bytes of the file. Its first line must begin with a header that Saleae's serial analyzer
     writes.
     """
     first_line = head.decode("utf-8-sig", "replace").partition("\n")[0]
@@ -126,7 +126,7 @@ def find_exported_columns(head: bytes) -> tuple[int, int] | None:
 
 
 def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> Generator[Bytes, None, None]:
-    """Yield the bytes of a table with one byte a row, as Saleae's serial analyzer exports them.
+    """Yield the bytes of a table with one byte per row, as exported by Saleae's serial analyzer.
 
     Raises:
         InputError: A cell is not a byte, a time is not a number, or a row has too few cells.

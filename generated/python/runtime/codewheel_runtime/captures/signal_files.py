@@ -35,14 +35,14 @@ def open_signals(
     """Open a capture.
 
     Args:
-        paths: The file. Saleae's binary files have one signal each: the clock, then the data line.
+        paths: The file. Saleae binary files contain one signal each: the clock, then the data line.
         names: The channels of the signals.
         rate: Sample rate in Hz, needed if the file does not specify it.
         threshold: Voltage above which the level is 1, for a table of voltages.
 
     Raises:
         InputError: The file is not a capture, or does not have these channels.
-        UsageError: The number of files differs from the number of signals in binary files of Saleae, or not 1 in other
+        UsageError: The number of files differs from the number of signals for Saleae binary files, or from 1 for other
             formats. Or both signals are on the same channel.
         OSError: A file cannot be read.
     """
@@ -114,7 +114,7 @@ _ERRORS_OF_DAMAGED_ZIP: Final = (
 def _read_archive(
     stack: ExitStack, file: BinaryIO, path: str, names: SignalNames, rate: float | None, threshold: float | None
 ) -> Signals:
-    """Return the signals of a ZIP file, which can be a session of sigrok, or arrays of NumPy.
+    """Return the signals of a ZIP file, which contains a sigrok session or NumPy arrays.
 
     ``stack`` closes the file.
     """
@@ -133,7 +133,7 @@ class _SessionMetadata(NamedTuple):
     """Metadata of a sigrok session.
 
     Attributes:
-        sample_bytes: Number of bytes of a sample.
+        sample_bytes: Number of bytes in a sample.
         file_stem: Name of the files of samples, without their numbers. Empty if there are no logic signals.
         probes: Names of the probes in use, by number. The lowest bit of a sample is probe 1.
         rate: Sample rate in Hz, or None if it is not known.
@@ -146,7 +146,7 @@ class _SessionMetadata(NamedTuple):
 
 
 def _read_session_metadata(archive: zipfile.ZipFile, path: str) -> _SessionMetadata:
-    """Return the metadata of a session, which is a file in the format INI. Raises InputError if it is damaged."""
+    """Return the metadata of a session, which is a file in INI format. Raises InputError if it is damaged."""
     try:
         with archive.open("metadata") as metadata:
             text = metadata.read(HEADER).decode("utf-8", "replace")
@@ -199,11 +199,11 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
 
 
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
-    """Return the choice of a channel in a session in the form that ``SignalNames`` expects.
+    """Return a channel chosen in a session, in the form that ``SignalNames`` expects.
 
-    A number is the number of a probe, as in the session. It becomes the place among the probes in use, from 1: with the
-    probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged. ``probes`` contains the
-    names of the probes in use by number, and ``numbers`` these numbers in order.
+    A number is the number of a probe, as in the session. It becomes the place among the probes in use, counted from 1:
+    with the probes 2 and 5, ``"5"`` becomes ``"2"``. Any other name, or None, is returned unchanged. ``probes``
+    contains the names of the probes in use by number, and ``numbers`` these numbers in order.
 
     Raises:
         InputError: No probe in use has this number.
@@ -221,7 +221,7 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[z
     """Return the files of samples in a session in order.
 
     They are called ``logic-1`` (the stem), or ``logic-1-1``, ``logic-1-2`` and so on. Raises InputError if a file
-    between others is missing.
+    in the sequence is missing.
     """
     named = {info.filename: info for info in archive.infolist()}
     if stem in named:
@@ -240,7 +240,7 @@ def _unpack_samples(
 ) -> Generator[Samples, None, None]:
     """Yield the samples of a session as numbers. The amount read is the number of bytes so far.
 
-    A sample has ``size`` bytes, and can begin in one file and end in the next. An incomplete sample at the end of the
+    A sample has ``size`` bytes, and may span two files. An incomplete sample at the end of the
     session is ignored.
     """
     bytes_read = 0
@@ -262,7 +262,7 @@ def _unpack_samples(
 
 
 def _parse_small_number(text: str) -> int:
-    """Return a decimal number of less than 10 digits. Raises ValueError for other texts."""
+    """Return a decimal number of less than 10 digits. Raises ValueError for other text."""
     if not (text.isascii() and text.isdigit() and len(text) < 10):
         raise ValueError(text)
     return int(text)

@@ -16,12 +16,12 @@ from .table_forms import STAMP, UNITS, TableForm, find_table_form
 
 np: Any = load("numpy")
 
-#: Number of bytes of text that are read at once, which is also the limit for a line.
+#: Number of bytes of text that are read at a time, which is also the limit for a line.
 _BLOCK: Final = 1 << 20
 
 
 def measure_size(file: BinaryIO) -> int:
-    """Return the size of a file in bytes. The file stays at its present position."""
+    """Return the size of a file in bytes. The file position does not change."""
     offset = file.tell()
     size = file.seek(0, io.SEEK_END)
     # Reading continues where it was.
@@ -56,7 +56,7 @@ def _read_blocks(file: BinaryIO, path: str, file_format: str) -> Generator[tuple
         yield remainder + b"\n", bytes_read
 
 
-#: Part of the range of a voltage by which it must pass the threshold.
+#: Fraction of the voltage range by which a voltage must pass the threshold.
 _HYSTERESIS: Final = 0.1
 
 
@@ -66,7 +66,7 @@ def read_table_signals(
     """Return the signals of a table: columns of 0 and 1, with one row per sample, or with a time in the first column.
 
     Columns can also have voltages. Voltages above ``threshold`` are the level 1. By default, it is in the middle of
-    their range. ``head`` are the first bytes of the file, and ``rate`` is the chosen sample rate in Hz, or None.
+    their range. ``head`` contains the first bytes of the file, and ``rate`` is the chosen sample rate in Hz, or None.
     """
     form = find_table_form(path, head)
     places = names.places(form.channels, path)
@@ -108,7 +108,7 @@ def _read_table_parts(
 
 
 class _RowReader:
-    """Reader of the times and the levels of rows.
+    """Reader for the times and levels of rows.
 
     ``_first_stamp`` is the first time stamp, from which times are counted, and ``_voltages`` the converter from
     voltages to levels. Both are None if the table has no time stamps or voltages.
@@ -124,8 +124,8 @@ class _RowReader:
     def find_voltages(self, file: BinaryIO, threshold: float | None) -> None:
         """Read the whole file to find the range of the voltages in each column, then go back to its beginning.
 
-        Reading stops after the first block if that contains no voltages: all its cells are whole numbers, or some are
-        not finite. With a ``threshold``, the columns always contain voltages.
+        Reading stops after the first block if it contains no voltages, that is, if all its cells are whole numbers or
+        some are not finite. With a ``threshold``, the columns always contain voltages.
         """
         # The lowest and the highest voltage of each column, block by block.
         ranges: list[Any] = []
@@ -141,7 +141,7 @@ class _RowReader:
             self._voltages = Voltages(np.min(ranges, axis=0), np.max(ranges, axis=0), threshold)
 
     def blocks_of_rows(self, file: BinaryIO) -> Generator[tuple[bytes, int, int], None, None]:
-        """Yield blocks of rows without the headers, the number of their first line, and the bytes read so far."""
+        """Yield blocks of rows without headers, each with the number of its first line and the bytes read so far."""
         line = 1
         for data, bytes_read in _read_blocks(file, self._path, "CSV"):
             block = data
@@ -216,7 +216,7 @@ class _RowReader:
     def _split_off_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
         """Return the times of rows in seconds from the first time stamp, and the rows with 0 instead of time stamps.
 
-        The first time stamp is that of the whole file. Raises InputError if a row does not begin with a time stamp.
+        The first time stamp applies to the whole file. Raises InputError if a row does not begin with a time stamp.
         """
         delimiter = (self._form.delimiter or " ").encode()
         stamp_texts: list[str] = []
@@ -254,7 +254,7 @@ class Voltages:
         self._last: Any = None
 
     def levels(self, cells: Any) -> Any:
-        """Return the level of each voltage, 0 or 1. Successive calls must have successive rows."""
+        """Return the level, 0 or 1, for each voltage. Successive calls must pass successive rows."""
         is_high = cells > self._threshold + self._margin
         is_low = cells < self._threshold - self._margin
         if self._last is None:
@@ -271,9 +271,9 @@ class Voltages:
 
 
 def _read_regular_rows(block: bytes, delimiter: str | None, columns: list[int]) -> Any:
-    """Return the levels of rows that have the form of the first row, each row as one number, or None for other rows.
+    """Return the levels of rows with the same form as the first row, each row as one number, or None for other rows.
 
-    In such rows every cell is at the same place, so they are read much faster than by parsing numbers. All rows must
+    In such rows, every cell is at the same place, so reading them is much faster than parsing numbers. All rows must
     have the same length and separators, and a single 0 or 1 in each of ``columns``.
     """
     first_row = block[: block.index(b"\n") + 1]
@@ -337,14 +337,14 @@ def _read_changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generato
         yield changes.edges_in(block, bytes_read)
 
 
-#: Time before the first time stamp of a value change dump.
+#: Time that precedes the first time stamp of a value change dump.
 _NO_TIME: Final = -1
 #: Most digits of a time.
 _MAX_TIME_DIGITS: Final = 18
 
 
 class _ValueChanges:
-    """Reader of value changes, block by block. It keeps the level of each signal, None while it is unknown."""
+    """Reader of value changes, block by block. It keeps the level of each signal, or None while it is unknown."""
 
     def __init__(self, path: str, codes: Sequence[bytes]) -> None:
         self._path = path
@@ -401,5 +401,5 @@ class _ValueChanges:
 
 
 def _format_token(token: bytes) -> str:
-    """Return a token of a value change dump as text for a message."""
+    """Return a token of a value change dump as text, for a message."""
     return short(token.decode("ascii", "replace"))

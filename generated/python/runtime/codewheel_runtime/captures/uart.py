@@ -18,11 +18,11 @@ np: Any = load("numpy")
 
 #: Number of bytes that are kept until the next stretch of the capture arrives.
 _BYTES_KEPT: Final = 64
-#: Most bytes after the last reply that may be an incomplete reply, with the request before it.
+#: Maximum number of bytes after the last reply that may be an incomplete reply and its request.
 _LONGEST_INCOMPLETE: Final = 4 * _BYTES_KEPT
 #: Longest pause within a message, in byte times.
 _LONGEST_PAUSE: Final = 20
-#: Most bytes that are printed in the reason why they belong to no reply.
+#: Maximum number of bytes printed in the reason why they do not belong to a reply.
 _PRINTED_BYTES: Final = 12
 
 
@@ -42,8 +42,8 @@ def find_replies(
 ) -> Generator[CapturedFrames, None, None]:
     """Yield the replies of one kind.
 
-    The line may also carry requests and other kinds of replies. If no kind is requested, the kind with a position that
-    is most frequent in the first stretch with such replies is used, and nothing is yielded before that was read.
+    The line may also carry requests and other kinds of replies. If no kind is requested, the most frequent kind with a
+    position in the first stretch that has such replies is used. Nothing is yielded before that stretch has been read.
 
     Args:
         line: The bytes on the line.
@@ -75,7 +75,7 @@ class _Places(NamedTuple):
     Attributes:
         starts: First byte of each reply, by the name of its kind.
         gaps: First byte, and the byte after its last byte, of each gap between replies. A request directly before its
-            reply is in no gap.
+            reply does not belong to a gap.
         end: End of the bytes that belong to a reply or a gap.
     """
 
@@ -85,7 +85,7 @@ class _Places(NamedTuple):
 
 
 class _ReplyFinder:
-    """Finder of replies in bytes. It keeps the last bytes until more arrive.
+    """Finder for replies among bytes. It keeps the last bytes until more arrive.
 
     ``duration`` is the time that a byte takes on the line, with start and stop bit, in the unit of the times.
     """
@@ -94,7 +94,8 @@ class _ReplyFinder:
         self._kinds = kinds
         #: Longest time between the start bits of two bytes of a message.
         self._pause = _LONGEST_PAUSE * duration
-        #: Three arrays of equal length: the bytes that are kept, the time of each, and True for each with a stop bit.
+        #: Three arrays of equal length: the bytes that are kept, the time of each byte, and True for each byte with a
+        #: stop bit.
         self._values = np.zeros(0, np.uint8)
         self._times = np.zeros(0)
         self._has_stop_bits = np.zeros(0, bool)
@@ -119,7 +120,7 @@ class _ReplyFinder:
     def with_kind(self, part: CapturedFrames) -> CapturedFrames:
         """Return a part of the capture with the name of the kind of replies, which may not have been known before.
 
-        A part with frames has the name already. In other parts, the empty array gets the length of this kind.
+        A part with frames already has the name. In other parts, the empty array gets the length of this kind.
         """
         if not self.wanted or len(part.frames):
             return part
@@ -129,7 +130,7 @@ class _ReplyFinder:
     def _find_valid_starts(self, shape: Shape) -> Any:
         """Return an array that is True for each byte at which a valid frame begins.
 
-        Its last item, for the end, is False.
+        Its last item represents the end and is False.
 
         A valid frame has no error and no pause between its bytes, and each byte has its stop bit.
         """
@@ -244,8 +245,8 @@ class _ReplyFinder:
     def _collect_frames(self, places: _Places, request_lengths: list[int]) -> CapturedFrames:
         """Return the replies of the wanted kind as frames, and the gaps between replies as lost bytes.
 
-        A gap that contains exactly one reply with a CRC error, after a request or not, is a frame with an error
-        instead. ``request_lengths`` contains the length of the request that begins at each byte, or 0.
+        A gap that contains exactly one reply with a CRC error, with or without a preceding request, is a frame
+        with an error instead. ``request_lengths`` contains the length of the request that begins at each byte, or 0.
         """
         lost: list[Lost] = []
         reply_starts = [*places.starts.get(self.wanted, [])]
@@ -290,7 +291,7 @@ class _ReplyFinder:
         return bool(fault == ErrorKind.CRC)
 
     def _explain_loss(self, first: int, end: int, request_lengths: list[int]) -> str:
-        """Return why the bytes from ``first`` to ``end`` belong to no reply, with the first bytes as text."""
+        """Return why the bytes from ``first`` to ``end`` do not belong to a reply, with the first bytes as text."""
         lost_bytes = self._values[first:end].tobytes()
         ellipsis = " ..." if len(lost_bytes) > _PRINTED_BYTES else ""
         bytes_text = lost_bytes[:_PRINTED_BYTES].hex(" ").upper() + ellipsis
@@ -302,5 +303,5 @@ class _ReplyFinder:
 
 
 def _count_true_before(conditions: Any) -> Any:
-    """Return how many of the conditions before each index are True: 0 for the first index, up to all for the end."""
+    """Return the number of True conditions before each index: 0 for the first index, and the total for the end."""
     return np.concatenate([[0], np.cumsum(conditions)])

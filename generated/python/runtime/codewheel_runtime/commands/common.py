@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Parts of all commands: exit codes, the encoder that the arguments select, and progress."""
+"""Code shared by all commands: exit codes, the encoder selected by the arguments, and progress."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def distribution(package: str) -> str:
 
 
 def find_encoder(package: str, options: argparse.Namespace) -> Encoder:
-    """Return the encoder that the arguments select. Raises CommandFailed if they are wrong."""
+    """Return the encoder selected by the arguments. Raises CommandFailed if they are wrong."""
     try:
         return _select_encoder(package, options)
     except ValueError as error:
@@ -62,10 +62,10 @@ def _select_encoder(package: str, options: argparse.Namespace) -> Encoder:
 
 
 def _add_optional_answers(encoder: Encoder, options: argparse.Namespace) -> Encoder:
-    """Return the encoder with the chosen answers that belong to the encoder, and remove them from ``options.choose``.
+    """Return the encoder with those chosen answers that belong to it, and remove them from ``options.choose``.
 
     These answers are the parameters of ``with_answers``, if the encoder has this method. If any of them is chosen, the
-    others get their first value. If none is, the encoder is returned unchanged. The remaining answers in
+    others are set to their first value. If none is chosen, the encoder is returned unchanged. The remaining answers in
     ``options.choose`` are for the decoder of the frames.
 
     Raises:
@@ -98,7 +98,7 @@ def find_answer(name: str, answer: str, kind: type[Enum]) -> Enum:
 
 @contextmanager
 def show_progress(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
-    """Show progress on a terminal, and convert errors of long work to ``CommandFailed``, which is printed in one line.
+    """Show progress on a terminal, and convert errors of long tasks to ``CommandFailed``, which is printed in one line.
 
     The context yields the function to call with the amount done, the total if known, and the number of frames. It
     yields None if standard error is not a terminal. ``source`` is the file to name if an error does not name a file.
@@ -126,7 +126,7 @@ def show_progress(package: str, source: str) -> Generator[Callable[[int, int | N
         progress.clear()
 
 
-#: Names of packages by the name of their module, if they differ.
+#: Package names by module name, if the two differ.
 _PACKAGE_BY_MODULE: Final = {"serial": "pyserial"}
 
 
@@ -186,7 +186,7 @@ class Progress:
         self._out.flush()
 
     def clear(self) -> None:
-        """Clear the line if anything was shown."""
+        """Clear the line if any progress was shown."""
         if self._last_shown:
             self._out.write(f"\r{' ' * (shutil.get_terminal_size().columns - 1)}\r")
             self._out.flush()

@@ -20,9 +20,9 @@ from .record import RecordedReading, Recorder, open_recorder
 
 #: Number of updates of the screen per second.
 _UPDATES_PER_SECOND = 10
-#: Time over which speed and rate are measured.
+#: Time over which the speed and the rate are measured.
 _SPAN_S = 0.5
-#: Number of failures in succession after which to give up if the encoder never answered.
+#: Number of consecutive failures after which to give up if the encoder has never answered.
 _GIVEN_UP = 10
 
 
@@ -35,14 +35,14 @@ class Reader(Protocol):
 
 
 class Readings(NamedTuple):
-    """Number of readings, and how many of them failed."""
+    """Number of readings, and number of failed readings."""
 
     total: int
     failures: int
 
 
 def monitor(package: str, options: argparse.Namespace) -> None:
-    """Show an encoder live, and record its readings.
+    """Show live readings of an encoder, and record them.
 
     Raises:
         CommandFailed: The encoder has no RS-485, it never answered, or more readings failed than ``--max-errors``
@@ -130,9 +130,9 @@ def watch(
 
 
 def _wait_until(due: float) -> float:
-    """Wait until a time, and return it. If the time has passed, return the current time.
+    """Wait until a time, and return it. If that time has passed, return the current time.
 
-    Readings therefore come at fixed intervals. After a late reading, the next interval starts at that reading.
+    Readings therefore come at fixed intervals. After a late reading, the next interval starts with that reading.
     """
     sleep(max(0.0, due - monotonic()))
     return max(due, monotonic())
@@ -162,7 +162,7 @@ class _Screen:
         self._recent: deque[_RecentReading] = deque()
         #: Number of failures by kind, such as "no reply".
         self._errors: Counter[str] = Counter()
-        #: Time of the last drawing, number of its lines, and text of the last error.
+        #: Time and number of lines of the last drawing, and text of the last error.
         self._drawn_at, self._height, self._last_error = 0.0, 0, ""
         self._began = monotonic()
         self.frames = self.failures = 0
@@ -224,8 +224,8 @@ class _Screen:
     def _unwrap(self, frame_class: type, position: int) -> int:
         """Return the count of a position in a frame of ``frame_class``, which continues when the position wraps around.
 
-        The count starts again if the range of the positions has changed. If the range is not known, the count is the
-        position.
+        The count starts again if the range of the positions has changed. If the range is unknown, the count equals
+        the position.
         """
         try:
             position_range = self._encoder.range_of(frame_class)
@@ -258,7 +258,7 @@ class _Screen:
         self._height = len(lines)
 
     def _list_values(self) -> list[tuple[str, str]]:
-        """Return the rows about the last frame: labels and texts, such as ``("position", "4711 counts")``."""
+        """Return the rows about the last frame: pairs of label and text, such as ``("position", "4711 counts")``."""
         frame = self._frame
         if frame is None:
             return [("position", "-"), ("angle", "-"), ("speed", "-"), ("verdict", "-")]
@@ -272,7 +272,7 @@ class _Screen:
         ]
 
     def _list_state(self) -> list[tuple[str, str]]:
-        """Return the rows about alarms, rate and errors: labels and texts."""
+        """Return the rows about alarms, rate and errors: pairs of label and text."""
         reports = self._frame.reports if self._frame is not None else ()
         # Times of all frames in the last half second, also of those without a usable position.
         times = [reading.time for reading in self._recent]
@@ -287,7 +287,7 @@ class _Screen:
         ]
 
     def _count_failures(self) -> str:
-        """Return the number of failures of each kind as text: ``2 of 9 readings failed: 2 no reply``."""
+        """Return the number of failures of each kind as text, such as ``2 of 9 readings failed: 2 no reply``."""
         total = self.frames + self.failures
         kinds = ", ".join(f"{count} {kind}" for kind, count in self._errors.most_common())
         kinds_text = f": {kinds}" if kinds else ""

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Decodes the frame in the arguments of the command line, and prints it."""
+"""Decodes the frame in the command-line arguments, and prints it."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 def parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
     """Return the frame that the arguments contain, or None if they do not have the form of a frame.
 
-    Over RS-485, ``"1A 2B"`` is bytes. A frame of bits is a number in hexadecimal, such as ``1A2B`` or ``0x1A2B``, or
-    text of 0 and 1 such as ``0b0110``, which also shows its length. If the encoder only sends frames that are too long
-    for a 64-bit number, whole bytes without ``0x`` are bytes.
+    Over RS-485, ``"1A 2B"`` is bytes. A frame of bits is a hexadecimal number, such as ``1A2B`` or ``0x1A2B``, or
+    text made of 0 and 1, such as ``0b0110``, which also shows the length. If all frames of the encoder are too long for
+    a 64-bit number, whole bytes without ``0x`` are read as bytes.
 
     Raises:
         CommandFailed: Several digits are all 0 or 1 and have no prefix, so they can be bits or hexadecimal digits.
@@ -54,7 +54,7 @@ def parse_frame(text: str, encoder: Encoder) -> int | bytes | str | None:
 
 
 def _name_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
-    """Return a sentence that names the other kinds of frames that a frame can be, or an empty string.
+    """Return a sentence that names the other kinds of frames that match, or an empty string.
 
     ``result`` is the decoded frame, or its error.
     """
@@ -81,7 +81,7 @@ def _name_other_frames(encoder: Encoder, frame: int | bytes | str, result: Any) 
 
 
 def _is_valid_as(frame_class: Any, encoder: Encoder, frame: int | bytes | str) -> bool:
-    """Return whether a frame is valid if it is decoded as a frame of the class ``frame_class``."""
+    """Return whether a frame is valid when it is decoded as a frame of class ``frame_class``."""
     try:
         cached_decoder(frame_class._make_decoder, encoder, raise_error)(frame)
     except (FrameError, TypeError):
@@ -90,7 +90,7 @@ def _is_valid_as(frame_class: Any, encoder: Encoder, frame: int | bytes | str) -
 
 
 def print_frame(encoder: Encoder, frame: int | bytes | str, options: argparse.Namespace) -> int:
-    """Decode one frame and print it. Return the exit code. This needs no other packages.
+    """Decode one frame and print it. Return the exit code. This requires no other packages.
 
     Raises:
         CommandFailed: The frame has an error, unless the output is JSON, which contains the error.
@@ -121,7 +121,7 @@ def print_frame(encoder: Encoder, frame: int | bytes | str, options: argparse.Na
 def _format_value(value: Any) -> str:
     """Return a value as text for the terminal.
 
-    None is ``-``, a list is its items or ``none``, and a bool is in lower case.
+    None becomes ``-``, a list its items or ``none``, and a bool is in lower case.
     """
     if value is None:
         return "-"
@@ -156,9 +156,9 @@ def _decode_with_answers(encoder: Encoder, frame: int | bytes | str, answers: di
 
 
 def _suggest_answers(parameter_types: dict[str, Any], message: str) -> str:
-    """Return the options for the answers that an error message expects, or an empty string if it expects none.
+    """Return the options for the answers that an error message requests, or an empty string if it requests none.
 
-    An example is ``; add --choose zero_bit=as_printed or --choose zero_bit=left_out``. ``parameter_types`` are the
+    Example: ``; add --choose zero_bit=as_printed or --choose zero_bit=left_out``. ``parameter_types`` are the
     types of the parameters of ``try_decode``.
     """
     for name, hint in parameter_types.items():

@@ -13,7 +13,7 @@ from ..reports import Interface
 
 #: Default limit for the percentage of frames with an error. A higher percentage suggests wrong settings or wiring.
 DEFAULT_MAX_ERRORS: Final = 10.0
-#: Most characters of a number, which is enough for 64 bits.
+#: Maximum number of characters in a number, which is enough for 64 bits.
 _LONGEST_NUMBER: Final = 20
 
 
@@ -85,7 +85,10 @@ def add_input(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_max_errors(add: Callable[..., object], failure: str) -> None:
-    """Add the option ``--max-errors``. ``failure`` says what counts, for its help: ``frames have an error``."""
+    """Add the option ``--max-errors``.
+
+    ``failure`` describes what is counted, for the help: ``frames have an error``.
+    """
     add(
         "--max-errors",
         type=_parse_percent,
@@ -134,7 +137,7 @@ def _parse_names(text: str) -> tuple[str, ...]:
 
 
 def _parse_number(text: str) -> int:
-    """Return the number in the text of an option, in decimal, or with a prefix such as 0x."""
+    """Return the number in the text of an option, which is decimal or has a prefix such as 0x."""
     # Longer numbers are out of range anyway, and Python rejects very long ones.
     if len(text) > _LONGEST_NUMBER or not text.isascii():
         raise ValueError
@@ -142,7 +145,7 @@ def _parse_number(text: str) -> int:
 
 
 def count(text: str) -> int:
-    """Return a number of frames or readings, which is at least 0."""
+    """Return a nonnegative number of frames or readings."""
     number = _parse_number(text)
     if number < 0:
         raise ValueError

@@ -27,7 +27,7 @@ class Alarm(NamedTuple):
     ``field`` is its flag, in a frame or in ``register``. ``latch`` is True if it stays active until it is reset.
     ``below_mv`` is the voltage in millivolts below which it is raised. ``cleared_by`` lists the procedures that clear
     it, and ``by_hand`` lists the characteristics that describe manual steps. ``only`` describes the order codes that
-    have it, unless all have it.
+    have it, if not all do.
     """
 
     name: str
@@ -71,7 +71,7 @@ class Connector(NamedTuple):
 class LedState(NamedTuple):
     """State of an LED and its meaning.
 
-    ``only`` describes the order codes that have it, unless all have it. ``by_hand`` lists the characteristics that
+    ``only`` describes the order codes that have it, if not all do. ``by_hand`` lists the characteristics that
     describe manual steps.
     """
 

@@ -72,7 +72,7 @@ class Clock(NamedTuple):
 
 
 class CableLength(NamedTuple):
-    """Clock limit for a cable: cables shorter than ``shorter_than_m`` need a clock below ``below_hz``.
+    """Clock limit for a cable: cables shorter than ``shorter_than_m`` require a clock below ``below_hz``.
 
     ``only`` lists the order codes that the limit applies to, or is empty for all.
     """
@@ -138,7 +138,7 @@ class Timeout(NamedTuple):
 
         Returns:
             The timeout in nanoseconds, or None if the manual does not give it for this frequency. A fixed timeout is
-            the typical one, or else the maximum.
+            the typical value or, if that is unknown, the maximum.
         """
         if self.half_clock_periods is not None:
             return self.half_clock_periods * 500_000_000 / clock_hz
@@ -172,7 +172,7 @@ class DataIdFacts(NamedTuple):
 
 
 class MemoryAccess(NamedTuple):
-    """Reply of the encoder to a memory access, depending on the busy flag in the reply."""
+    """Encoder's reply to a memory access, depending on the busy flag in the reply."""
 
     access: str
     busy: bool
@@ -188,7 +188,7 @@ _Row = TypeVar("_Row", Clock, CableLength, Timeout, Timing)
 def _rows_for_code(rows: tuple[_Row, ...], code: str) -> tuple[_Row, ...]:
     """Return the rows that apply to an order code.
 
-    Their ``only`` is made empty, because they apply without restriction.
+    Their ``only`` is set to empty, because they apply without restriction.
     """
     return tuple(row._replace(only="") for row in rows if _applies_to_code(row.only, code))
 

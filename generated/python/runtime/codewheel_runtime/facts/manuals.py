@@ -18,7 +18,7 @@ class Status(Enum):
 
 
 class Severity(Enum):
-    """What happens if a program follows the printed text of an erratum literally."""
+    """Effect of following the printed text of an erratum literally."""
 
     WRONG_DATA = "wrong_data"
     WRONG_LIMIT = "wrong_limit"
@@ -68,8 +68,8 @@ class Document(NamedTuple):
 class Erratum(NamedTuple):
     """Error or ambiguity in the manual.
 
-    ``title`` says in one sentence what is wrong. ``printed`` is the text of the manual, to the letter only in double
-    quotation marks. ``used`` is the text that is used instead, and ``why`` the reason. ``only`` describes the order
+    ``title`` states the mistake in one sentence. ``printed`` is the text of the manual, to the letter only in double
+    quotation marks. ``used`` is the text that is used instead, and ``why`` is the reason. ``only`` describes the order
     codes that it applies to, if not all.
     """
 

@@ -27,7 +27,7 @@ from .inputs import (
     select_columns,
 )
 
-#: Limit for the length of a line. A longer one means that the file is not CSV.
+#: Limit for the length of a line. If a line is longer, the file is not CSV.
 _LONGEST_LINE: Final = 1 << 20
 
 
@@ -97,17 +97,17 @@ def _find_line(data: bytes, line_count: int) -> int:
 
 
 def _open_text(blocks: Iterable[bytes]) -> io.TextIOWrapper:
-    """Return blocks of bytes as one text file."""
+    """Return blocks of bytes as a single text file."""
     return io.TextIOWrapper(io.BufferedReader(JoinedBlocks(blocks)), "utf-8-sig", "replace", newline="")
 
 
 def _yield_no_parts() -> Generator[FrameBatch, None, None]:
-    """Yield no frames, for a file without rows."""
+    """Yield no frames (for a file without rows)."""
     yield from ()
 
 
 class _Batch(NamedTuple):
-    """Cells of the frames in some rows, their line numbers, and the cells of other columns in the same rows by name."""
+    """Frame cells of some rows, their line numbers, and the cells of other columns in the same rows, by name."""
 
     cells: list[str]
     line_numbers: list[int]
@@ -115,10 +115,10 @@ class _Batch(NamedTuple):
 
 
 class _SlowReader:
-    """Reader of a CSV file row by row, for all contents.
+    """Row-by-row reader of a CSV file, for any contents.
 
     ``frame_column`` is the index of the column of frames, and ``columns`` are the indices and names of the other
-    columns to keep. ``count`` is the number of rows that are read at once.
+    columns to keep. ``count`` is the number of rows that are read at a time.
     """
 
     def __init__(
@@ -146,8 +146,8 @@ class _SlowReader:
     def read_batch(self) -> _Batch:
         """Return the cells of the next rows. At the end of the blocks, there are no cells.
 
-        A cell that is missing from its row is empty. The frame at the end of the file is also empty if it may be cut
-        off.
+        A missing cell counts as empty. A frame at the end of the file that may be cut off also counts
+        as empty.
         """
         cells: list[str] = []
         line_numbers: list[int] = []
@@ -176,7 +176,7 @@ class _SlowReader:
 
 
 class _CsvFile(NamedTuple):
-    """Name of the file for errors, form of its frames, their description, and how to find the valid fraction."""
+    """Name of the file for errors, form and description of its frames, and function for the valid fraction."""
 
     name: str
     storage: StorageFormat
@@ -195,7 +195,7 @@ def _read_parts(
     """Yield the frames of blocks, with the other columns of the same rows and the progress.
 
     ``lines_read`` and ``bytes_read`` are the numbers of lines and bytes before the first block. ``read_fast`` reads a
-    block, or is None if pyarrow is not installed. It returns None for blocks with unusual content. ``slow_reader``
+    block, or is None if pyarrow is not installed. Returns None for blocks with unusual content. ``slow_reader``
     reads these blocks. If a row may continue in the next block, it reads the rest of the file.
     """
     cells = TextCells(csv_file.shape, csv_file.storage.digits)
@@ -231,7 +231,7 @@ def _read_parts(
 
 
 def _check_first_cells(cells: TextCells, texts: list[str], csv_file: _CsvFile) -> None:
-    """Raise InputError if most of the first cells are not frames, or if they fit another base much better.
+    """Raise InputError if most of the first cells are not frames or are more likely in another base.
 
     Another base is tried only for frames of bits, and only if ``--digits`` chose a base: ``check_form`` compares the
     fraction of valid frames in both bases. ``cells`` has read the cells already, and ``texts`` are the first cells, at
@@ -258,8 +258,8 @@ def _read_frames(texts: list[str], shape: Shape, digits: DigitKind) -> list[int 
 class _Lines:
     """Iterator over the lines of a text that counts them and limits their length.
 
-    ``number`` is the number of the last line, from 1. ``read`` is the amount read so far: the bytes before these lines,
-    and the characters of these lines. ``is_cut`` is True if the last line is not terminated.
+    ``number`` is the number of the last line, counted from 1. ``read`` is the amount read so far: the bytes before
+    these lines, and the characters of these lines. ``is_cut`` is True if the last line is not terminated.
     """
 
     def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
@@ -301,7 +301,7 @@ def _open_rows(lines: _Lines, delimiter: str = "") -> tuple[str, Iterator[list[s
 
 
 def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator[list[str]]:
-    """Yield the rows of CSV, without empty rows and comments with #.
+    """Yield the rows of a CSV file, without empty rows and # comments.
 
     ``texts`` are the lines, and ``lines`` counts them for errors.
     """
@@ -318,7 +318,7 @@ def _split_rows(lines: _Lines, texts: Iterable[str], delimiter: str) -> Iterator
 
 
 class _FrameColumn(NamedTuple):
-    """Index of the column of frames, and whether the first row is a header."""
+    """Index of the column of frames, and True if the first row is a header."""
 
     frame_column: int
     has_header: bool
@@ -361,7 +361,7 @@ def _find_frame_column(first_row: list[str], file_name: str, storage: StorageFor
 
 
 def _is_frame(text: str, shape: Shape) -> bool:
-    """Return whether a text can be a frame: a number in hexadecimal with at least one decimal digit."""
+    """Return whether text can be a frame: a hexadecimal number with at least one decimal digit."""
     try:
         read_text(text, shape, "hex")
     except ValueError:

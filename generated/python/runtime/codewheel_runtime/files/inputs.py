@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Types shared by the file readers, and the check of a file's first frames."""
+"""Types that the file readers share, and the check of a file's first frames."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ np: Any = load("numpy")
 
 #: Number of frames read at once: large enough to keep the overhead low, small enough to limit memory use.
 CHUNK: Final = 1 << 17
-#: Number of rows read at once if each cell is a separate object.
+#: Number of rows read at a time if each cell is a separate object.
 ROWS: Final = 1 << 16
 #: Number of frames at the start of a file that are used to check whether it is read correctly.
 FIRST: Final = 1000
 
 FileKind = Literal["binary", "csv", "parquet"]
-#: Function that decodes frames and returns the fraction of valid frames, from 0 to 1. It must get at least one frame.
+#: Function that decodes frames and returns the fraction of valid frames, from 0 to 1. It requires at least one frame.
 ValidFraction = Callable[[Any], float]
 
 #: Default names of the column that contains the frames.
@@ -82,10 +82,10 @@ class Source(NamedTuple):
 def select_columns(
     names: Iterable[str], storage: StorageFormat, make_empty_column: Callable[[str], Any], file: str
 ) -> dict[str, Any]:
-    """Return empty columns by name, for the names that the storage format keeps.
+    """Return empty columns for the names that the storage format keeps, by name.
 
-    Each is made by ``make_empty_column``. ``names`` are the names of all columns except the column of frames. ``file``
-    is the name of the file, for errors.
+    Each column is created by ``make_empty_column``. ``names`` are the names of all columns except the column of frames.
+    ``file`` is the name of the file, for errors.
 
     Raises:
         UsageError: Two of these columns have the same name.
@@ -104,7 +104,7 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
     ``names`` are the names of all columns, and ``wanted`` is the requested name, or empty. ``file`` is for errors.
 
     Raises:
-        InputError: The column does not exist, or there are several.
+        InputError: The column does not exist, or there are several such columns.
     """
     if wanted:
         if names.count(wanted) == 1:
@@ -118,7 +118,7 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
 
 
 def find_usual_column(names: list[str]) -> int | None:
-    """Return the index of the only column, or of the only one named ``frame`` or ``word``, otherwise None."""
+    """Return the index of the only column or the only column named ``frame`` or ``word``, otherwise None."""
     if len(names) == 1:
         return 0
     usual_indices = [index for index, name in enumerate(names) if name.lower() in _DEFAULT_COLUMNS]
@@ -128,7 +128,7 @@ def find_usual_column(names: list[str]) -> int | None:
 def check_form(
     name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, Any]], find_valid_fraction: ValidFraction
 ) -> None:
-    """Check that no other form of the frames would make far more of them valid.
+    """Check that far more frames would not be valid in another form.
 
     Args:
         name: Name of the file.
@@ -137,7 +137,7 @@ def check_form(
         find_valid_fraction: Function that returns the fraction of valid frames.
 
     Raises:
-        InputError: At least one frame in ten has an error, but in one of ``other_forms`` at most one in twenty would.
+        InputError: At least one frame in ten has an error, but at most one in twenty would in one of ``other_forms``.
     """
     if not len(chosen_frames):
         return
@@ -161,7 +161,7 @@ def read_seconds(cells: Any, source: str) -> Any:
     of the file, for the error.
 
     Raises:
-        InputError: A cell is not a number, or infinite.
+        InputError: A cell is not a number, or is infinite.
     """
     # Only a NumPy array has a ``dtype``. Other columns are lists or Arrow arrays.
     if hasattr(cells, "dtype"):

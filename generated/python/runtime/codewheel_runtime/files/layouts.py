@@ -27,7 +27,7 @@ class Layout(NamedTuple):
     make: Callable[..., Shape]
 
     def shape(self, encoder: Encoder, answers: Mapping[str, object]) -> Shape:
-        """Return the description of these frames for an encoder, with these answers to the open questions."""
+        """Return the description of these frames for an encoder and these answers to the open questions."""
         # Only some shapes depend on the encoder.
         variant = {"variant": encoder} if "variant" in signature(self.make).parameters else {}
         return self.make(**variant, **answers)
@@ -55,12 +55,12 @@ def _list_answers(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
 
 
 def find_layout(encoder: Encoder, name: str = "") -> Layout:
-    """Return the kind of frame with this name, or without a name, the only kind that the encoder sends.
+    """Return the kind of frame with this name or, without a name, the only kind that the encoder sends.
 
     Case and underscores are ignored, so the name can be the name in the manual or the name of the class.
 
     Raises:
-        UsageError: There is no frame of this name, or a name is needed to choose one.
+        UsageError: There is no frame with this name, or a name is needed to choose a frame.
     """
     layouts = list_layouts(encoder)
     if name:

@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Decodes the frames in partitions of data frames, such as data frames of Arrow and pandas."""
+"""Decodes the frames in partitions of data frames, for example Arrow or pandas data frames."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
     """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN.
 
     Integers stay an array, and so do floats for frames of bits. Other columns become a list of frames. ``digits`` is
-    the base of numbers in text without ``0x``.
+    the base of numbers in text that have no ``0x``.
 
     Raises:
         ValueError: Most cells of text contain no frame.
@@ -116,13 +116,13 @@ def _read_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
 
 
 def _read_cell(cell: object, shape: Shape, cells: TextCells, row: int) -> Any:
-    """Return the frame in a cell of text, bytes or an integer.
+    """Return the frame in a cell that is text, bytes or an integer.
 
     ``cells`` is the reader of text, which returns None for a cell without a frame. ``row`` is the number of the row,
     for errors.
 
     Raises:
-        TypeError: The cell is something else, or a number for a frame of bytes.
+        TypeError: The cell has another type, or is a number for a frame of bytes.
     """
     if isinstance(cell, str):
         return cells.read(cell, row)

@@ -74,7 +74,7 @@ def open_source(
 
 
 def _check_words(kind: FileKind, words: WordKind, shape: Shape) -> None:
-    """Raise UsageError if frames of bits do not fit into the words of a file, or if frames of bytes have words."""
+    """Raise UsageError if frames of bits do not fit into the words of a file, or frames of bytes have a word form."""
     has_bytes = bool(shape.length)
     if has_bytes:
         if words != "packed" and kind == "binary":
@@ -178,7 +178,7 @@ def _check_first_words(
 
 
 def _incomplete_frame_error(name: str, size: int, frame_bytes: int) -> InputError:
-    """Return the error for a file of ``size`` bytes, or the part that was read, that ends within a frame."""
+    """Return the error for a file that ends within a frame, where ``size`` bytes are known or were read."""
     whole_frames, extra_bytes = divmod(size, frame_bytes)
     extra_text = "1 more byte follows" if extra_bytes == 1 else f"{extra_bytes} more bytes follow"
     problem = f"{whole_frames} complete frames of {frame_bytes} bytes end here, and {extra_text}"
@@ -201,7 +201,7 @@ def _read(file: BinaryIO, size: int) -> bytes:
 
 
 def _find_word_length(words: WordKind, shape: Shape) -> int:
-    """Return the number of bytes that a frame of bits occupies in the file: 3 for 20 bits in packed words."""
+    """Return the number of bytes that a frame of bits occupies in the file, such as 3 for 20 bits in packed words."""
     word_bytes, _ = WORDS[words]
     # 0 stands for packed words, which have as many bytes as the bits need.
     return word_bytes or (shape.bits + 7) // 8
@@ -216,7 +216,7 @@ def _list_other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
 
 
 def _read_first_frames(head: bytes, words: WordKind, shape: Shape) -> Any:
-    """Return the first frames of a file as numbers, at most 1000. They are read in the form ``words``."""
+    """Return the first frames of a file as numbers, at most 1000. The frames are read in the form ``words``."""
     length = _find_word_length(words, shape)
     count = min(len(head) // length, FIRST)
     rows = np.frombuffer(head, np.uint8, count=count * length).reshape(-1, length)

@@ -15,7 +15,7 @@ _Decode = TypeVar("_Decode", bound=Callable[..., Any])
 def cached_decoder(
     make_decoder: Callable[[Any, ErrorHandler], _Decode], encoder: Encoder | None, handle_error: ErrorHandler
 ) -> _Decode:
-    """Return the function that decodes the frames of an encoder, which ``make_decoder`` makes on the first call.
+    """Return the function that decodes the frames of an encoder. ``make_decoder`` creates it on the first call.
 
     ``handle_error`` receives each error, and raises or returns it. ``encoder`` is None for frames that are the same for
     every encoder.
@@ -32,5 +32,8 @@ _DECODERS: dict[object, Any] = {}
 
 
 def raise_error(error: Exception, _frame: object, _encoder: object) -> NoReturn:
-    """Raise the error as it is. Used by the ``decode`` of a class, which has no encoder to name in the message."""
+    """Raise the error unchanged.
+
+    Used by the ``decode`` method of a class, which cannot name an encoder in the message.
+    """
     raise error

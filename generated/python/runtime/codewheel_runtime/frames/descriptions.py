@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Descriptions of the frames of a class. They are in ``_shapes`` of a package, and are loaded on first use."""
+"""Descriptions of a frame class. They are in the ``_shapes`` folder of a package, and are loaded on first use."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def shape_of(frame_class: type, *arguments: object) -> Shape:
-    """Return the description of the frames of a class.
+    """Return the description of a frame class.
 
     Args:
         frame_class: A class of frames.
@@ -44,7 +44,7 @@ def shape_of(frame_class: type, *arguments: object) -> Shape:
 
 
 def find_any_shape(frame_class: type, encoder: Encoder) -> Shape:
-    """Return the description of the frames of a class for an encoder, whatever the answers to open questions.
+    """Return the description of a frame class for an encoder, for any answers to open questions.
 
     The first possible answer to each question is used, so use only properties that do not depend on the answers, such
     as the length of the frame.
@@ -76,10 +76,10 @@ def find_kinds(encoder: Encoder) -> tuple[type, ...]:
 
 @cache
 def find_description(frame_class: type) -> tuple[Callable[..., Shape], tuple[type, ...]]:
-    """Return the function that makes the description of the frames of a class, and the types of its arguments.
+    """Return the function that creates the description of a frame class, and the types of its arguments.
 
     The arguments are an encoder, unless all encoders have the same description, and the answers to open questions. A
-    class derived from a class of frames uses the description of its base.
+    class derived from a frame class uses the description of its base class.
     """
     shapes: Mapping[type, Callable[..., Shape]] = module_of(frame_class, "_shapes").SHAPES
     make_shape = next(shapes[base] for base in frame_class.__mro__ if base in shapes)
@@ -96,17 +96,17 @@ def module_of(frame_class: type, folder: str) -> Any:
 
 
 def field_names(frame_class: type) -> tuple[str, ...]:
-    """Return the names of the fields of a class of frames, which is a NamedTuple."""
+    """Return the field names of a frame class, which is a NamedTuple."""
     named_tuple: Any = frame_class
     names: tuple[str, ...] = named_tuple._fields
     return names
 
 
 def decoding_arguments(frame_class: type, /, **arguments: object) -> tuple[object, ...]:
-    """Return those ``arguments`` that the description of a class of frames needs, in the order of its first fields.
+    """Return the ``arguments`` that the description of a frame class needs, in the order of its first fields.
 
     They are ``variant``, which is the encoder, and the answers to open questions by name. Other arguments are ignored.
-    Raises KeyError if one that the class needs is missing.
+    Raises KeyError if a needed answer is missing.
     """
     _, argument_types = find_description(frame_class)
     # The first fields of a class are the arguments of the function for its description.

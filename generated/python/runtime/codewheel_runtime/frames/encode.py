@@ -62,7 +62,7 @@ def encode_number(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
 
 
 def _convert_from_binary(number: int, shape: Shape) -> int:
-    """Return a frame whose binary numbers are converted to the codes that are sent: separate digits, and Gray code."""
+    """Convert the binary numbers in a frame to the codes that are sent: separate digits and Gray code."""
     for coding in shape.digit_codings:
         number = to_digits(number, *coding)
     if shape.gray is None:
@@ -74,7 +74,7 @@ def _convert_from_binary(number: int, shape: Shape) -> int:
 def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
     """Return the error for a field that is outside its limits.
 
-    ``check`` has these limits, and ``bits`` are its bits.
+    ``check`` contains these limits, and ``bits`` are the bits of the field.
     """
     if check.joined:
         return RangeError(shape.position, bits, f"at most {check.limit}")
@@ -87,7 +87,7 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
 
 
 def _encode_unused_bits(differing: Any, unused_fields: tuple[Unused, ...]) -> int:
-    """Return the unused bits of a frame at their places: as in the manual, inverted where a bit of ``differing`` is 1.
+    """Return the unused bits of a frame at their places, with the manual's values inverted where ``differing`` has a 1.
 
     ``differing`` contains all unused bits side by side: ``place`` is a bit in this number, and ``low`` a bit in the
     frame.
