@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from math import tau
 from pathlib import Path
 from types import ModuleType
@@ -87,6 +88,21 @@ def test_a_disturbed_bit_comes_first(lika: Any) -> None:
     # x^8 + 1 reveals one of eight positions, but not the byte.
     reply = REPLY[:4] + bytes([REPLY[4] ^ 0x10]) + REPLY[5:]
     assert lika.why(lika.lookup("AMM5A23/65KJP1"), reply)[0].startswith("with one of 5 bits inverted: a disturbed bit")
+
+
+def test_a_frame_without_a_crc_has_no_inverted_crc() -> None:
+    """A word of SPI whose last 4 bits are always 0, and were read as 1."""
+    runtime = importlib.import_module("codewheel_runtime")
+
+    class Padded:
+        frame_bits = 20
+        interface = runtime.Interface.SPI
+
+        def decode(self, frame: int) -> None:
+            if frame & 0xF:
+                raise runtime.ConstantError("zeros", frame & 0xF, 0)
+
+    assert not [cause for cause in runtime.why(Padded(), 0x1234F) if "CRC" in cause]
 
 
 def test_nothing_explains_noise(lika: Any) -> None:
