@@ -125,3 +125,11 @@ def test_registers_are_read_and_written_in_words_of_each_length(
     line.take(exchange(line.read(widths.Zero)))
     assert line.take(exchange(line.ask(widths.PositionRequest(encoder)))).register.zero == 0x12
     assert lengths == {bits}
+
+
+@pytest.mark.parametrize(("code", "bits"), [("W-S", 16), ("W-L", 24)])
+def test_show_calculates_the_length_of_a_word(
+    code: str, bits: int, specs: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["show", code, "--specs", str(specs)]) == 0
+    assert f"{bits} bits, SPI mode 1" in " ".join(capsys.readouterr().out.split())
