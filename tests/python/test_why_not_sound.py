@@ -90,6 +90,20 @@ def test_a_disturbed_bit_comes_first(lika: Any) -> None:
     assert lika.why(lika.lookup("AMM5A23/65KJP1"), reply)[0].startswith("with one of 5 bits inverted: a disturbed bit")
 
 
+def test_a_frame_that_lacks_bits_has_no_disturbed_bit(lika: Any) -> None:
+    """44 of 45 bits were received. The number alone would be a frame with one inverted bit."""
+    encoder = lika.lookup("AMM5A21/65KSC1")
+    number = WORD ^ 1 << 10
+    assert "inverted" in encoder.try_decode(number).hint
+    for bits in (40, 44):
+        with pytest.raises(lika.LengthError) as caught:
+            encoder.decode(number, bits=bits)
+        assert caught.value.hint == ""
+    with pytest.raises(lika.LengthError) as caught:
+        encoder.decode(0, bits=44)
+    assert caught.value.hint.startswith(LOW)
+
+
 def test_a_frame_without_a_crc_has_no_inverted_crc() -> None:
     """A word of SPI whose last 4 bits are always 0, and were read as 1."""
     runtime = importlib.import_module("codewheel_runtime")
