@@ -287,7 +287,8 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
                 message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{requests[0].name}'"
                 place_of_fix = " in each layout, instead of in the group" if field.group else ""
                 remedy = (
-                    f"the reply to a different request would decode; give this field the same 'constant'{place_of_fix}"
+                    "the reply to a different request would decode; give this field the same 'constant'"
+                    f"{place_of_fix}, or a different name if the reply does not repeat it"
                 )
                 report.add("frame-kind", _field_path(interface, reply, field), f"{message}, so {remedy}")
 

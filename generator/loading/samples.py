@@ -33,6 +33,9 @@ from ..reference.bits import join_value, to_binary
 from ..reference.codec import EncodeError, encode
 from .examples import example_variant
 
+#: Position that also fits encoders whose counts per turn are not a power of two.
+_LOW_POSITION = 42
+
 
 def sample_frames(device: Device) -> tuple[Sample, ...]:
     """Return the sample frames of every interface, or ``()`` if an example has an unknown order code."""
@@ -84,14 +87,18 @@ def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     made_up_values = {field.name: _made_up_value(field.field, field.width, layout) for field in data_fields}
     measurement = device.measurement_of(variant.interface)
     worked_example = _worked_example(device, variant)
-    if measurement is not None and worked_example is not None and measurement.of in layout.member_names:
-        position_fields = layout.names_in(measurement.of)
-        # The position may consist of several fields. It replaces their values.
-        other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
+    if measurement is None or measurement.of not in layout.member_names:
+        return _encoded_sample(device, placed, variant, made_up_values)
+    position_fields = layout.names_in(measurement.of)
+    # The position may consist of several fields. It replaces their values.
+    other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
+    if worked_example is not None:
         values_with_position = {**other_values, measurement.of: worked_example.counts}
         with suppress(EncodeError):  # The position may not fit.
             return _encoded_sample(device, placed, variant, values_with_position, worked_example.source)
-    return _encoded_sample(device, placed, variant, made_up_values)
+    with suppress(EncodeError):  # The made-up number may be above the highest position.
+        return _encoded_sample(device, placed, variant, made_up_values)
+    return _encoded_sample(device, placed, variant, {**other_values, measurement.of: _LOW_POSITION})
 
 
 def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:

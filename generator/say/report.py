@@ -288,6 +288,11 @@ def odd(piece: str) -> str:
     return f"{piece} has an odd number of hex digits: one is missing or one too many"
 
 
+def decimal_bytes(text: str, meanings: str) -> str:
+    """Return the message for several numbers that may be bytes in decimal, and how to write them for each meaning."""
+    return f"{text} could be decimal bytes. Write {meanings}"
+
+
 def bits_or_bytes(text: str) -> str:
     """Return the message for digits that could be bits or bytes in hexadecimal."""
     return f"{text} could be bits or hex bytes. Prefix it with 0b or 0x"

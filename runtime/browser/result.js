@@ -153,11 +153,15 @@ function createHeadline(decoded) {
   return createPart("div", VERDICT_CLASSES[decoded.verdict] ?? "plain", line);
 }
 
-/** Return whether a wrong frame is a valid frame of another kind, whose check bits match, so that it has no mistake. */
+/**
+ * Return whether a wrong frame is a valid frame of another kind, whose check bits match, so that it has no mistake. A
+ * dead line or the own request is more likely than such a frame.
+ */
 function isAnotherFrame(decoded, otherLayouts) {
   const [otherLayout] = otherLayouts;
   return decoded.problems.length > 0 && otherLayouts.length === 1
-    && Boolean(otherLayout.crc || otherLayout.checks.some((placedCheck) => placedCheck.check.fault === "constant"));
+    && Boolean(otherLayout.crc || otherLayout.checks.some((placedCheck) => placedCheck.check.fault === "constant"))
+    && !deadLine(decoded) && !explained(decoded).some(({ kind }) => kind === "echo");
 }
 
 /** Name the other frames that it can be, in a sentence. */

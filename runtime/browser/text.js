@@ -57,10 +57,25 @@ function linesOf(input) {
 /** Return the text of a frame without brackets, quotes and other marks of the program that it was copied from. */
 function checked(text) {
   if (text.length > TABLE.limits.text) throw new FrameText(messageFor("frame_too_long"));
+  // An array of numbers without a prefix is decimal in every programming language.
+  const [array] = /[[({]\s*[0-9]+\s*,.*/s.exec(text) ?? [];
+  if (array) rejectDecimalBytes(text, array.split(/[\s'",;[\](){}<>]+/).filter(Boolean));
   const plainText = PASTED_SPELLINGS.reduce(
     (cleaned, [pattern, replacement]) => cleaned.replace(pattern, replacement), text).trim();
   if (!plainText) throw new FrameText(messageFor("frame_empty"));
   return plainText;
+}
+
+/** Throw the error for pieces of ``text`` that can be bytes in decimal, unless they may be bits, as digits.py does. */
+function rejectDecimalBytes(text, pieces) {
+  const canBeDecimal = pieces.length > 1 && pieces.every((piece) => /^(0|[1-9][0-9]{0,2})$/.test(piece) && piece < 256);
+  if (!canBeDecimal || /^[01]+$/.test(pieces.join(""))) return;
+  const write = (bytePieces) => bytePieces.map((piece) => piece.toUpperCase().padStart(2, "0")).join(" 0x");
+  const decimalText = `0x${write(pieces.map((piece) => Number(piece).toString(16)))}`;
+  const canBeHex = pieces.every((piece) => piece.length < FEWEST_DIGITS_OF_NUMBER);
+  const meanings = [
+    messageFor("if_decimal", decimalText), ...(canBeHex ? [messageFor("if_hex", write(pieces))] : [])];
+  throw new FrameText(messageFor("decimal_bytes", quoteText(text), meanings.join(", ")));
 }
 
 /** Return whether a piece of several digits begins with 0. */
@@ -133,7 +148,10 @@ function bytesIn(text) {
     if (areBinary || !/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
     const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
     if (evenDigits.length === 1) throw new FrameText(messageFor("one_digit", quoteText(piece), digits));
-    if (evenDigits.length % 2) throw new FrameText(messageFor("odd", quoteText(piece)));
+    if (evenDigits.length % 2) {
+      rejectDecimalBytes(text, text.split(/\s+/));
+      throw new FrameText(messageFor("odd", quoteText(piece)));
+    }
     return evenDigits.match(/../g).map((byte) => parseInt(byte, 16));
   });
 }
@@ -163,6 +181,7 @@ function numberIn(text, bitCount, areBytesExact) {
       isBytes: pieces.length > 1 && pieces.every(isPieceOfBytes),
     };
   }
+  rejectDecimalBytes(text, pieces);
   const meanings = pieces.length === 1 ? listMeanings(compactText, bitCount) : [];
   // Hex digits with one meaning already have a prefix, unless it is misspelt.
   if (meanings.length === 1 && /^[0-9]+$/.test(compactText)) {

@@ -685,6 +685,37 @@ def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("code", "typed", "meanings"),
+    [
+        (
+            "AMM5A21/65KBG1",
+            "[15, 66, 67, 11, 12]",
+            "0x0F 0x42 0x43 0x0B 0x0C if it is decimal, 0x15 0x66 0x67 0x11 0x12 if it is hex",
+        ),
+        (
+            "AMM5A17/1BG1",
+            "1 226 64",
+            "0x01 0xE2 0x40 if it is decimal",
+        ),
+        (
+            "AMM5A23/65KJP1",
+            "rx: [2, 0, 199, 209, 106, 126]",
+            "0x02 0x00 0xC7 0xD1 0x6A 0x7E if it is decimal",
+        ),
+    ],
+)
+def test_an_array_of_decimal_bytes_is_not_read_as_hex(capsys: Capture, code: str, typed: str, meanings: str) -> None:
+    """A program prints an array in decimal. In hex, the first one would be a different position, without any error."""
+    assert refusal(capsys, code, typed) == f"'{typed}' could be decimal bytes. Write {meanings}"
+
+
+def test_an_array_with_a_leading_zero_or_a_letter_is_hex(capsys: Capture) -> None:
+    for typed in ("[00, 12, 34]", "[0F, 42, 34]", "{0x12, 0x34}"):
+        assert decode(capsys, "AMM5A17/1BG1", typed)[0] in (0, 1)
+
+
+@pytest.mark.slow
 def test_degrees_and_micrometres(capsys: Capture) -> None:
     # 1,000,003 of 2^21 counts are 171.66... degrees; SMA21 manual 7.3.4: 123 counts at 50 µm are 6.15 mm.
     assert "position: 171.6619° of revolution 0 CRC" in text(capsys, "AMM5A21/65KSC1", "0xF4243D3")[1]

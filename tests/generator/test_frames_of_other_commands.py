@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -63,3 +64,68 @@ def test_a_word_of_another_order_code_without_a_crc(capsys: Capture) -> None:
     out = " ".join(capsys.readouterr().out.split())
     together = out.partition("Together, 3 of 3 frames with an error have this explanation")[2]
     assert together.startswith(", most likely first: - 16 bits, the frame of AMT22-14; matches by chance in 1 of 64")
+
+
+MAKER = "codewheel: 1\nmanufacturer: acme\ntitle: ACME\nsource: test\n"
+#: The position has a CRC. The value of a register has only zeros in front, as on a dead line and in requests.
+ZEROS = """\
+codewheel: 1
+device: zeros
+manufacturer: acme
+title: Replies with zeros
+movement: rotary
+evidence: {grade: uncorroborated, documents: {manual: test}}
+manual: {title: Manual, revision: "1.0", language: en}
+parameters: {}
+order_code:
+  pattern: "Z-{output}"
+  source: "1"
+  parts: [{name: output, meaning: Words, values: {S: {meaning: SPI, interface: spi}}}]
+measurement: {of: position, counts_per_turn: 2^16, turns: 1, source: "1"}
+crcs: [{name: spi_8, width: 8, poly: 0x1D, init: 0xFF, refin: false, refout: false, xorout: 0, source: "1"}]
+interfaces:
+  spi:
+    source: "1"
+    mode: 1
+    word_bits: 24
+    reply: next_word
+    clock: {max_hz: 10000000, source: "1"}
+    exchanges:
+      - {request: position_request, reply: position_reply, purpose: position}
+      - {request: read_request, reply: register_reply, purpose: read}
+    layouts:
+      - {name: position_request, from: master, source: "1", fields: [{name: command, bits: 24, constant: 0x003F00}]}
+      - name: read_request
+        from: master
+        source: "1"
+        fields: [{name: command, bits: 8, constant: 0x40}, {name: address, bits: 8}, {name: end, bits: 8, constant: 0}]
+      - name: position_reply
+        from: encoder
+        source: "1"
+        fields: [{name: position, bits: 16}, {name: crc, crc: spi_8}]
+      - name: register_reply
+        from: encoder
+        source: "1"
+        fields: [{name: front, bits: 8, constant: 0}, {name: data, bits: 8}, {name: behind, bits: 8, constant: 0}]
+registers: [{name: gain, interface: spi, address: 9, length: 1, access: read_only, source: "1"}]
+"""
+
+
+@pytest.mark.parametrize(
+    ("frame", "explanation", "other"),
+    [
+        ("0x000000", "every bit is 0: the line never changes", "this can be another frame: register_reply"),
+        ("0x003F00", "this word is your own request position_request", "this can be another frame: register_reply"),
+        ("0x004100", "", "this is a valid register_reply: add --layout register_reply"),
+    ],
+)
+def test_a_dead_line_and_an_echo_are_not_a_frame_of_another_kind(
+    capsys: Capture, tmp_path: Path, frame: str, explanation: str, other: str
+) -> None:
+    """Both fit the reply to another request, but are more likely than that reply."""
+    (tmp_path / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
+    (tmp_path / "zeros.yaml").write_text(ZEROS, encoding="utf-8")
+    main(["decode", "Z-S", frame, "--specs", str(tmp_path)])
+    printed = " ".join(capsys.readouterr().out.split())
+    assert other in printed
+    assert explanation.lower() in printed.lower()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from math import tau
 from pathlib import Path
 from types import ModuleType
@@ -87,6 +88,35 @@ def test_a_disturbed_bit_comes_first(lika: Any) -> None:
     # x^8 + 1 reveals one of eight positions, but not the byte.
     reply = REPLY[:4] + bytes([REPLY[4] ^ 0x10]) + REPLY[5:]
     assert lika.why(lika.lookup("AMM5A23/65KJP1"), reply)[0].startswith("with one of 5 bits inverted: a disturbed bit")
+
+
+def test_a_frame_that_lacks_bits_has_no_disturbed_bit(lika: Any) -> None:
+    """44 of 45 bits were received. The number alone would be a frame with one inverted bit."""
+    encoder = lika.lookup("AMM5A21/65KSC1")
+    number = WORD ^ 1 << 10
+    assert "inverted" in encoder.try_decode(number).hint
+    for bits in (40, 44):
+        with pytest.raises(lika.LengthError) as caught:
+            encoder.decode(number, bits=bits)
+        assert caught.value.hint == ""
+    with pytest.raises(lika.LengthError) as caught:
+        encoder.decode(0, bits=44)
+    assert caught.value.hint.startswith(LOW)
+
+
+def test_a_frame_without_a_crc_has_no_inverted_crc() -> None:
+    """A word of SPI whose last 4 bits are always 0, and were read as 1."""
+    runtime = importlib.import_module("codewheel_runtime")
+
+    class Padded:
+        frame_bits = 20
+        interface = runtime.Interface.SPI
+
+        def decode(self, frame: int) -> None:
+            if frame & 0xF:
+                raise runtime.ConstantError("zeros", frame & 0xF, 0)
+
+    assert not [cause for cause in runtime.why(Padded(), 0x1234F) if "CRC" in cause]
 
 
 def test_nothing_explains_noise(lika: Any) -> None:

@@ -156,7 +156,7 @@ class Decoding:
         frame_findings = self._findings_of_frame(decoded)
         self._codes.add(_exit_code(decoded, frame_findings))
         other_layouts = self._other_layouts(line.text, decoded)
-        if is_frame_of_other_kind(decoded, other_layouts):
+        if is_frame_of_other_kind(decoded, other_layouts, why):
             # The frame is valid with the other layout, so there is no mistake to explain.
             why = None
         frame = _ExplainedFrame(text=line.text, decoded=decoded, diagnosis=why)
@@ -416,7 +416,7 @@ class Decoding:
             line=line,
             answers=answers,
             label=self._label,
-            other_frames=other_frames_line(decoded, other_layouts),
+            other_frames=other_frames_line(decoded, other_layouts, diagnosis),
         )
         return self._blank_line() + text
 

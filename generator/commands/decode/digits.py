@@ -25,6 +25,10 @@ _FEWEST_DECIMAL_DIGITS = 24
 _FEWEST_DIGITS_OF_NUMBER = 3
 #: A byte in binary with its prefix, whose leading zeros may be missing.
 _PREFIXED_BYTE = re.compile(r"0[bB][01]{1,8}")
+#: A byte in decimal.
+_DECIMAL_BYTE = re.compile(r"0|[1-9][0-9]{0,2}")
+#: The beginning of an array of numbers without a prefix, which are decimal in every programming language.
+_ARRAY = re.compile(r"[\[({]\s*[0-9]+\s*,")
 #: Bits with their prefix that are too many for a byte.
 _PREFIXED_FRAME = re.compile(r"0[bB][01]{9,}")
 #: Bits with the prefix 0b, or with the misspelled prefix b. The prefix consists of hex digits too.
@@ -168,6 +172,29 @@ def meanings_of_long_number(digits: str) -> Iterator[str]:
     if re.fullmatch(DIGITS["long_number"], digits):
         yield say.if_decimal(f"0x{int(digits):X}")
         yield say.if_hex(digits)
+
+
+def meanings_of_array(text: str) -> list[str]:
+    """Return how to write the bytes in an array such as ``[18, 52, 86]``, for each meaning that they can have.
+
+    Programs print such arrays in decimal, and users type them in hex. The list is empty for any other text.
+    """
+    array = _ARRAY.search(text)
+    return meanings_of_decimal_bytes(_SEPARATORS.sub(" ", text[array.start() :]).split()) if array else []
+
+
+def meanings_of_decimal_bytes(pieces: Sequence[str]) -> list[str]:
+    """Return how to write pieces that can be bytes in decimal: as decimal and, with at most two digits each, as hex.
+
+    The list is empty for any other pieces, and for zeros and ones, which may be bits.
+    """
+    can_be_decimal = len(pieces) > 1 and all(map(_DECIMAL_BYTE.fullmatch, pieces))
+    if not can_be_decimal or set("".join(pieces)) <= {"0", "1"} or max(map(int, pieces)) > 0xFF:
+        return []
+    meanings = [say.if_decimal(" ".join(f"0x{int(piece):02X}" for piece in pieces))]
+    if max(map(len, pieces)) < _FEWEST_DIGITS_OF_NUMBER:
+        meanings.append(say.if_hex(" 0x".join(piece.zfill(2) for piece in pieces)))
+    return meanings
 
 
 def words_of(text: str, sizes: Sequence[int]) -> list[str]:

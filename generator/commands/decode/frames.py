@@ -31,6 +31,8 @@ from ...why.hypotheses import LEAST_EQUAL_BITS, TypedFrame
 from .digits import (
     are_several_numbers,
     bits_of_bytes,
+    meanings_of_array,
+    meanings_of_decimal_bytes,
     meanings_of_long_number,
     possible_meanings,
     with_leading_zeros,
@@ -87,12 +89,15 @@ def undecorated(frame_text: str) -> str:
     ``{0x1Fu, 2Ah}`` becomes ``0x1F  0x2A``. A plain number with a prefix, such as ``0x1F2A``, is returned as it is.
 
     Raises:
-        FrameTextError: The text is empty or longer than any frame.
+        FrameTextError: The text is empty or longer than any frame, or an array of numbers that may be decimal or hex.
     """
     if len(frame_text) > say_report.LONGEST:
         raise FrameTextError(say_report.TOO_LONG)
     if _LONE_PREFIXED_NUMBER.fullmatch(frame_text):
         return frame_text
+    meanings = meanings_of_array(frame_text)
+    if meanings:
+        raise _decimal_bytes_error(frame_text, meanings)
     # Brackets, quotes and commas become spaces, ``b`` and ``u`` are removed, ``\x1F`` and ``1Fh`` become ``0x1F``.
     for pattern, replacement in _PASTED_FORMS:
         frame_text = pattern.sub(replacement, frame_text)
@@ -100,6 +105,11 @@ def undecorated(frame_text: str) -> str:
     if not frame_text:
         raise FrameTextError(say_report.EMPTY)
     return frame_text
+
+
+def _decimal_bytes_error(frame_text: str, meanings: Sequence[str]) -> FrameTextError:
+    """Return the error for numbers that may be bytes in decimal. ``meanings`` says how to write each meaning."""
+    return FrameTextError(say_report.decimal_bytes(quoted(visible(frame_text)), ", ".join(meanings)))
 
 
 def frame_bytes(frame_text: str) -> bytes:
@@ -125,6 +135,9 @@ def frame_bytes(frame_text: str) -> bytes:
         elif len(digits) == 1:
             raise FrameTextError(say_report.one_digit(quoted_piece, digits))
         elif len(digits) % 2:
+            meanings = meanings_of_decimal_bytes(frame_text.split())
+            if meanings:
+                raise _decimal_bytes_error(frame_text, meanings)
             raise FrameTextError(say_report.odd(quoted_piece))
         frame += bytes.fromhex(digits)
     return frame
@@ -190,6 +203,9 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits, is_bytes=are_bytes)
     if len(pieces) == 1:
         return _number_without_prefix(placed, without_gaps, frame_text)
+    meanings = meanings_of_decimal_bytes(pieces)
+    if meanings:
+        raise _decimal_bytes_error(frame_text, meanings)
     raise _number_error(placed, frame_text, say_report.write_number(str(placed.bits)))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ...model import (
     Constant,
@@ -17,6 +18,12 @@ from ...model.layout import have_lengths
 from ...reference import codec
 from ...say import report as say_report
 from .frames import FrameTextError, decode_as, layouts_of_sender, undecorated
+
+if TYPE_CHECKING:
+    from ...why.diagnosis import Diagnosis
+
+#: Mistakes with which the received bits are not a reply.
+NO_REPLY = frozenset(("line_stuck", "echo"))
 
 
 class OtherFrames:
@@ -63,24 +70,31 @@ class OtherFrames:
         return not candidate_decoded.problems
 
 
-def is_frame_of_other_kind(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> bool:
+def is_frame_of_other_kind(
+    decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout], diagnosis: Diagnosis | None
+) -> bool:
     """Return whether a frame with errors is actually a valid frame of the only layout in ``other_layouts``.
 
-    That layout must have a constant, a CRC or a parity bit, because any bits are valid in a layout without them.
+    That layout must have a constant, a CRC or a parity bit, because any bits are valid in a layout without them. A dead
+    line or the user's own request, according to ``diagnosis``, is more likely than such a frame.
     """
     if not decoded.problems or len(other_layouts) != 1:
+        return False
+    if diagnosis is not None and any(mistake.kind in NO_REPLY for mistake in diagnosis.explanations):
         return False
     kinds = [placed_field.field.kind for placed_field in other_layouts[0].fields]
     return any(isinstance(kind, (Constant, CrcValue, Parity)) for kind in kinds)
 
 
-def other_frames_line(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> str:
+def other_frames_line(
+    decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout], diagnosis: Diagnosis | None
+) -> str:
     """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string."""
     if not other_layouts:
         return ""
     layout_names = ", ".join(layout.name for layout in other_layouts)
     if not decoded.problems:
         return f"{say_report.also_possible(layout_names)} (choose with --layout)"
-    if is_frame_of_other_kind(decoded, other_layouts):
+    if is_frame_of_other_kind(decoded, other_layouts, diagnosis):
         return f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
     return f"{say_report.possible_instead(layout_names)} (choose with --layout)"

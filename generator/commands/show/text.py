@@ -25,7 +25,7 @@ from ...model import (
 from ...model.expressions import Expression
 from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths, with_sent_layouts
-from ...order_codes.quantities import with_output_code
+from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_interface, reduced_to_codes
 from ...say import errata as say_errata
 from ...say import layout as say_layout
@@ -77,7 +77,8 @@ def variant_text(device: Device, code_match: LabelMatch) -> str:
     lines += _position_lines([("", device.measurement_of(variant.interface))], variant.parameters)
     lines += _range_lines(reduced_device, variant.interface, variant.parameters)
     interface = with_sent_layouts(reduced_device.interface(variant.interface), variant.parameters)
-    lines += ["", *interface_lines(reduced_device, with_output_code(interface, variant))]
+    interface_with_numbers = with_quantities(reduced_device, variant).interface(variant.interface)
+    lines += ["", *interface_lines(reduced_device, interface_with_numbers)]
     for layout in interface.layouts:
         lines += ["", *frame_lines(reduced_device, layout, variant)]
     lines += register_lines(reduced_device, variant)

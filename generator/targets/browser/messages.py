@@ -35,6 +35,7 @@ MESSAGES = {
     "not_hex": report.not_hex("{0}"),
     "one_digit": report.one_digit("{0}", "{1}"),
     "odd": report.odd("{0}"),
+    "decimal_bytes": report.decimal_bytes("{0}", "{1}"),
     "bits_or_bytes": report.bits_or_bytes("{0}"),
     "no_bits": report.no_bits("{0}", "{1}", "{2}"),
     "write_number": report.write_number("{0}"),

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from operator import index
 from typing import Any, Final, NamedTuple, SupportsIndex, cast
 
-from .errors import FrameError, Sender
+from .errors import CrcError, FrameError, Sender
 from .reports import Interface
 
 
@@ -140,6 +140,17 @@ def _can_be_invalid(encoder: Sender) -> bool:
     return not all(_is_valid(encoder.decode, frame) for frame in tried_frames)
 
 
+def _has_wrong_crc(decode: Callable[[object], object], frame: object) -> bool:
+    """Return whether a frame is invalid because of its CRC. Many frames do not have one."""
+    try:
+        decode(frame)
+    except CrcError:
+        return True
+    except (FrameError, TypeError):
+        return False
+    return False
+
+
 def _is_valid(decode: Callable[[object], object], frame: object) -> bool:
     """Return whether a frame decodes without an error."""
     try:
@@ -210,7 +221,7 @@ def _yield_changes_of_number(encoder: Sender, frame: int, bits: int) -> Iterator
     else:
         reversed_frame = _reverse_bits(frame, bits)
         yield _Change("with its bits in reverse order: the most significant bit is sent first", reversed_frame)
-        for crc_bits in _USUAL_CRC_BITS:
+        for crc_bits in _USUAL_CRC_BITS if _has_wrong_crc(encoder.decode, frame) else ():
             crc_mask = (1 << crc_bits) - 1
             yield _Change(f"with the {crc_bits} bits of its CRC inverted, as BiSS sends them", frame ^ crc_mask)
     for count in range(1, _MOST_EXTRA_BITS + 1):

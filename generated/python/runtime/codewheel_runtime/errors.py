@@ -92,6 +92,19 @@ class LengthError(FrameError):
         self.found = found
         self.unit = unit
 
+    @property
+    def hint(self) -> str:
+        """Common mistake that would explain the frame, as a sentence. Empty if there is none.
+
+        Computed on access.
+        """
+        frame = self.frame
+        lacks_bits = self.unit == "bits" and self.found < self.expected
+        if self.encoder is not None and lacks_bits and isinstance(frame, int):
+            # A number would be explained as if its missing bits were leading zeros.
+            return self.encoder._hint(f"{frame:0{self.found}b}")
+        return super().hint
+
     def __str__(self) -> str:
         unit = self.unit if self.expected != 1 else self.unit[:-1]
         return f"expected {self.expected} {unit}, got {self.found}"

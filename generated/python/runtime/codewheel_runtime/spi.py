@@ -192,8 +192,7 @@ class Pipeline:
         """
         if self._read is None:
             raise TypeError(f"{self._encoder.code} has no request that reads a register")
-        request: Request = self._read(address=address)
-        return request
+        return self._fill_request(self._read, {"address": address})
 
     def _make_write_requests(self, address: int, data: bytes) -> Iterator[Request]:
         """Yield the requests that write bytes to the register at an address, one of each class that a write needs.
@@ -205,8 +204,15 @@ class Pipeline:
         if not self._write:
             raise TypeError(f"{self._encoder.code} has no request that writes a register")
         for request_class in self._write:
-            fields = {name: values[name] for name in request_class._fields if name in values}
-            yield request_class(**fields)
+            yield self._fill_request(request_class, values)
+
+    def _fill_request(self, request_class: Any, values: Mapping[str, int]) -> Request:
+        """Return a request with those of ``values`` that it has. A request of variable width also has the encoder."""
+        fields: dict[str, Any] = {name: values[name] for name in request_class._fields if name in values}
+        if "variant" in request_class._fields:
+            fields["variant"] = self._encoder
+        request: Request = request_class(**fields)
+        return request
 
     def _start_request(self, request: Any, register: type | None) -> int:
         """Return the word for a request, and remember the request until its reply arrives.
