@@ -88,8 +88,10 @@ def mutant_at(trial: Trial, name: str, path: tuple[str | int, ...], key: str, mi
 def test_a_wrong_value_that_passes_is_classified_by_its_effect(trial: Trial) -> None:
     title = mutant_at(trial, "asc85", ("documents", "onstepx"), "title", "digit misread")
     assert trial.verdict(title).word == "code"  # The titles of documents are data of the Python package.
+    why = mutant_at(trial, "am36", ("editions", 0, "then"), "why", "digit lost")
+    assert trial.verdict(why).word == "texts"
     source = mutant_at(trial, "am36", ("crcs",), "source", "extra zero")
-    assert trial.verdict(source).word == "texts"
+    assert trial.verdict(source).rules == ("cited-place",)  # A page that is not listed for the document.
     answer = ("alternatives", 0, "values", "left_out")
     meaning = mutant_at(trial, "asc85", answer, "meaning", "word turned round")
     assert trial.verdict(meaning).rules[0].startswith("words-")
