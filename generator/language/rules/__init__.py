@@ -37,6 +37,7 @@ from . import (
     step_agreement,
     table_agreement,
     values,
+    values_in_texts,
     words,
 )
 from .parts import Rule
@@ -191,6 +192,7 @@ RULES: tuple[Rule, ...] = (
     left_behind.check_defaults,
     left_behind.check_order_codes_in_texts,
     stale_texts.check_erratum_quantities,
+    values_in_texts.check_resolutions_in_texts,
     stale_texts.check_repeated_waits,
     stale_texts.check_quoted_names,
     stale_texts.check_renamed_registers,
