@@ -13,7 +13,7 @@ from .stale_texts import KEYS_OF_TEXTS, is_derived, yield_texts
 #: Units of lengths. Texts also have numbers of bits and counts that are not those of an order code.
 _UNITS_OF_LENGTHS = ("nm", "µm", "mm")
 #: Keys of texts, including those that quote the manual.
-_KEYS = KEYS_OF_TEXTS | {"printed", "why", "title"}
+_KEYS = KEYS_OF_TEXTS | {"printed", "why", "title", "value"}
 
 
 def check_resolutions_in_texts(spec: WrittenSpec, report: DocumentReport) -> None:
