@@ -152,11 +152,12 @@ def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
 def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing about writes to a register has the same wait as this register.
 
-    The register is recognized by its name in the manual.
+    The register is recognized by its name in the manual, or by its own name: "Command" for ``command``.
     """
-    waiting_registers: dict[str, WrittenRegister] = {}  # By their names in the manual.
+    waiting_registers: dict[str, WrittenRegister] = {}  # By their names in texts.
     for register in by_name(spec.registers).values():
-        if register.printed_name and register.wait_at_least_ms is not None:
+        if register.wait_at_least_ms is not None:
+            waiting_registers[register.name.replace("_", " ").capitalize()] = register
             waiting_registers[register.printed_name] = register
     for _, interface in interfaces(spec):
         for timing in interface.timings:
