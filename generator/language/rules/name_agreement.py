@@ -172,8 +172,10 @@ def _check_values_in_quotes(field: WrittenField, width: int, report: DocumentRep
         match = _QUOTED_DIGITS.fullmatch(value.printed_name)
         if match is not None:
             digits_by_name[name] = match[1]
-    binary = re.compile(f"[01]{{{width}}}")
-    other_digits = {name: digits for name, digits in digits_by_name.items() if not binary.fullmatch(digits)}
+    other_digits: dict[str, str] = {}
+    for name, digits in digits_by_name.items():
+        if len(digits) != width or not set(digits) <= {"0", "1"}:
+            other_digits[name] = digits
     is_binary = len(other_digits) < len(digits_by_name)
     for name, digits in other_digits.items():
         if is_binary:
