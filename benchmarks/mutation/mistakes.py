@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
@@ -36,6 +36,8 @@ class Mutant:
     changes: tuple[Change, ...]
     #: Class of the fact: the class of its place, or for a source the wrong part.
     fact: str
+    #: The same changes in the second reading, if the mistake is in both files.
+    changes_in_second: tuple[Change, ...] = ()
 
     @property
     def difference(self) -> str:
@@ -85,10 +87,26 @@ def _wrong_in_source(old: str, new: str, document: Document) -> str:
     return "cited page" if "page" in row or "entries" in row else "page without contents"
 
 
-def mutated(document: Document, mutant: Mutant) -> dict[str, Any]:
-    """Return the data of a document with the mistake. Unchanged parts are shared."""
+def in_both(mutants_of_spec: Iterable[Mutant], spec: Document, second: Document) -> Iterator[Mutant]:
+    """Yield the mutants of a spec whose mistake a second reader can make too, with the changes in the second reading.
+
+    Both files then have the same value under the same names. Words of texts are in one file alone.
+    """
+    second_places = {second.name_path(place.path): place for place in places(second)}
+    for mutant in mutants_of_spec:
+        changes = []
+        for path, new in mutant.changes:
+            place = second_places.get(spec.name_path(path))
+            if place is not None and place.value == _value_at(spec.data, path):
+                changes.append((place.path, new))
+        if len(changes) == len(mutant.changes) and mutant.fact != WORD:
+            yield replace(mutant, changes_in_second=tuple(changes))
+
+
+def mutated(document: Document, changes: Iterable[Change]) -> dict[str, Any]:
+    """Return the data of a document with the changes of a mistake. Unchanged parts are shared."""
     data = document.data
-    for path, new in mutant.changes:
+    for path, new in changes:
         data = _with_value(data, path, new)
     return data
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
@@ -12,7 +12,7 @@ from codewheel.language.schema_files import is_second
 from .campaign import TriedMutant
 from .effects import Effect
 from .mistakes import code_span
-from .places import MOST, STRICT, WITNESSES
+from .places import MOST, MOST_IN_BOTH, STRICT, WITNESSES
 from .reasons import explanation, reason
 from .trial import Trial
 
@@ -140,11 +140,12 @@ def _sorted_classes(names: Iterable[str]) -> list[str]:
     return sorted(names, key=lambda name: (name not in STRICT, name in WITNESSES, name.casefold()))
 
 
-def exceeded(outcome: Outcome) -> list[str]:
+def exceeded(outcome: Outcome, most: Mapping[str, float] = MOST) -> list[str]:
     """Return one line for each class of which more wrong values pass than allowed."""
-    shares = {name: outcome.rows[name].wrong for name in MOST if name in outcome.rows}
-    excessive = {name: share for name, share in shares.items() if share > MOST[name]}
-    return [f"{name}: {share:.1%} pass, at most {MOST[name]:.0%} may" for name, share in excessive.items()]
+    rows = {**outcome.rows, **dict(outcome.sums())}
+    shares = {name: rows[name].wrong for name in most if name in rows}
+    excessive = {name: share for name, share in shares.items() if share > most[name]}
+    return [f"{name}: {share:.1%} pass, at most {most[name]:.0%} may" for name, share in excessive.items()]
 
 
 def _joined_words(words: Iterable[str]) -> str:
@@ -166,8 +167,16 @@ def survivors(outcome: Outcome) -> Iterator[str]:
         yield ""
 
 
-def page(outcome: Outcome, command: str, files: Sequence[str], reversed_words: tuple[int, int]) -> str:
-    """Return the page of a campaign.
+def survivors_in_both(both: Outcome) -> Iterator[str]:
+    """Yield every mutant that passes with the same mistake in both readings, as Markdown."""
+    yield f"## in both readings: {len(both.passed)}"
+    yield ""
+    for passed in sorted(both.passed, key=lambda passed: (passed.place, passed.difference)):
+        yield f"- {code_span(passed.place)} {passed.difference} ({passed.effect})"
+
+
+def page(outcome: Outcome, both: Outcome, command: str, files: Sequence[str], reversed_words: tuple[int, int]) -> str:
+    """Return the page of a campaign with mistakes in one file, and of one with the same mistakes in both readings.
 
     ``reversed_words`` are the number of all words that can be reversed, and the number of those with a gap in a sheet.
     """
@@ -188,20 +197,32 @@ check or an access, or comes at the wrong time. No such mutant may pass.
 
 The last row includes every class. A *characteristic, hazard* has a quantity that can damage hardware: supply, battery,
 torque, current, clearance, clock or temperature. A *cited page* is a page in a section for which the table of contents
-gives pages. No rule can check a *page without contents* or a *place in another document*.
+gives pages. A *page without contents* is compared with the nearest pages that the contents give. A *place in another
+document* is compared with the contents of its spec, or with the pages that the spec lists for the document.
 
-Each mistake is in one file. If the same mistake is in the spec and in its second reading, only facts that are repeated
-elsewhere can reveal the mistake: in an example, in the order code, in another table, or in the specs of the same
-manufacturer. No rule can find a word that is reversed both in a text and in its sheet of turning words, or two flags
-that are swapped in both readings. Sheets do not contain words without an opposite, such as *speed* for *position*.
-Such words are checked by reading the spec.
+In the first table, each mistake is in one file. [The second table](#the-same-mistake-in-both-readings) has mistakes in
+both readings. Sheets do not contain words without an opposite, such as *speed* for *position*. Such words are checked
+by reading the spec.
 
 A sheet repeats each text of the spec, so `check` reports a word that is reversed after the sheet was written even if
 the word has no gap. If the word was reversed before, only its gap shows the mistake. Of all {words:,} words that can be
 reversed in a text of these specs, {words_with_gap:,} have a gap ({words_with_gap / words:.0%}). The others are a lost
 *not*, and words that have no opposite in the sheets.
 """
-    return "\n".join([head, *table(outcome), "", *survivors(outcome)]).rstrip() + "\n"
+    in_both = f"""\
+## The same mistake in both readings
+
+If the same mistake is in the spec and in its second reading, only facts that are repeated elsewhere reveal it: in an
+example, in the order code, in another table, or in the specs of the same manufacturer. The mistakes are those of the
+first table, at places with the same value in both files, except words. Sheets of turning words are not compared here,
+because they repeat the texts of the spec. At most {MOST_IN_BOTH["all classes"]:.0%} of the wrong values may pass, and
+none of a *pin*.
+
+No rule can find a word that is reversed both in a text and in its sheet, or two flags that are swapped in both
+readings.
+"""
+    of_one = [head, *table(outcome), "", in_both, *table(both), "", *survivors(outcome)]
+    return "\n".join([*of_one, *survivors_in_both(both)]).rstrip() + "\n"
 
 
 def file_name(path: str) -> str:

@@ -5,8 +5,10 @@ Everything that a mutant does not affect is read and computed only once: the oth
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from codewheel.commands.outputs import report_unfit_parts, targets_named
@@ -31,7 +33,7 @@ from codewheel.readings.second_readings import (
 )
 
 from .effects import Effect, Outputs
-from .mistakes import Mutant, mutants, mutated
+from .mistakes import Change, Mutant, in_both, mutants, mutated
 from .places import WORD
 from .words import contradicts_a_gap
 
@@ -95,6 +97,18 @@ class Trial:
             wanted = [document for document in self.documents if document.file in twice] + self.second_readings
         return [mutant for document in wanted for mutant in mutants(document)]
 
+    def mutants_in_both(self, mutants_of_one: Iterable[Mutant]) -> list[Mutant]:
+        """Return the mutants of these whose mistake can be in the spec and in its second reading."""
+        mutants_by_file = defaultdict(list)
+        for mutant in mutants_of_one:
+            mutants_by_file[mutant.file].append(mutant)
+        specs = [family.document for family in self.families if family.document.file in self._seconds]
+        return [
+            mutant
+            for spec in specs
+            for mutant in in_both(mutants_by_file[spec.file], spec, self._seconds[spec.file].document)
+        ]
+
     def reversed_words(self, all_mutants: Iterable[Mutant]) -> tuple[int, int]:
         """Return how many words of specs are reversed in these mutants, and for how many of them a gap asks."""
         vocabularies = {
@@ -121,15 +135,19 @@ class Trial:
     def verdict(self, mutant: Mutant) -> Verdict:
         """Return the verdict of ``check`` on a mutant and, if the mutant passes, its effect."""
         document = self._document(mutant)
-        changed = replace(document, data=mutated(document, mutant), kept_indices={})
+        changed = replace(document, data=mutated(document, mutant.changes), kept_indices={})
         try:
             if any(document is reading for reading in self.second_readings):
                 return self._of_second(document, changed)
-            return self._of_spec(document, changed)
+            return self._of_spec(document, changed, mutant.changes_in_second)
         except Exception as error:
             return Verdict((), Effect.NOTHING, f"{type(error).__name__}: {error}")
 
-    def _of_spec(self, document: Document, changed: Document) -> Verdict:
+    def _of_spec(self, document: Document, changed: Document, changes_in_second: Iterable[Change] = ()) -> Verdict:
+        """Return the verdict on a changed spec, next to its second reading with these changes.
+
+        With changes in both, the sheet of words is not compared: it repeats the texts of the spec, and so the mistake.
+        """
         report = ProblemReport()
         touched = [family for family in self.families if document.file in family.files]
         files = {file for family in touched for file in family.files}
@@ -142,8 +160,11 @@ class Trial:
             )
         if not report:
             sound = comparable_specs(families, report)
-            compare_readings(families, sound, report, self._second)
-            check_sheets(families, sound, report, self._sheet)
+            if changes_in_second:
+                compare_readings(families, sound, report, partial(self._changed_second, changes_in_second))
+            else:
+                compare_readings(families, sound, report, self._second)
+                check_sheets(families, sound, report, self._sheet)
         if not report:
             report_unfit_parts(families, self._targets, report)
         if report:
@@ -172,6 +193,12 @@ class Trial:
         if covered.lacking or family.device.times_read not in (None, covered.total):
             return Verdict((READ_ONCE,), Effect.NOTHING)
         return Verdict((), Effect.READING)
+
+    def _changed_second(self, changes: Iterable[Change], family: Family, report: ProblemReport) -> SecondReading:
+        """Return the second reading of a family with these changes."""
+        document = self._seconds[family.document.file].document
+        changed = replace(document, data=mutated(document, changes), kept_indices={})
+        return second_of(changed, family.device.manufacturer, report)
 
     def _second(self, family: Family, report: ProblemReport) -> SecondReading | None:
         return self._seconds.get(family.document.file)

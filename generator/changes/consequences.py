@@ -322,6 +322,48 @@ def _alike_key(change: Change) -> object:
     return None
 
 
+_RULES_OF_WAITS = ("wait-longer", "wait-shorter", "procedure-steps")
+_WAIT_OF_REGISTER = "delay after a write "
+
+
+def fold_waits(changes: Sequence[Change]) -> Iterator[Change]:
+    """Yield the changes, with equal changes of times and of pauses merged into that of the wait after a write.
+
+    The text then ends with ``30 ms → 50 ms, and so BiSS time storing, procedures preset, reset``. The order codes of
+    the changes must be the same.
+    """
+    wait_by_key: dict[object, Change] = {}
+    for change in changes:
+        if _value_text(change).startswith(_WAIT_OF_REGISTER):
+            wait_by_key.setdefault(_wait_key(change), change)
+    following_changes: dict[int, list[Change]] = {}
+    for change in changes:
+        wait = wait_by_key.get(_wait_key(change))
+        if wait is not None and change is not wait and change.rule.name in _RULES_OF_WAITS:
+            following_changes.setdefault(id(wait), []).append(change)
+    merged_changes = {id(change) for merged in following_changes.values() for change in merged}
+    for change in changes:
+        if id(change) in following_changes:
+            subjects = ", ".join(map(_subject_text, following_changes[id(change)]))
+            impacts = change.rule.impacts
+            for following in following_changes[id(change)]:
+                impacts = _combine_impacts(impacts, following.rule.impacts)
+            rule = replace(change.rule, impacts=impacts)
+            yield replace(change, text=f"{change.text}, and so {subjects}", rule=rule)
+        elif id(change) not in merged_changes:
+            yield change
+
+
+def _wait_key(change: Change) -> object:
+    """Return what equal changes of waits share: the old and the new time, and the order codes.
+
+    The times are at the end of the text, such as ``30 ms → 50 ms`` in ``pause 30 ms → 50 ms``.
+    """
+    old_text, arrow, new_time = _value_text(change).partition(" → ")
+    old_time = " ".join(old_text.split()[-2:])
+    return (old_time, new_time, change.codes) if arrow else None
+
+
 def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with the change of a field's type in C merged into the change of the field's width.
 

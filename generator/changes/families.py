@@ -10,7 +10,7 @@ from operator import attrgetter
 from ..model import Alternative, CodePart, Device, Manual, Measurement, Parameter, Spelling, Supply, Variant
 from ..say.plain_text import first_of
 from .compare import compare_members, compare_parts, compare_section
-from .consequences import fold_alike, fold_defaults, fold_types, with_consequences
+from .consequences import fold_alike, fold_defaults, fold_types, fold_waits, with_consequences
 from .counterparts import pair_section, remember_all_renamings
 from .family_pair import FamilyPair
 from .interfaces import (
@@ -386,6 +386,7 @@ def compare_family(old: Device, new: Device) -> list[Change]:
     changes = list(fold_defaults(changes))
     changes = list(fold_types(changes))
     changes = list(fold_alike(changes))
+    changes = list(fold_waits(changes))
     if not changes and _without_spec_data(old) != _without_spec_data(new):
         subject = ChangeSubject(path="", label=f"family {new.name}")
         changes.append(

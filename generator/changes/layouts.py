@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import replace
 
 from ..model import (
@@ -64,7 +64,8 @@ def _compare_fields(family_pair: FamilyPair, subject: ChangeSubject, old: Layout
     Fields that only pad another field follow from that field, and are not compared.
     """
     compared_fields: list[ComparedField] = []
-    for pair in pair_fields(family_pair, old, new, subject.interface):
+    pairs = pair_fields(family_pair, old, new, subject.interface)
+    for pair in _without_exchanged_filling(family_pair, subject.interface, pairs):
         if _is_padding(pair.new_or_old, old) or _is_padding(pair.new_or_old, new):
             continue
         common_property = _common_property(family_pair, subject, pair, old, new)
@@ -79,6 +80,37 @@ def _compare_fields(family_pair: FamilyPair, subject: ChangeSubject, old: Layout
         compared_fields=compared_fields,
     )
     yield from fold_moves(family_pair, subject.interface, subject.path, fields_with_length)
+
+
+def _without_exchanged_filling(
+    family_pair: FamilyPair, interface: str, pairs: Sequence[OldAndNew[Field]]
+) -> Iterator[OldAndNew[Field]]:
+    """Yield the pairs of fields, except a field without data that only exchanged its bits with a field that moved.
+
+    If ``speed`` moves from bit 6 to the unused bit 7, bit 6 becomes unused. Its name, which a reader chose, may differ.
+    """
+    moves: set[tuple[Hashable, Hashable]] = set()
+    for pair in pairs:
+        if pair.old is not None and pair.new is not None and pair.new.carries_data:
+            old_bits = family_pair.low_bits_and_widths(pair.old, interface, is_old=True)
+            moves.add((old_bits, family_pair.low_bits_and_widths(pair.new, interface, is_old=False)))
+    # Bits and kinds of the fields without data.
+    old_filling: dict[Hashable, object] = {}
+    new_filling: dict[Hashable, object] = {}
+    for pair in pairs:
+        if pair.old is not None and not pair.old.carries_data:
+            old_filling[family_pair.low_bits_and_widths(pair.old, interface, is_old=True)] = pair.old.kind
+        if pair.new is not None and not pair.new.carries_data:
+            new_filling[family_pair.low_bits_and_widths(pair.new, interface, is_old=False)] = pair.new.kind
+    exchanged_bits: set[Hashable] = set()
+    for bits_before, bits_after in moves:
+        if bits_after in old_filling and old_filling[bits_after] == new_filling.get(bits_before):
+            exchanged_bits |= {bits_before, bits_after}
+    for pair in pairs:
+        field = pair.new_or_old
+        bits = family_pair.low_bits_and_widths(field, interface, is_old=pair.new is None)
+        if field.carries_data or bits not in exchanged_bits:
+            yield pair
 
 
 def _is_padding(field: Field, layout: Layout) -> bool:

@@ -348,5 +348,50 @@ def _items_not_in(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple
 
 
 def old_to_new(old: Any, new: Any, notation: str = "") -> str:
-    """Return two values of the model as short texts in a notation of manuals: ``5 → 12``."""
-    return f"{short_value(old, notation)} → {short_value(new, notation)}"
+    """Return two values of the model as short texts in a notation of manuals: ``5 → 12``.
+
+    Of two parts of the model, only the members that differ are shown, and of two long texts, the words that differ.
+    """
+    old, new = _differing_members(old, new)
+    old_text, new_text = short_value(old, notation), short_value(new, notation)
+    if old_text == new_text and isinstance(old, str) and isinstance(new, str):
+        old_text, new_text = _from_first_difference(old, new)
+    return f"{old_text} → {new_text}"
+
+
+def _differing_members(old: Any, new: Any) -> tuple[Any, Any]:
+    """Return two parts of the model of the same class as maps of the members that differ, and other values unchanged.
+
+    They are also unchanged if a member that differs is missing in one of them.
+    """
+    if type(old) is not type(new) or not is_dataclass(old) or isinstance(old, (Expression, Supply, Scale, CodedValue)):
+        return old, new
+    old_members, new_members = without_texts(old), without_texts(new)
+    differing_names = [name for name in old_members if old_members[name] != new_members[name]]
+    values = [members[name] for members in (old_members, new_members) for name in differing_names]
+    has_all_values = bool(values) and all(value not in (None, "", [], {}) for value in values)
+    # A part with a single member is shown as this member, without its name.
+    has_one_member = len([member for member in new_members.values() if member not in (None, "", [], {})]) == 1
+    if has_one_member or not has_all_values:
+        return old, new
+    return (
+        {name: old_members[name] for name in differing_names},
+        {name: new_members[name] for name in differing_names},
+    )
+
+
+#: Number of words that are shown before the first difference of two long texts.
+_WORDS_BEFORE_DIFFERENCE = 3
+
+
+def _from_first_difference(old: str, new: str) -> tuple[str, str]:
+    """Return two texts from a few words before their first difference: ``…50 mm to 2 mm`` and ``…50 mm to 5 mm``."""
+    old_words, new_words = old.split(), new.split()
+    common_count = 0
+    for old_word, new_word in zip(old_words, new_words, strict=False):
+        if old_word != new_word:
+            break
+        common_count += 1
+    start = max(0, common_count - _WORDS_BEFORE_DIFFERENCE)
+    old_text, new_text = " ".join(old_words[start:]), " ".join(new_words[start:])
+    return _shorten_text(f"…{old_text}"), _shorten_text(f"…{new_text}")

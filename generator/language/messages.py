@@ -41,6 +41,9 @@ PATTERNS = {
         "it must be a place in an interface, as in interfaces.ssi.cable_lengths"
     ),
     "^[a-z][a-z0-9]*$": "it must begin with a lowercase letter and contain only lowercase letters and digits",
+    r"^p\.[0-9]{1,4}(-[0-9]{1,4})?((, | and )[0-9]{1,4}(-[0-9]{1,4})?)*$": (
+        "pages are numbers or ranges after one p., as in p.9-14, 18 and 22"
+    ),
     "^[a-z]{2}$": "a language code has two lowercase letters, as in en",
     "^[0-9]{4}-[0-9]{2}-[0-9]{2}$": "a date is written as year-month-day, as in 2024-05-10",
     "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$": "a date is written as year-month-day, as in 2024-05-10, or as a year",

@@ -47,6 +47,7 @@ from ..model.part import (
     LanguageVersion,
     Name,
     PageOfEntry,
+    Pages,
     Place,
     Places,
     PrintedWrite,
@@ -281,6 +282,9 @@ class WrittenManual(WrittenPart):
 class WrittenDocument(WrittenPart):
     title: Prose = key("Title, revision and publisher.")
     url: Url = key("Web address of the document.", default="")
+    pages: Pages = key(
+        "Pages that this file cites, such as 'p.9-14 and 18'. check reports a source on another page.", default=""
+    )
 
 
 @written("One difference from the spec. It has exactly one of the keys set, add, remove, unknown and also.")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
@@ -10,13 +9,13 @@ from pathlib import PurePath
 from ..language.document import Document, Path
 from ..language.problems import ProblemReport, quoted
 from ..language.rules.parts import by_name, by_part_name, has_erratum_at
-from ..language.rules.walk import mapping
 from ..language.written import LocatedPart
 from ..language.written_codes import WrittenRegister
 from ..language.written_layouts import WrittenField
 from ..language.written_parts import WrittenSpec
 from ..model import Crc
 from .alike_facts import compare_connectors, compare_facts
+from .cited_documents import check_cited_manuals, compare_documents
 
 #: Facts that registers and CRCs with the same name share, with the format of numbers in messages.
 _SHARED_FACT_FORMS = {
@@ -46,35 +45,8 @@ def check_shared_facts(documents: Sequence[Document], report: ProblemReport) -> 
                 _report_different_facts(section, part_name, specs_with_part, report)
         compare_facts(alike_names.get("facts", ()), specs_of_manufacturer, report)
         compare_connectors(manufacturer_file, specs_of_manufacturer, report)
-        _compare_documents(specs_of_manufacturer, report)
-
-
-#: A number in the title or address of a document, but not in a name such as ABC21.
-_NUMBER_IN_REFERENCE = re.compile(r"(?<![A-Za-z0-9])\d+")
-
-
-def _compare_documents(specs: Sequence[Document], report: ProblemReport) -> None:
-    """Report a document whose title or address differs from one under the same key in another spec, only in numbers.
-
-    Several specs of a manufacturer cite the same document, such as a standard. Another document has other words.
-    """
-    first_spec_by_words: dict[tuple[str, ...], Document] = {}
-    for spec in sorted(specs, key=lambda spec: spec.file):
-        for key in mapping(spec.data, "documents"):
-            cited_document = mapping(spec.data, "documents", key)
-            texts = {member: str(cited_document.get(member, "")) for member in ("title", "url")}
-            words = (key, *(_NUMBER_IN_REFERENCE.sub("0", text) for text in texts.values()))
-            first_spec = first_spec_by_words.setdefault(words, spec)
-            for member, text in texts.items():
-                first_text = str(mapping(first_spec.data, "documents", key).get(member, ""))
-                if text == first_text:
-                    continue
-                line, _ = first_spec.position(("documents", key, member))
-                message = (
-                    f"only a number differs from {quoted(first_text)} in {PurePath(first_spec.file).name}:{line};"
-                    f" correct one of the two, or give one of the documents another key"
-                )
-                report.add("not-alike", spec, ("documents", key, member), message)
+        compare_documents(specs_of_manufacturer, report)
+        check_cited_manuals(specs_of_manufacturer, report)
 
 
 def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegister | LocatedPart[Crc]]:

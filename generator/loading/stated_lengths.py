@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import chain
 
 from ..language.problems import DocumentReport, join_words, quoted
-from ..model import Device
+from ..model import Biss, Device
 
 _NUMBERS = r"\d+(?:, \d+)*(?: (?:or|and) \d+)?"
 #: Lengths in a text: ``The frame has 32 bits at 50 µm and 33 bits at 1 µm``, or ``The word has 21, 23 or 26 bits``.
@@ -26,10 +26,12 @@ _NUMBER = re.compile(r"\d+")
 def check_stated_lengths(device: Device, report: DocumentReport) -> None:
     """Report a note on a layout, or an erratum about it, that states a length that its frames do not have.
 
-    A list of lengths, such as ``21, 23 or 26``, must contain the lengths for all order codes.
+    A list of lengths, such as ``21, 23 or 26``, must contain the lengths for all order codes. An erratum that counts
+    the lengths is checked too.
     """
     if report.document.family or report.document.other_files:
         return
+    _check_counted_lengths(device, report)
     for interface in device.interfaces:
         for layout in interface.layouts:
             variants = device.variants_over(interface.name)
@@ -43,6 +45,10 @@ def check_stated_lengths(device: Device, report: DocumentReport) -> None:
             for erratum in device.errata:
                 if affected in erratum.affects:
                     _check_text(("errata", erratum.name, "used"), erratum.used, lengths, report)
+
+
+_NUMBER_WORDS = "two three four five six seven eight nine ten".split()
+_COUNT_OF_LENGTHS = re.compile(rf"\bhave (?P<count>{'|'.join(_NUMBER_WORDS)}) different data lengths\b")
 
 
 def check_stated_bits(device: Device, report: DocumentReport) -> None:
@@ -61,6 +67,27 @@ def check_stated_bits(device: Device, report: DocumentReport) -> None:
             message = f"the text says {quoted(stated_text)}, but the order codes have {numbers_text}"
             message += "; correct one of the two"
             report.add("left-behind", ("parameters", parameter.name, "meaning"), message)
+
+
+def _check_counted_lengths(device: Device, report: DocumentReport) -> None:
+    """Report an erratum that counts the data lengths of the order codes over BiSS wrongly.
+
+    The data are the frame without its flags and check, so the lengths of data differ as the lengths of frames do.
+    """
+    variants = device.variants_over(Biss.name)
+    counts: set[int] = set()
+    for interface in device.interfaces:
+        if interface.name == Biss.name:
+            for layout in interface.layouts:
+                counts.add(len({layout.place(variant.parameters).bits for variant in variants}))
+    if not counts:
+        return
+    for erratum in device.errata:
+        match = _COUNT_OF_LENGTHS.search(erratum.why)
+        if match is not None and 2 + _NUMBER_WORDS.index(match["count"]) not in counts:
+            count_text = join_words(map(str, sorted(counts)), "or")
+            message = f"the text says {quoted(match[0])}, but the order codes have {count_text}; correct one of the two"
+            report.add("left-behind", ("errata", erratum.name, "why"), message)
 
 
 def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report: DocumentReport) -> None:

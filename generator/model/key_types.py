@@ -51,6 +51,14 @@ _WORD_BY_TYPE: Mapping[str, WordOfType] = MappingProxyType(
         "Url": WordOfType(
             {"type": "string", "pattern": r"""^https?://[^\s<>"|`^{}\[\]\\]+$""", "maxLength": 300}, "string"
         ),
+        "Pages": WordOfType(
+            {
+                "type": "string",
+                "pattern": r"^p\.[0-9]{1,4}(-[0-9]{1,4})?((, | and )[0-9]{1,4}(-[0-9]{1,4})?)*$",
+                "maxLength": 300,
+            },
+            "string",
+        ),
         "Unit": WordOfType({"description": "Unit.", "type": "string", "maxLength": 20}, "text"),
         "InterfaceName": WordOfType({"enum": _INTERFACES}, "|".join(_INTERFACES)),
         "OtherBits": WordOfType({"$ref": "#/$defs/other_bits"}, "name"),

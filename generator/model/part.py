@@ -47,6 +47,8 @@ Date = str
 Language = str
 #: A web address.
 Url = str
+#: Pages of a document.
+Pages = str
 #: A unit of a column.
 Unit = str
 #: Name of an interface.

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence, Set
+from collections import Counter
+from collections.abc import Collection, Iterable, Sequence, Set
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from ..language.document import Path
 from .comparison import Disagreement
 from .reading import NOTHING, FactClass
 
@@ -28,6 +30,8 @@ _CLASSES_FROM_PARAMETERS = frozenset(
 )
 
 
+#: The bits that a disagreement is about, as its description names them.
+_BITS = re.compile(r"\bbits? \d")
 #: A number in decimal, or in hexadecimal with its mark.
 _NUMBER_IN_TEXT = re.compile(r"0x[0-9A-Fa-f]+|\d[0-9A-F]*h\b|\d+(?:\.\d+)?")
 
@@ -84,8 +88,11 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
             _known_renaming_of_entry(disagreement, known_causes)
             or _known_renaming_of_place(disagreement, known_causes)
             or _known_change_of_time(disagreement, known_causes)
+            or _exchanged_bits(disagreement, reported_disagreements)
             or _changed_parameters(disagreement, reported_disagreements)
             or _register_that_only_second_has(disagreement, reported_disagreements)
+            or _known_own_cause(disagreement, known_causes)
+            or _number_that_texts_lack(disagreement, reported_disagreements)
             or _own_cause(disagreement)
             # A unique number, so that the disagreement is not grouped.
             or index
@@ -95,14 +102,21 @@ def group_by_cause(disagreements: Sequence[Disagreement]) -> list[Related]:
     return [Related(first_disagreement=group[0], others=tuple(group[1:])) for group in groups]
 
 
-def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool]:
+def _sort_key(disagreement: Disagreement) -> tuple[bool, bool, bool, bool, bool]:
     """Return a key for sorting disagreements so that causes come before the disagreements that they explain.
 
-    Names come first. Numbers in texts, unlisted values of order codes, and times that are not in the spec come last.
+    Names come first, then printed names. Numbers in texts, unlisted values of order codes, and times that are not in
+    the spec come last.
     """
     is_open_value = disagreement.second_place[-1:] == ("open",)
     is_time_without_spec = disagreement.fact_class is FactClass.TIME and disagreement.spec_value == NOTHING
-    return not disagreement.is_name, disagreement.fact_class in _CLASSES_IN_WORDS, is_open_value, is_time_without_spec
+    return (
+        not disagreement.is_name,
+        disagreement.fact_class is FactClass.PRINTED,
+        disagreement.fact_class in _CLASSES_IN_WORDS,
+        is_open_value,
+        is_time_without_spec,
+    )
 
 
 def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
@@ -122,6 +136,12 @@ def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
     has_items_in_frame = (spec_items_elsewhere, second_items_elsewhere) != (spec_items, second_items)
     differ_only_in_frame = spec_items_elsewhere == second_items_elsewhere
     return has_items_in_frame and differ_only_in_frame
+
+
+def _known_own_cause(disagreement: Disagreement, known_causes: Collection[object]) -> object:
+    """Return the own cause of a disagreement if it is already known, or None."""
+    cause = _own_cause(disagreement)
+    return cause if cause in known_causes else None
 
 
 def _own_cause(disagreement: Disagreement) -> object:
@@ -156,14 +176,62 @@ def _changed_values(disagreement: Disagreement) -> object:
     30 ms in the spec and 50 ms in the second reading have the same cause as 30,000 and 50,000 µs. Numbers in positions
     and addresses are not related to equal numbers elsewhere.
     """
-    spec_digits = _digits_of_numbers(disagreement.spec_value)
-    second_digits = _digits_of_numbers(disagreement.second_value)
+    # A number can occur several times, so each occurrence counts.
+    spec_digits = Counter(_digits_of_numbers(disagreement.spec_value))
+    second_digits = Counter(_digits_of_numbers(disagreement.second_value))
     only_in_spec, only_in_second = spec_digits - second_digits, second_digits - spec_digits
     if only_in_spec and only_in_second and disagreement.fact_class not in _CLASSES_WITH_OWN_NUMBERS:
         return _ChangedNumbers(frozenset(only_in_spec), frozenset(only_in_second))
     if disagreement.fact_class is FactClass.PIN:
         return "signals", frozenset((disagreement.spec_value, disagreement.second_value))
     return None
+
+
+def _exchanged_bits(disagreement: Disagreement, all_disagreements: Sequence[Disagreement]) -> object:
+    """Return the register or frame in which a field has other bits, if this explains the disagreement, or None.
+
+    The two readings then have the same items at different bits. Names, defaults and values of these bits differ too.
+    """
+    if not _BITS.search(disagreement.description):
+        return None
+    word = _word_of(disagreement)
+    in_word = [other for other in all_disagreements if _word_of(other) == word]
+    of_bits = [other for other in in_word if _BITS.match(other.description)]
+    spec_items = sorted(other.spec_value for other in of_bits)
+    second_items = sorted(other.second_value for other in of_bits)
+    is_exchange = len(of_bits) > 1 and spec_items == second_items
+    return ("exchanged bits", word) if is_exchange else None
+
+
+def _word_of(disagreement: Disagreement) -> Path:
+    """Return the place of the register or frame that a disagreement is about: the steps before ``fields``."""
+    place = disagreement.spec_place or disagreement.second_place
+    return place[: place.index("fields")] if "fields" in place else ()
+
+
+def _number_that_texts_lack(disagreement: Disagreement, all_disagreements: Sequence[Disagreement]) -> object:
+    """Return the number that several texts of the spec lack, such as ``2µm``, if this text lacks it too, or None.
+
+    Of several numbers, it is the one that most texts lack.
+    """
+    lacking_numbers = _numbers_only_in_second(disagreement)
+    counts = Counter(
+        number
+        for other in all_disagreements
+        for number in _numbers_only_in_second(other)
+        if number in lacking_numbers and not number.isdigit()
+    )
+    if not counts:
+        return None
+    count, number = max((count, number) for number, count in counts.items())
+    return ("number that texts lack", number) if count > 1 else None
+
+
+def _numbers_only_in_second(disagreement: Disagreement) -> Set[str]:
+    """Return the numbers with their units that a text has in the second reading, but not in the spec."""
+    if disagreement.fact_class is not FactClass.TEXT or NOTHING in (disagreement.spec_value, disagreement.second_value):
+        return frozenset()
+    return set(disagreement.second_value.split()) - set(disagreement.spec_value.split())
 
 
 def _changed_parameters(disagreement: Disagreement, all_disagreements: Sequence[Disagreement]) -> object:
@@ -200,10 +268,10 @@ def _register_that_only_second_has(disagreement: Disagreement, all_disagreements
     return None
 
 
-def _digits_of_numbers(text: str) -> Set[str]:
-    """Return the digits of each number in a text without zeros at both ends: ``{"3", "25"}`` for ``30 ms to 2.5 s``."""
+def _digits_of_numbers(text: str) -> list[str]:
+    """Return the digits of each number in a text without zeros at both ends: ``["3", "25"]`` for ``30 ms to 2.5 s``."""
     # Without these zeros, 30 ms and 30,000 µs have the same digits. For zero itself, "0" remains.
-    return {number.replace(".", "").strip("0") or "0" for number in _NUMBER_IN_TEXT.findall(text)}
+    return [number.replace(".", "").strip("0") or "0" for number in _NUMBER_IN_TEXT.findall(text)]
 
 
 def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
@@ -221,8 +289,8 @@ def _known_renaming_of_entry(disagreement: Disagreement, known_causes: Iterable[
 
 
 def _known_renaming_of_place(disagreement: Disagreement, known_causes: Iterable[object]) -> object:
-    """Return a known renaming of the part that contains a citation or a text, or None."""
-    if disagreement.fact_class not in _CLASSES_IN_WORDS:
+    """Return a known renaming of the part that contains a citation, a text or a printed name, or None."""
+    if disagreement.fact_class not in (*_CLASSES_IN_WORDS, FactClass.PRINTED):
         return None
     names_in_place = {_plain_name(str(step)) for step in disagreement.spec_place}
     for cause in known_causes:
@@ -238,7 +306,7 @@ def _known_change_of_time(disagreement: Disagreement, known_causes: Iterable[obj
     """
     if disagreement.fact_class is not FactClass.TIME or disagreement.spec_value != NOTHING:
         return None
-    digits = _digits_of_numbers(disagreement.second_value)
+    digits = set(_digits_of_numbers(disagreement.second_value))
     for cause in known_causes:
         if isinstance(cause, _ChangedNumbers) and cause.only_in_second == digits:
             return cause

@@ -30,6 +30,8 @@ _MAX_INSERTED = 3
 _MAX_EQUAL = 10
 #: A changed text is only searched for in other texts if it is longer, including the spaces around it.
 _SHORTEST_TEXT = 4
+#: Number of words before and after a change in which numbers are compared.
+_WORDS_BESIDE = 3
 #: A number with its unit, printed without a space.
 _WITH_UNIT = re.compile(r"(\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")
 
@@ -251,8 +253,18 @@ class _Change:
         # The shown text marks the changed words by brackets: ``at most [ 10 ] MHz``.
         words_before_change = shown_old_text.partition("[")[0]
         self._before = spaced(words_before_change) if passage.new else ""
+        #: All old words of the change, with those that the new text keeps: `` sine cosine resolution ``.
+        self._whole_old_text = spaced(" ".join(passage.old)) if is_replaced else ""
         self._labels = {word for word in changed_words if _LABEL_IN_CAPITALS.fullmatch(word)}
-        self._numbers = {word for word in _comparable_words(changed_words) if word[0].isdigit()}
+        self._numbers = _numbers_in(changed_words)
+        words_after_change = shown_old_text.partition("]")[2]
+        self._numbers_beside = {
+            number
+            for number in _numbers_in(
+                [*words_before_change.split()[-_WORDS_BESIDE:], *words_after_change.split()[:_WORDS_BESIDE]]
+            )
+            if len(number) > 1
+        }
 
     def is_value_or_name_of(self, fact: CitingFact) -> bool:
         """Return whether the changed words are the value, the name or the label of a fact.
@@ -285,7 +297,7 @@ class _Change:
             return False
         is_part_of_change = " " in text.strip() and text in self._text
         contains_change = self._text in text and text in self._old_context
-        return is_part_of_change or text == self._text or contains_change
+        return is_part_of_change or text in (self._text, self._whole_old_text) or contains_change
 
     def is_in(self, fact: CitingFact) -> bool:
         """Return whether the value of a fact is a text that contains the changed words, or a number or label in them.
@@ -294,8 +306,10 @@ class _Change:
         """
         if isinstance(fact.value, int | float):
             return False
-        # A single digit occurs in many texts, so it does not count.
-        contains_number = any(len(word) > 1 and word in self._numbers for word in fact.words)
+        # A single digit occurs in many texts, so it only counts with a number next to the change: ``5 V to 30 V``.
+        numbers_in_fact = fact.words & self._numbers
+        contains_number = any(len(word) > 1 for word in numbers_in_fact)
+        contains_number |= bool(numbers_in_fact) and not fact.words.isdisjoint(self._numbers_beside)
         contains_text = len(self._text) > _SHORTEST_TEXT and self._text in fact.text
         contains_label = any(f" {label.casefold()} " in fact.text for label in self._labels)
         return (
@@ -370,6 +384,11 @@ def _comparable_words(words: Iterable[str]) -> set[str]:
             if number_match is not None:
                 numbers_in_words.add(number_match[1])
     return comparable_words | numbers_in_words
+
+
+def _numbers_in(words: Iterable[str]) -> set[str]:
+    """Return the spellings of all numbers among printed words."""
+    return {word for word in _comparable_words(words) if word[0].isdigit()}
 
 
 def _weight_by_rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:

@@ -108,6 +108,36 @@ def test_the_same_pause_in_several_procedures_is_one_line() -> None:
     assert len(other) == 2
 
 
+def test_a_time_that_a_register_and_its_procedures_share_is_one_line() -> None:
+    longer_wait = ("    wait_at_least_ms: 30\n", "    wait_at_least_ms: 50\n")
+    longer_pause = ("{do: wait, at_least_ms: 30, meaning", "{do: wait, at_least_ms: 50, meaning")
+    (line,) = lines(longer_wait, longer_pause)
+    assert line.endswith(": delay after a write 30 ms → 50 ms, and so procedure set_preset: step 4")
+    # Another pause is another change.
+    assert len(lines(longer_wait, ("{do: wait, at_least_ms: 30, meaning", "{do: wait, at_least_ms: 60, meaning"))) == 2
+
+
+def test_a_bit_that_moves_to_an_unused_one_is_one_line() -> None:
+    """Names of unused bits are chosen by the reader, here by their bits."""
+    spare = "      - {name: spare, at: 7:1, unused: 0}\n"
+    rest = "      - {name: rest, at: 6:1, unused: 0}\n"
+    before = (spare, f"{rest}      - {{name: spare_7, at: 7, unused: 0}}\n")
+    after = (spare, f"{rest}      - {{name: spare_0, at: 0, unused: 0}}\n")
+    moved = ("      - name: direction\n        at: 0\n", "      - name: direction\n        at: 7\n")
+    changes = compare(devices([before]), devices([after, moved]))
+    assert [(change.rule.name, change.text.partition(": ")[2]) for change in changes] == [
+        ("field-moved", "field direction: lowest bit 0 → 7")
+    ]
+
+
+def test_long_texts_are_shown_from_their_first_difference() -> None:
+    first = "Standard profile for linear encoders, data format Variant 0-24 (50 µm to 2 µm) or Variant 0-24+++"
+    before = ("profile: Standard", f"profile: {first}")
+    after = ("profile: Standard", f"profile: {first.replace('2 µm', '5 µm')}")
+    (change,) = compare(devices([before]), devices([after]))
+    assert "…(50 µm to 2 µm) or Variant 0-24+++ → …(50 µm to 5 µm) or Variant 0-24+++" in change.text
+
+
 def test_another_type_in_c_is_part_of_another_width() -> None:
     narrower = [("- {name: number, at: 31:0}", "- {name: number, at: 15:0}")]
     narrower.append(("    address: 0x44\n    length: 4\n", "    address: 0x44\n    length: 2\n"))

@@ -172,6 +172,9 @@ def test_an_erratum_that_one_device_has_explains_a_fact_about_which_both_have_an
     [
         ("L-9709-9005-03-F", "L-9709-9050-03-F", True),
         ("ICHAUS/30/IC-MU_17.htm", "ICHAUS/30/IC-MU_1.htm", True),
+        # A number in a name, at the same address.
+        ("ika/amm36/amm36_user", "ika/amm36/amm3_user", True),
+        ("AMM36 manual, English edition 1.0, Lika Electronic, the page with the serial", "AMM63 manual", False),
         # Another document under the same key.
         ("L-9709-9005-03-F, BiSS data sheet, Renishaw", "L-9709-9050-03-F, installation guide", False),
         ("SMA21 + MTA-A154 manual, Italian", "SMA22 + MTA-A154 manual, Italian", False),
@@ -191,6 +194,35 @@ def test_a_document_whose_digits_differ_between_specs(
         messages if is_reported else []
     )
     assert bool(messages) is is_reported
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("printed", "mistake", "message"),
+    [
+        # A citation of the manual of the AMM5, whose spec contains its table of contents.
+        ("amm5: 6.4 p.38; asc85", "amm5: 6.4 p.83; asc85", "amm5: section 6.4 is on pages 35 to 40 according to"),
+        ("amm5: 5 p.27", "amm5: 55 p.27", "amm5: the contents have no section '55'"),
+        ("AMM5A AMM5B manual", "AMM5A AMM6B manual", "only a number differs from the manual's title 'AMM5A AMM5B' in"),
+        # Another edition can have other sections.
+        ("English edition 1.9", "English edition 1.8", ""),
+        ("English edition 1.9", "English edition 1.91", ""),
+    ],
+)
+def test_citations_of_the_manual_of_another_spec_are_checked(
+    tmp_path: Path, printed: str, mistake: str, message: str
+) -> None:
+    folder = tmp_path / "lika"
+    copy_specs(folder, "am36", "amm5")
+    spec = folder / "am36.yaml"
+    text = spec.read_text(encoding="utf-8")
+    assert printed in text
+    text = text.replace(printed, mistake)
+    if not message:
+        text = text.replace("amm5: 6.4 p.38; asc85", "amm5: 6.4 p.83; asc85")
+    spec.write_text(text, encoding="utf-8")
+    _, report = load_for_targets([folder], targets_named())
+    assert [problem.message.startswith(message) for problem in report.problems] == ([True] if message else [])
 
 
 @pytest.mark.slow

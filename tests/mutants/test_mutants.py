@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pathlib
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 from codewheel.language.document import Document
@@ -12,7 +13,7 @@ from codewheel.language.read import read_document
 from mutation.campaign import drawn, tried
 from mutation.effects import Effect
 from mutation.mistakes import Mutant, code_span, mutants, mutated
-from mutation.places import STRICT, places
+from mutation.places import MOST_IN_BOTH, STRICT, WORD, places
 from mutation.report import Outcome, Row, exceeded
 from mutation.trial import Trial
 
@@ -55,6 +56,26 @@ def test_a_fact_that_is_left_out_of_a_second_reading_is_missed(trial: Trial) -> 
     assert trial.verdict(mutant).rules == ("read once",)
 
 
+def test_the_same_mistake_can_be_in_both_readings(trial: Trial) -> None:
+    """Wires that are exchanged in both files contradict the other specs. An access contradicts nothing."""
+    in_both = trial.mutants_in_both(trial.mutants(["sma21"]))
+    pins = [mutant for mutant in in_both if mutant.fact == "pin" and mutant.mistake == "swapped with the next"]
+    assert trial.verdict(pins[0]).word == "refused"
+    access = next(mutant for mutant in in_both if "position_check.access" in trial.place(mutant))
+    in_one_file = replace(access, changes_in_second=())
+    assert trial.verdict(in_one_file).rules == ("readings-disagree",)
+    assert "readings-disagree" not in trial.verdict(access).rules
+    assert all(mutant.fact != WORD for mutant in in_both)
+
+
+def test_mistakes_in_both_readings_have_limits(trial: Trial) -> None:
+    both = Outcome(trial, [])
+    both.rows = {"clock": Row(mutants=10, refused=7, code=3), "pin": Row(mutants=10, refused=9, code=1)}
+    assert exceeded(both, MOST_IN_BOTH) == ["pin: 10.0% pass, at most 0% may"]
+    both.rows["clock"] = Row(mutants=10, refused=6, code=4)
+    assert exceeded(both, MOST_IN_BOTH)[0] == "all classes: 25.0% pass, at most 20% may"
+
+
 def mutant_at(trial: Trial, name: str, path: tuple[str | int, ...], key: str, mistake: str) -> Mutant:
     for mutant in trial.mutants([name]):
         keys = mutant.place.path
@@ -67,8 +88,10 @@ def mutant_at(trial: Trial, name: str, path: tuple[str | int, ...], key: str, mi
 def test_a_wrong_value_that_passes_is_classified_by_its_effect(trial: Trial) -> None:
     title = mutant_at(trial, "asc85", ("documents", "onstepx"), "title", "digit misread")
     assert trial.verdict(title).word == "code"  # The titles of documents are data of the Python package.
+    why = mutant_at(trial, "am36", ("editions", 0, "then"), "why", "digit lost")
+    assert trial.verdict(why).word == "texts"
     source = mutant_at(trial, "am36", ("crcs",), "source", "extra zero")
-    assert trial.verdict(source).word == "texts"
+    assert trial.verdict(source).rules == ("cited-place",)  # A page that is not listed for the document.
     answer = ("alternatives", 0, "values", "left_out")
     meaning = mutant_at(trial, "asc85", answer, "meaning", "word turned round")
     assert trial.verdict(meaning).rules[0].startswith("words-")
@@ -124,9 +147,9 @@ def test_mistakes_of_words_booleans_and_items(invented_spec: Document) -> None:
     assert mistakes_of(invented_spec, "crcs", 0, "refin")["boolean flipped"] == [True]
     assert mistakes_of(invented_spec, "registers", 0, "access")["different word"] == ["read_write", "write_only"]
     exchanged = mutants_at(invented_spec, "registers", 0, "address")["swapped with the next"]
-    assert [register["address"] for register in mutated(invented_spec, exchanged)["registers"]] == [0x49, 0x48]
+    assert [register["address"] for register in mutated(invented_spec, exchanged.changes)["registers"]] == [0x49, 0x48]
     lost = mutants_at(invented_spec, "registers", 0)["item omitted"]
-    assert [register["name"] for register in mutated(invented_spec, lost)["registers"]] == ["two"]
+    assert [register["name"] for register in mutated(invented_spec, lost.changes)["registers"]] == ["two"]
     assert [register["name"] for register in invented_spec.data["registers"]] == ["one", "two"]
 
 

@@ -170,9 +170,11 @@ def _compare_signals(
 ) -> None:
     """Report each contact that has another signal than its wire, unless an erratum explains it.
 
-    ``wire_by_contact`` is the assignment that follows from the connector and cable for another interface.
+    ``wire_by_contact`` is the assignment that follows from the connector and cable for another interface. Two exchanged
+    wires are the cause of all problems of their contacts.
     """
     signal_by_wire = {wire.contact: wire.signal for wire in cable.part.contacts}
+    wire_by_signal = {_plain_signal(signal): wire for wire, signal in signal_by_wire.items()}
     for index, contact in enumerate(connector.part.contacts):
         wire = wire_by_contact.get(contact.contact, "")
         signal_of_wire = signal_by_wire.get(wire)
@@ -187,7 +189,10 @@ def _compare_signals(
                 f"contact {quoted(contact.contact)} and wire {quoted(wire)} carry the same signal on another"
                 f" interface, but {quoted(contact.signal)} and {quoted(signal_of_wire)} here; correct one of the tables"
             )
-            report.add("contact-wire", (*connector.path, "contacts", index, "signal"), message)
+            wire_of_signal = wire_by_signal.get(_plain_signal(contact.signal), "")
+            exchanged_wires = " and ".join(sorted((wire, wire_of_signal)))
+            path = (*connector.path, "contacts", index, "signal")
+            report.add("contact-wire", path, message, cause=exchanged_wires)
 
 
 def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:

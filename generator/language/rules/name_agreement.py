@@ -10,8 +10,9 @@ from typing import NamedTuple
 
 from ..document import Path
 from ..problems import DocumentReport, is_typo, quoted
+from ..written_layouts import WrittenField
 from ..written_parts import WrittenSpec
-from .parts import field_lists
+from .parts import constant_width, field_lists
 
 #: Words of a name, with the patterns of their opposites.
 _OPPOSITE_WORDS = {
@@ -114,3 +115,69 @@ def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
     has_other_length = len(longer) > len(shorter)
     is_letter_inside = not longer.startswith(shorter) and not longer.endswith(shorter)
     return is_long and has_other_length and is_letter_inside and is_typo(shorter, longer)
+
+
+_DIGITS = re.compile(r"\d+")
+#: A printed range of bits or bytes, such as ``ADD6 ... ADD0``.
+_PRINTED_RANGE = re.compile(r"(?P<name>[A-Za-z_]+)(?P<first>\d{1,3}) ?(?:\.\.\.|…|to) ?(?P=name)(?P<last>\d{1,3})")
+_QUOTED_DIGITS = re.compile(r"\"(\d+)\"")
+
+
+def check_numbers_in_printed_names(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the printed name ``STATUS1`` of a register, field or value that is called ``status1`` has its number.
+
+    Only names with the same words are compared.
+    """
+    for register in spec.registers:
+        _compare_numbers(register.name, register.printed_name, register.place_of("printed_name"), report)
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
+            _compare_numbers(field.name, field.printed_name, field.place_of("printed_name"), report)
+            for name, value in field.values.items():
+                _compare_numbers(name, value.printed_name, value.place_of("printed_name"), report)
+
+
+def _compare_numbers(name: str, printed_name: str, path: Path, report: DocumentReport) -> None:
+    """Report a printed name that differs from a name only in a number."""
+    printed_as_name = re.sub(r"\W+", "_", printed_name.lower()).strip("_")
+    has_same_words = _DIGITS.sub("0", printed_as_name) == _DIGITS.sub("0", name)
+    if has_same_words and printed_as_name != name:
+        message = f"only a number differs from the name {quoted(name)}; correct one of the two"
+        report.add("printed-number", path, message)
+
+
+def check_printed_widths(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that printed names fit the width of a field: ranges such as ``ADD6 ... ADD0``, and values such as ``"01"``.
+
+    A range is of bits or of bytes. Values in quotes are compared if another value of the field is printed in binary.
+    """
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
+            width = constant_width(field)
+            printed_range = _PRINTED_RANGE.fullmatch(field.printed_name)
+            if width is None:
+                continue
+            if printed_range is not None:
+                count = abs(int(printed_range["first"]) - int(printed_range["last"])) + 1
+                if width not in (count, 8 * count):
+                    message = f"the range has {count} bits or bytes, but the field has {width} bits"
+                    report.add("printed-number", field.place_of("printed_name"), f"{message}; correct one of the two")
+            _check_values_in_quotes(field, width, report)
+
+
+def _check_values_in_quotes(field: WrittenField, width: int, report: DocumentReport) -> None:
+    """Report a value that is printed as other digits in quotes, if another value of the field is printed in binary."""
+    digits_by_name: dict[str, str] = {}
+    for name, value in field.values.items():
+        match = _QUOTED_DIGITS.fullmatch(value.printed_name)
+        if match is not None:
+            digits_by_name[name] = match[1]
+    other_digits: dict[str, str] = {}
+    for name, digits in digits_by_name.items():
+        if len(digits) != width or not set(digits) <= {"0", "1"}:
+            other_digits[name] = digits
+    is_binary = len(other_digits) < len(digits_by_name)
+    for name, digits in other_digits.items():
+        if is_binary:
+            message = f"{quoted(digits)} is not a binary number of {width} bits, as in the other values of the field"
+            report.add("printed-number", field.values[name].place_of("printed_name"), message)

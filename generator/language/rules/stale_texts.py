@@ -41,16 +41,16 @@ _QUOTED_NAME = re.compile(
 )
 _KEYS_OF_NAMES = frozenset(("printed_name", "title", "signal", "name"))
 #: Texts about the encoder of today.
-_KEYS_OF_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
+KEYS_OF_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
 _KEYS_ABOUT_OTHER_DOCUMENTS = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
 
 
-def _is_derived(document: Document) -> bool:
+def is_derived(document: Document) -> bool:
     """Return True for an overlay or an older edition, which changes facts without changing every text about them."""
     return bool(document.family or document.other_files)
 
 
-def _yield_texts(spec: WrittenSpec, keys: Collection[str], report: DocumentReport) -> Iterator[tuple[Path, str]]:
+def yield_texts(spec: WrittenSpec, keys: Collection[str], report: DocumentReport) -> Iterator[tuple[Path, str]]:
     """Yield each text under one of these keys with its path, except texts about other documents."""
     for path, text in leaves_of(spec.data, report):
         is_about_encoder = path[0] not in _KEYS_ABOUT_OTHER_DOCUMENTS
@@ -64,7 +64,7 @@ def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
     Without quantities in ``used``, those in ``printed`` are compared. Quantities are compared only with quantities of
     the same kind. Overlays and older editions change facts without changing every text, so they are not checked.
     """
-    if _is_derived(report.document):
+    if is_derived(report.document):
         return
     erratum_targets = ErratumTargets(spec.data)
     for erratum in spec.errata:
@@ -83,7 +83,7 @@ def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
         messages = [_message_on_quantity(quantity, stated_by_kind) for quantity in quantities]
         first_message = next(filter(None, messages), "")
         if first_message:
-            report.add("left-behind", erratum.place_of(key), first_message)
+            report.add("left-behind", erratum.place_of(key), first_message, cause=first_message)
 
 
 def _message_on_quantity(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
@@ -96,7 +96,7 @@ def _message_on_quantity(quantity: re.Match[str], stated_by_kind: Mapping[str, M
     text_by_number = stated_by_kind.get(_KIND_OF_UNIT[unit], {})
     if not text_by_number or _in_smallest_unit(number_text, unit) in text_by_number:
         return ""
-    stated_texts = join_words(list(text_by_number.values()), "or")
+    stated_texts = join_words(list(filter(None, text_by_number.values())), "or")
     return f"the text says {quoted(quantity[0])}, but the affected facts have {stated_texts}; correct one of the two"
 
 
@@ -112,9 +112,10 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[_StatedQuantity]:
     """Yield each quantity in facts.
 
     For the key ``min_mv`` it is ``("voltage", Decimal(4500), "'min_mv: 4500'")``. The values of characteristics state
-    their unit under a separate key.
+    their unit under a separate key. The mean of ``min_mv`` and ``max_mv``, which is the nominal value, has no text.
     """
     for fact in facts:
+        yield from _nominal_quantities(fact)
         for path, value in leaves(fact):
             key = str(path[-1]) if path else ""
             _, _, unit = key.rpartition("_")  # ``mv`` of ``min_mv``.
@@ -131,6 +132,16 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[_StatedQuantity]:
                     yield _StatedQuantity(_KIND_OF_UNIT[unit], number, f"{bound} {unit}")
 
 
+def _nominal_quantities(fact: object) -> Iterator[_StatedQuantity]:
+    """Yield the mean of each pair of bounds in a fact, such as ``min_mv`` and ``max_mv``."""
+    values_by_path = {path: value for path, value in leaves(fact) if path}
+    for path, maximum in values_by_path.items():
+        bound, _, unit = str(path[-1]).partition("_")
+        minimum = values_by_path.get((*path[:-1], f"min_{unit}"))
+        if bound == "max" and unit in _KIND_OF_UNIT and isinstance(minimum, int) and isinstance(maximum, int):
+            yield _StatedQuantity(_KIND_OF_UNIT[unit], Decimal(minimum + maximum) / 2, "")
+
+
 def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
     """Return a quantity in the smallest unit of its kind: 4500 for ``4.5`` and the unit V."""
     number = Decimal(number_text.replace(",", "").replace("−", "-"))
@@ -141,11 +152,12 @@ def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
 def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a timing about writes to a register has the same wait as this register.
 
-    The register is recognized by its name in the manual.
+    The register is recognized by its name in the manual, or by its own name: "Command" for ``command``.
     """
-    waiting_registers: dict[str, WrittenRegister] = {}  # By their names in the manual.
+    waiting_registers: dict[str, WrittenRegister] = {}  # By their names in texts.
     for register in by_name(spec.registers).values():
-        if register.printed_name and register.wait_at_least_ms is not None:
+        if register.wait_at_least_ms is not None:
+            waiting_registers[register.name.replace("_", " ").capitalize()] = register
             waiting_registers[register.printed_name] = register
     for _, interface in interfaces(spec):
         for timing in interface.timings:
@@ -182,11 +194,11 @@ def check_quoted_names(spec: WrittenSpec, report: DocumentReport) -> None:
     Names are compared without regard to capitals and punctuation. Overlays and older editions change names without
     changing every text, so specs with either are not checked.
     """
-    if _is_derived(report.document):
+    if is_derived(report.document):
         return
     names_in_spec = _printed_names(spec, report)
     folded_names = {_fold_name(name) for name in names_in_spec}
-    for path, text in _yield_texts(spec, _KEYS_OF_TEXTS, report):
+    for path, text in yield_texts(spec, KEYS_OF_TEXTS, report):
         for match in _QUOTED_NAME.finditer(text):
             # The name is before the word for its kind, as in "Preset" register, or after it.
             name_before, name_after = match.group("before", "after")
@@ -213,7 +225,7 @@ def check_renamed_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     long_names = {register.printed_name: register.printed_name.split() for register in by_name(spec.registers).values()}
     long_names = {name: words for name, words in long_names.items() if len(words) >= _WORDS_OF_LONG_NAME}
     for path, text in leaves_of(spec.data, report) if long_names else ():
-        is_text = path[-1] in _KEYS_OF_TEXTS or path[-1] in ("printed", "title")
+        is_text = path[-1] in KEYS_OF_TEXTS or path[-1] in ("printed", "title")
         if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or not is_text:
             continue
         for name, words in long_names.items():
@@ -262,7 +274,7 @@ def check_labels_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
     A word counts as a label if an existing label in the same text has the same shape: letters and digits at the same
     places, as in ``A12`` and ``B07``.
     """
-    if _is_derived(report.document):
+    if is_derived(report.document):
         return
     known_labels = _known_labels(spec)
     for erratum in spec.errata:
@@ -305,7 +317,7 @@ def check_alarm_names(spec: WrittenSpec, report: DocumentReport) -> None:
 
     Only specs with an alarm of such a name are checked. Specs with overlays and older editions are not checked.
     """
-    if _is_derived(report.document):
+    if is_derived(report.document):
         return
     alarm_names = {alarm.part.printed_name for alarm in spec.alarms}
     has_name_with_capitals = any(_NAMED_ERROR.fullmatch(name) for name in alarm_names)
@@ -315,8 +327,8 @@ def check_alarm_names(spec: WrittenSpec, report: DocumentReport) -> None:
     for path, text in leaves_of(spec.data, report):
         if path[-1] in ("printed_name", "title", "signal"):
             known_words.update(re.findall(r"[A-Z]{2,}", str(text)))
-    checked_keys = _KEYS_OF_TEXTS | {"when_active", "when_inactive"}
-    for path, text in _yield_texts(spec, checked_keys, report):
+    checked_keys = KEYS_OF_TEXTS | {"when_active", "when_inactive"}
+    for path, text in yield_texts(spec, checked_keys, report):
         for match in _NAMED_ERROR.finditer(text):
             name, word_in_capitals = match[0], match[1]  # ``ST error`` and ``ST``
             if word_in_capitals not in known_words:
@@ -341,9 +353,9 @@ def check_led_states(spec: WrittenSpec, report: DocumentReport) -> None:
     for led in spec.data.get("leds", ()):
         states += [str(led_state.get("state", "")).casefold() for led_state in led["states"]]
     words_of_states = set(re.findall(r"\w+", " ".join(states)))
-    if not states or _is_derived(report.document):
+    if not states or is_derived(report.document):
         return
-    for path, text in _yield_texts(spec, _TEXTS_ON_LEDS, report):
+    for path, text in yield_texts(spec, _TEXTS_ON_LEDS, report):
         for match in _LED_IS.finditer(text):
             state = match.group("state")
             if state.casefold() not in words_of_states:
@@ -365,7 +377,7 @@ def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> N
     A spec without registers is not checked, nor is ``printed``, the text of the manual that an erratum corrects.
     """
     registers = by_name(spec.registers).values()
-    if not registers or _is_derived(report.document):
+    if not registers or is_derived(report.document):
         return
     addresses: set[int] = set()
     for register in registers:
@@ -373,7 +385,7 @@ def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> N
     coded_values = [value for path, value in leaves_of(spec.data, report) if path[-1] in _KEYS_OF_CODES]
     known_codes = {value for value in coded_values if isinstance(value, int)}
     for path, text in leaves_of(spec.data, report):
-        is_text = path[-1] in _KEYS_OF_TEXTS or path[0] == "tables"
+        is_text = path[-1] in KEYS_OF_TEXTS or path[0] == "tables"
         if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or not is_text:
             continue
         for match in _REGISTER_AT.finditer(text):
@@ -402,7 +414,7 @@ def _command_codes(text: str) -> Iterator[str]:
 
 def check_byte_order_in_texts(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the byte order of a register agrees with its meaning and note, if they say which byte comes first."""
-    if _is_derived(report.document):
+    if is_derived(report.document):
         return
     for register in by_name(spec.registers).values():
         for key, text in (("meaning", register.meaning), ("note", register.note)):
