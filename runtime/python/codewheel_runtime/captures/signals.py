@@ -51,6 +51,11 @@ class Signals(NamedTuple):
     is_sampled: bool
     total: int | None = None
 
+    @classmethod
+    def at_rate(cls, edges: Generator[Edges, None, None], rate: float | None, total: int | None = None) -> Signals:
+        """Return signals whose times are sample numbers, with this sample rate in Hz, or None if it is unknown."""
+        return cls(edges, seconds=1 / rate if rate else None, is_sampled=True, total=total)
+
 
 class SignalNames(NamedTuple):
     """Chosen channels: those of the clock and the data line, or of one data line if ``clock`` is None.
@@ -123,7 +128,9 @@ class _SignalChoice(NamedTuple):
 
     def find_place(self, channels: Sequence[str]) -> int | None:
         """Return the index of the chosen channel, or of the one with a usual name. None if there is no such channel."""
-        return _find_place(channels, self.name) if self.name else _find_usual_place(channels, self.usual_names)
+        return (
+            _find_place(channels, self.name) if self.name else _find_channel_with_usual_name(channels, self.usual_names)
+        )
 
 
 def _add_remaining_channel(choices: Sequence[_SignalChoice], places: list[int | None]) -> list[int | None]:
@@ -158,7 +165,7 @@ def _find_place(channels: Sequence[str], name: str) -> int | None:
     return None
 
 
-def _find_usual_place(channels: Sequence[str], usual_names: Iterable[str]) -> int | None:
+def _find_channel_with_usual_name(channels: Sequence[str], usual_names: Iterable[str]) -> int | None:
     """Return the index of the channel with a usual name, or None if no channel has such a name.
 
     The first usual name that belongs to exactly one channel counts. Case is ignored. If there is only one channel, it
@@ -273,7 +280,7 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
     bits = range(len(places)) if has_rows else places
     masks = tuple(1 << bit for bit in bits)
     edges = read_samples(_split_array(array, places), masks)
-    return Signals(edges, seconds=1 / rate if rate else None, is_sampled=True, total=len(array))
+    return Signals.at_rate(edges, rate, total=len(array))
 
 
 def _split_array(array: Any, places: tuple[int, ...]) -> Generator[Samples, None, None]:
