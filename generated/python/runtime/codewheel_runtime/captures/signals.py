@@ -344,13 +344,14 @@ def merge_edges(
             last_times[earliest] = _find_last_time(pending_times[earliest])
         # The edges of all signals are known up to the earliest of their last edges.
         known_until = min(last_times.values()) if last_times else end()
-        counts = [int(np.searchsorted(times, known_until, "right")) for times in pending_times]
-        edge_times = tuple(times[:count] for times, count in zip(pending_times, counts, strict=True))
-        yield Edges(levels=tuple(levels), times=edge_times, begin=begin, end=known_until, done=sum(amounts_read))
+        known_counts = [int(np.searchsorted(times, known_until, "right")) for times in pending_times]
+        known_times = tuple(times[:count] for times, count in zip(pending_times, known_counts, strict=True))
+        yield Edges(levels=tuple(levels), times=known_times, begin=begin, end=known_until, done=sum(amounts_read))
         begin = known_until
-        # An odd number of edges inverts the level.
-        levels = [level ^ (count & 1) for level, count in zip(levels, counts, strict=True)]
-        pending_times = [times[count:] for times, count in zip(pending_times, counts, strict=True)]
+        for index, known_count in enumerate(known_counts):
+            # An odd number of edges inverts the level.
+            levels[index] ^= known_count & 1
+            pending_times[index] = pending_times[index][known_count:]
 
 
 def _find_last_time(times: Any) -> float:
