@@ -63,10 +63,9 @@ def read_csv_rows(
     empty_columns = select_columns(other_names, storage, lambda _: [], name)
     kept_columns = [(index, column_name) for index, column_name in columns.others if column_name in empty_columns]
     start = _find_first_frame(head, lines.number, columns.has_header)
-    fast_reader = None
     # The fast reader cannot skip a header.
-    if not start.is_before_header:
-        fast_reader = _make_fast_reader(columns, kept_columns, delimiter, shape, storage)
+    can_be_fast = not start.is_before_header
+    fast_reader = _make_fast_reader(columns, kept_columns, delimiter, shape, storage) if can_be_fast else None
     slow_reader = _SlowReader(lines, delimiter, columns.frame_column, kept_columns, start.is_before_header)
     csv_file = _CsvFile(name, storage, shape, find_valid_fraction)
     parts = _CsvParts(csv_file, fast_reader, slow_reader, start)
