@@ -30,7 +30,7 @@ def decoded(generated_python: tuple[Path, ModuleType], tmp_path: Path, monkeypat
         (tmp_path / "in.csv").write_bytes(content)
         with monkeypatch.context() as patched:
             if not fast:
-                patched.setattr(csv_text, "make_block_reader", lambda *_: None)
+                patched.setattr(csv_text, "_make_fast_reader", lambda *_: None)
                 patched.setattr(sinks.CsvSink, "_formatter", None)
             patched.setattr(sinks, "_FEW_ROWS", 0)
             lika.decode_file(CODE, tmp_path / "in.csv", tmp_path / target, column="word", force=True)

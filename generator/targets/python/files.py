@@ -101,7 +101,15 @@ _MARKDOWN_CHARACTERS = "\\`*_{}[]<>#|!&"
 _RUNTIME_FOLDER = "python/runtime"
 
 
-class Package(TypedDict):
+class ReadmeExamples(TypedDict):
+    start: Annotated[ReadmeExample, "the first example of the README"]
+    shown_family: Annotated[Module, "the module whose family the README shows in full, that of the first example"]
+    virtual: Annotated[dict[str, ReadmeExample], "an example for a virtual encoder for each interface"]
+    biss_procedure: Annotated[ReadmeExample | None, "an example of a procedure over BiSS, if there is one"]
+    spi: Annotated[ReadmeExample | None, "an example of a position over SPI, if there is one"]
+
+
+class Package(ReadmeExamples):
     header: Annotated[str, "the comment at the top of each file, with its origin and licence"]
     package: Annotated[str, "the name to import"]
     distribution: Annotated[str, "the name to install"]
@@ -109,13 +117,8 @@ class Package(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     notices: Annotated[list[str], "notices on trademarks"]
     modules: Annotated[list[Module], "the module of each family"]
-    start: Annotated[ReadmeExample, "the first example of the README"]
-    shown_family: Annotated[Module, "the module whose family the README shows in full, that of the first example"]
     questions: Annotated[list[tuple[Module, OpenQuestion]], "the questions that manuals leave open, with their modules"]
     guides: Annotated[list[str], "the names of the guides next to the README, without .md"]
-    virtual: Annotated[dict[str, ReadmeExample], "an example for a virtual encoder for each interface"]
-    biss_procedure: Annotated[ReadmeExample | None, "an example of a procedure over BiSS, if there is one"]
-    spi: Annotated[ReadmeExample | None, "an example of a position over SPI, if there is one"]
     families: Annotated[list[str], "the names of all family modules"]
     specials: Annotated[list[tuple[str, str]], "the modules of special models, and the suffixes of their order codes"]
     biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]
@@ -198,18 +201,12 @@ def _package_values(
 ) -> Package:
     """Return the values of the templates of a package."""
     folder = folders[maker.name]
-    # pip would interpret a path without a dot as the name of a package.
-    path_prefix = "./" if folder == "python" else ""
-    other_folders = (other_folder for name, other_folder in folders.items() if name != maker.name)
     modules = [Module(device) for device in devices]
-    shown_example = first_example([module.readme for module in modules])
-    shown_family = _family_of(shown_example.code, modules)
-    shown_family_first = sorted(modules, key=lambda module: module is not shown_family)
     rs485 = any(device.find_interface(Rs485) for device in devices)
-    spi_interfaces = [device.find_interface(Spi) for device in devices]
-    has_spi = any(interface.exchanges for interface in spi_interfaces if interface is not None)
-    examples_by_interface = virtual_examples([module.readme for module in shown_family_first])
+    has_spi = any(_has_spi_requests(device) for device in devices)
+    has_live_line = rs485 or has_spi or bool(biss)
     return {
+        **_readme_examples(modules),
         "package": maker.python_package,
         "distribution": maker.distribution,
         "title": text_on_one_line(maker.title),
@@ -217,13 +214,8 @@ def _package_values(
         "notices": [text_on_one_line(trademark) for trademark in maker.trademarks],
         "header": _header_comment(f"the specifications of {text_on_one_line(maker.title)}'s encoders"),
         "modules": modules,
-        "start": shown_example,
-        "shown_family": shown_family,
         "questions": _open_questions(modules),
-        "guides": [guide for guide in _GUIDE_NAMES if guide != _LIVE_LINE or rs485 or biss or has_spi],
-        "virtual": examples_by_interface,
-        "biss_procedure": _biss_procedure(shown_family_first),
-        "spi": _spi_example(modules),
+        "guides": [guide for guide in _GUIDE_NAMES if has_live_line or guide != _LIVE_LINE],
         "families": [module.name for module in modules],
         "specials": _special_models(modules),
         "biss": biss,
@@ -231,9 +223,41 @@ def _package_values(
         "has_spi": has_spi,
         "runtime": runtime_version(),
         "shared": relpath(_RUNTIME_FOLDER, folder),
-        "neighbours": [f"{path_prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],
+        "neighbours": _paths_to_other_packages(maker, folders),
         "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.identities and not module.device.base],
+    }
+
+
+def _has_spi_requests(device: Device) -> bool:
+    """Return whether the encoders of a family answer requests over SPI."""
+    spi = device.find_interface(Spi)
+    return spi is not None and bool(spi.exchanges)
+
+
+def _paths_to_other_packages(maker: Manufacturer, folders: Mapping[str, str]) -> list[str]:
+    """Return the paths of the other manufacturers' packages from that of ``maker``, for pip.
+
+    ``folders`` are the folders of all packages in the output, by the names of their manufacturers.
+    """
+    folder = folders[maker.name]
+    # pip would interpret a path without a dot as the name of a package.
+    path_prefix = "./" if folder == "python" else ""
+    other_folders = [other_folder for name, other_folder in folders.items() if name != maker.name]
+    return [f"{path_prefix}{relpath(other_folder, folder)}" for other_folder in other_folders]
+
+
+def _readme_examples(modules: list[Module]) -> ReadmeExamples:
+    """Return the examples of the README and the guides, from the family of the first example where possible."""
+    start = first_example([module.readme for module in modules])
+    shown_family = _family_of(start.code, modules)
+    shown_family_first = sorted(modules, key=lambda module: module is not shown_family)
+    return {
+        "start": start,
+        "shown_family": shown_family,
+        "virtual": virtual_examples([module.readme for module in shown_family_first]),
+        "biss_procedure": _biss_procedure(shown_family_first),
+        "spi": _spi_example(modules),
     }
 
 

@@ -126,6 +126,14 @@ class InterfaceSection:
     dispatchers: tuple[FrameDispatcher, ...]
 
 
+def _group_by_interface(functions: Iterable[ProcedureFunction]) -> dict[str, list[str]]:
+    """Return the names of the functions over each interface, in order."""
+    names_by_interface: dict[str, list[str]] = {}
+    for function in functions:
+        names_by_interface.setdefault(function.interface, []).append(function.name)
+    return names_by_interface
+
+
 class Module:
     """All parts of the module of a family, such as its registers, procedures and order codes."""
 
@@ -146,12 +154,8 @@ class Module:
         frames = tuple(layout_class for section in self.sections for layout_class in section.layout_classes)
         self.layout_classes = (*frames, *self.class_by_register.values())
         kinds = tuple(self._frame_kinds())
-        self.codes = VariantTable(self.context, kinds, frames)
-        procedures_by_interface: dict[str, tuple[str, ...]] = {}
-        for function in self.procedures:
-            earlier_names = procedures_by_interface.get(function.interface, ())
-            procedures_by_interface[function.interface] = (*earlier_names, function.name)
-        self.procedures_by_interface = procedures_by_interface
+        self.variant_table = VariantTable(self.context, kinds, frames)
+        self.procedures_by_interface = _group_by_interface(self.procedures)
         function_by_procedure = {function.procedure.name: function for function in self.procedures}
         self.readme = Readme(self.context, kinds, self.class_by_register, function_by_procedure)
         self.identities = list(identities(device))
@@ -200,7 +204,7 @@ class Module:
             for dispatcher in section.dispatchers:
                 frames += (dispatcher.union, dispatcher.name)
             yield section.interface.title, frames
-        yield "All interfaces", ["Frame"] if self.codes.sent_frames else []
+        yield "All interfaces", ["Frame"] if self.variant_table.sent_frames else []
         enumerations = [enumeration.name for enumeration in self.enums]
         yield "Values of fields", [*enumerations, *(question.kind for question, _ in self.alternatives)]
         addresses = ["Address"] if self.registers else []

@@ -224,6 +224,11 @@ def _yield_changes_of_number(encoder: Sender, frame: int, bits: int) -> Iterator
         for crc_bits in _USUAL_CRC_BITS if _has_wrong_crc(encoder.decode, frame) else ():
             crc_mask = (1 << crc_bits) - 1
             yield _Change(f"with the {crc_bits} bits of its CRC inverted, as BiSS sends them", frame ^ crc_mask)
+    yield from _yield_changes_of_length(frame, mask)
+
+
+def _yield_changes_of_length(frame: int, mask: int) -> Iterator[_Change]:
+    """Yield the frame without its last bits, then with more bits at its end. ``mask`` is a frame of ones."""
     for count in range(1, _MOST_EXTRA_BITS + 1):
         bits_text = _count_units(count, "bit")
         yield _Change(f"without its last {bits_text}: send fewer clocks, or shift right", frame >> count)

@@ -110,18 +110,30 @@ def read_parameters(
         if not is_given:
             continue
         known_addresses.update(addresses)
-        data = bytearray(parameter.bytes_with(getattr(variant, name)))
-        for index, address in enumerate(addresses):
-            if address in register_bytes:
-                data[index] = check_width(f"register 0x{address:02X}", register_bytes[address], 8)
-        value = parameter.value_in(bytes(data))
+        present_bytes = parameter.bytes_with(getattr(variant, name))
+        data = _replace_bytes(present_bytes, parameter.address, register_bytes)
+        value = parameter.value_in(data)
         values[name] = check_limits(name, value, (parameter.min, parameter.max))
-    unknown = sorted(register_bytes.keys() - known_addresses)
-    if unknown:
+    unknown_addresses = sorted(register_bytes.keys() - known_addresses)
+    if unknown_addresses:
+        register = f"register 0x{unknown_addresses[0]:02X}"
         known_registers = sorted({parameter.address for parameter in encoder_parameters})
         listed = ", ".join(f"0x{address:02X}" for address in known_registers) or "none"
-        raise ValueError(f"register 0x{unknown[0]:02X} does not affect decoding; registers that do: {listed}")
+        raise ValueError(f"{register} does not affect decoding; registers that do: {listed}")
     return values
+
+
+def _replace_bytes(data: bytes, first_address: int, register_bytes: Mapping[int, int]) -> bytes:
+    """Return the bytes of a register, with those that are in ``register_bytes`` by address replaced.
+
+    Raises RangeError if a replacement is not a byte.
+    """
+    changed_data = bytearray(data)
+    for index in range(len(data)):
+        address = first_address + index
+        if address in register_bytes:
+            changed_data[index] = check_width(f"register 0x{address:02X}", register_bytes[address], 8)
+    return bytes(changed_data)
 
 
 def _select_parameters(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> list[RegisterParameter]:

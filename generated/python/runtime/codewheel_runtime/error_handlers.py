@@ -43,5 +43,6 @@ def _complete_error(error: Exception, frame: object, encoder: Sender) -> Excepti
         error.add(frame, encoder)
         return error
     type_error = TypeError(f"{encoder.code}: {error}")
+    # The caller raises the TypeError, so it cannot say ``from error``.
     type_error.__cause__ = error
     return type_error

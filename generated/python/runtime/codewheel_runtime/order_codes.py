@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from .reports import ReadOnly
@@ -276,14 +276,7 @@ class OrderCode(NamedTuple):
         The message names the wrong part if the text would be an order code with other letters and digits in that part.
         """
         nearest_codes = find_nearest(codes, text)
-        candidates: list[_WrongPart] = []
-        for part in self.parts:
-            expression = self._make_expression(free_part=part.name) + _TEXT_AFTER_CODE
-            match = re.fullmatch(expression, text, re.IGNORECASE)
-            if match:
-                other_parts = [other_part for other_part in self.parts if other_part is not part]
-                unlisted_count = sum(_find_listed(other, match[other.name]) is None for other in other_parts)
-                candidates.append(_WrongPart(part, match[part.name], unlisted_count))
+        candidates = list(self._find_wrong_parts(text))
         if not candidates:
             return OrderCodeError(text, "", f"is not an order code of {family}", nearest_codes)
         # The wrong part is the one that leaves the fewest unlisted values in the other parts. Of several, a missing
@@ -294,6 +287,17 @@ class OrderCode(NamedTuple):
         if part.open:
             valid_values += f", and others of the form {part.open}"
         return OrderCodeError(text, part.name, f"{problem}; valid values: {valid_values}", nearest_codes)
+
+    def _find_wrong_parts(self, text: str) -> Iterator[_WrongPart]:
+        """Yield each part whose letters and digits, if they were others, could make a text an order code."""
+        for part in self.parts:
+            expression = self._make_expression(free_part=part.name) + _TEXT_AFTER_CODE
+            match = re.fullmatch(expression, text, re.IGNORECASE)
+            if match is None:
+                continue
+            other_parts = [other_part for other_part in self.parts if other_part is not part]
+            unlisted_parts = [other for other in other_parts if _find_listed(other, match[other.name]) is None]
+            yield _WrongPart(part, match[part.name], unlisted_count=len(unlisted_parts))
 
 
 class _WrongPart(NamedTuple):

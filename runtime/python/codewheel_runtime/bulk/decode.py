@@ -69,32 +69,45 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
     count = len(frames_read)
     columns = _allocate_columns(count, {**list_column_types(shape), "fault": "u1"})
     faults = columns.pop("fault")
-    faults[:] = 0
-    for start in range(0, count, CHUNK):
-        rows = slice(start, start + CHUNK)
-        columns_of_chunk = {name: column[rows] for name, column in columns.items()}
-        _decode_chunk(frames_read[rows], shape, columns_of_chunk, faults[rows])
+    _decode_by_chunks(frames_read, shape, columns, faults)
     verdicts = columns.pop("verdict", None)
     if len(wrong_rows):
         faults[wrong_rows] = ErrorKind.LENGTH
         if verdicts is not None:
             verdicts[wrong_rows] = VERDICTS.index(Verdict.NOT_USABLE)
-    # Fields that the table extracts from a joined number on access: the number, the lowest bit in it, and the width.
-    parts: dict[str, tuple[str, int, int]] = {}
-    for join in shape.joins:
-        parts |= {name: (join.name, low, width) for name, low, width in find_deferred_fields(shape, join)}
     return Table(
         encoder=encoder,
         columns=columns,
         fault=faults,
         verdict=verdicts,
         position=shape.position,
-        parts=parts,
+        parts=_find_parts_of_joined_numbers(shape),
         report_causes=shape.report_causes,
         position_columns=find_position_columns(shape),
         scales=find_scales(shape),
         frame=shape.frame,
     )
+
+
+def _decode_by_chunks(frames: Any, shape: Shape, columns: Mapping[str, Any], faults: Any) -> None:
+    """Decode the frames into ``columns`` and ``faults``, whose arrays have an element for each frame."""
+    faults[:] = 0
+    for start in range(0, len(frames), CHUNK):
+        rows = slice(start, start + CHUNK)
+        columns_of_chunk = {name: column[rows] for name, column in columns.items()}
+        _decode_chunk(frames[rows], shape, columns_of_chunk, faults[rows])
+
+
+def _find_parts_of_joined_numbers(shape: Shape) -> dict[str, tuple[str, int, int]]:
+    """Return the fields that a table extracts from a joined number on access.
+
+    For each field by name, these are the joined number, the lowest bit in it, and the width.
+    """
+    parts: dict[str, tuple[str, int, int]] = {}
+    for join in shape.joins:
+        for field_name, low, width in find_deferred_fields(shape, join):
+            parts[field_name] = (join.name, low, width)
+    return parts
 
 
 def _allocate_columns(count: int, types: Mapping[str, str]) -> dict[str, Any]:

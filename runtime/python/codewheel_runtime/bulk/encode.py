@@ -300,11 +300,12 @@ def _check_values(words: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
             continue
         bits = Chunk(words, shape.bits).take(check.low, check.width)
         if check.limit is None:
+            allowed_values = ", ".join(map(str, check.values))
             # A value that needs more bits than the field never occurs in it.
-            possible_values = [value for value in check.values if not value >> check.width]
-            allowed = "one of " + ", ".join(map(str, check.values))
+            possible_values = [value for value in check.values if 0 <= value < 1 << check.width]
+            is_not_allowed = ~np.isin(bits, possible_values)
             values = arrays.get(column.name, bits)
-            first_error.add(~np.isin(bits, possible_values), column.name, values, allowed=allowed)
+            first_error.add(is_not_allowed, column.name, values, allowed=f"one of {allowed_values}")
             continue
         is_within = are_within_limits(bits, check, check.limit)
         if column.kind == "signed":

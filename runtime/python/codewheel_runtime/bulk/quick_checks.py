@@ -62,12 +62,13 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
             remaining.append(check)
     byte_values: list[tuple[int, tuple[int, ...]]] = []
     for byte_index, checks in checks_by_byte.items():
-        allowed = [byte for byte in range(256) if _are_all_met(byte << (8 * byte_index), checks)]
-        constant_mask = _find_constant_bits(allowed)
-        if allowed and _has_all_values(allowed, constant_mask):
-            fixed_bits.require(8 * byte_index, constant_mask, allowed[0])
-        elif len(allowed) <= _MOST_COMPARED_VALUES:
-            byte_values.append((byte_index, tuple(allowed)))
+        allowed_bytes = [byte for byte in range(256) if _are_all_met(byte << (8 * byte_index), checks)]
+        constant_mask = _find_constant_bits(allowed_bytes)
+        are_other_bits_free = bool(allowed_bytes) and _has_all_values(allowed_bytes, constant_mask)
+        if are_other_bits_free:
+            fixed_bits.require(8 * byte_index, constant_mask, values=allowed_bytes[0])
+        elif len(allowed_bytes) <= _MOST_COMPARED_VALUES:
+            byte_values.append((byte_index, tuple(allowed_bytes)))
         else:
             remaining += checks
     fixed = _split_into_words(fixed_bits.mask, fixed_bits.values, shape.bits)

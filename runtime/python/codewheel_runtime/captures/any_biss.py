@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, Final, NamedTuple
 
@@ -162,43 +162,66 @@ def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tupl
     ``widths`` contains the width of each column by name, and ``joins`` contains the position if it consists of several
     fields.
     """
-    columns: list[Column] = []
-    checks: list[Check] = []
-    unused: list[Unused] = []
-    crc = None
-    # Width of the unused bits so far, which are side by side in the column ``unused``.
-    unused_width = 0
-    # Place of the lowest bit of a field. It starts just above the highest bit of the frame.
-    low = bits = sum(field.width for field in fields)
-    for field in fields:
-        name = field.name
-        width = field.width
-        # The first field forms the highest bits.
-        low -= width
-        if name == "crc":
-            crc = CrcOf(low, width, compare_bits(field.crc(), covered=bits - width, width=width))
-        elif name == "zero":
-            checks.append(Check(low, width, ErrorKind.CONSTANT, (0,)))
-        elif name == "unused":
-            unused.append(Unused(low, width, value=0, place=unused_width))
-            unused_width += width
-        else:
-            is_flag = name in _VERDICT_BY_FLAG
-            # The flags of BiSS are active low.
-            columns.append(Column(name, low, width, kind="not_flag" if is_flag else "number"))
+    bits = sum(field.width for field in fields)
+    placed_fields = _place_fields(fields)
     # Without a flag, nothing says whether the position is usable.
     flags = [name for name in _VERDICT_BY_FLAG if name in widths]
     return Shape(
         bits,
-        columns=tuple(columns),
+        columns=tuple(_make_column(field, low) for field, low in placed_fields if field.name in widths),
         joins=joins,
-        unused=tuple(unused),
-        checks=tuple(checks),
-        crc=crc,
+        unused=tuple(_list_unused_bits(placed_fields)),
+        checks=tuple(_check_zero(field, low) for field, low in placed_fields if field.name == "zero"),
+        crc=_find_crc(placed_fields, bits),
         position="position" if "position" in widths else "",
         default_verdict=Verdict.USABLE if flags else Verdict.UNKNOWN,
         verdict_causes=tuple(VerdictCause(_VERDICT_BY_FLAG[flag], flag) for flag in flags),
     )
+
+
+class _PlacedField(NamedTuple):
+    """Field and its lowest bit in the frame."""
+
+    field: _Field
+    low: int
+
+
+def _place_fields(fields: Sequence[_Field]) -> list[_PlacedField]:
+    """Return the fields with their places in the frame. The first field forms the highest bits."""
+    low = sum(field.width for field in fields)
+    placed_fields: list[_PlacedField] = []
+    for field in fields:
+        low -= field.width
+        placed_fields.append(_PlacedField(field, low))
+    return placed_fields
+
+
+def _make_column(field: _Field, low: int) -> Column:
+    """Return the column of a field with a value. The flags of BiSS are active low."""
+    is_flag = field.name in _VERDICT_BY_FLAG
+    return Column(field.name, low, field.width, kind="not_flag" if is_flag else "number")
+
+
+def _check_zero(field: _Field, low: int) -> Check:
+    """Return the check that the bits of a field are 0."""
+    return Check(low, field.width, ErrorKind.CONSTANT, values=(0,))
+
+
+def _list_unused_bits(placed_fields: Sequence[_PlacedField]) -> Iterator[Unused]:
+    """Yield the unused bits of a frame, which are side by side in the column ``unused``."""
+    place = 0
+    for field, low in placed_fields:
+        if field.name == "unused":
+            yield Unused(low, field.width, value=0, place=place)
+            place += field.width
+
+
+def _find_crc(placed_fields: Sequence[_PlacedField], bits: int) -> CrcOf | None:
+    """Return the CRC of a frame of ``bits`` bits, or None without one. It covers all bits before it."""
+    for field, low in placed_fields:
+        if field.name == "crc":
+            return CrcOf(low, field.width, compare_bits(field.crc(), covered=bits - field.width, width=field.width))
+    return None
 
 
 def _parse_field(text: str) -> _Field:

@@ -52,6 +52,11 @@ class Signals(NamedTuple):
     is_sampled: bool
     total: int | None = None
 
+    @classmethod
+    def at_rate(cls, edges: Generator[Edges, None, None], rate: float | None, total: int | None = None) -> Signals:
+        """Return signals whose times are sample numbers, with this sample rate in Hz, or None if it is unknown."""
+        return cls(edges, seconds=1 / rate if rate else None, is_sampled=True, total=total)
+
 
 class SignalNames(NamedTuple):
     """Chosen channels: those of the clock and the data line, or just the data line if ``clock`` is None.
@@ -124,7 +129,9 @@ class _SignalChoice(NamedTuple):
 
     def find_place(self, channels: Sequence[str]) -> int | None:
         """Return the index of the chosen channel, or of the one with a usual name. None if there is no such channel."""
-        return _find_place(channels, self.name) if self.name else _find_usual_place(channels, self.usual_names)
+        return (
+            _find_place(channels, self.name) if self.name else _find_channel_with_usual_name(channels, self.usual_names)
+        )
 
 
 def _add_remaining_channel(choices: Sequence[_SignalChoice], places: list[int | None]) -> list[int | None]:
@@ -161,7 +168,7 @@ def _find_place(channels: Sequence[str], name: str) -> int | None:
     return None
 
 
-def _find_usual_place(channels: Sequence[str], usual_names: Iterable[str]) -> int | None:
+def _find_channel_with_usual_name(channels: Sequence[str], usual_names: Iterable[str]) -> int | None:
     """Return the index of the channel with a usual name, or None if no channel has such a name.
 
     The first usual name that belongs to exactly one channel is used. Case is ignored. If there is only one channel, it
@@ -276,7 +283,7 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
     bits = range(len(places)) if has_rows else places
     masks = tuple(1 << bit for bit in bits)
     edges = read_samples(_split_array(array, places), masks)
-    return Signals(edges, seconds=1 / rate if rate else None, is_sampled=True, total=len(array))
+    return Signals.at_rate(edges, rate, total=len(array))
 
 
 def _split_array(array: Any, places: tuple[int, ...]) -> Generator[Samples, None, None]:
@@ -340,13 +347,14 @@ def merge_edges(
             last_times[earliest] = _find_last_time(pending_times[earliest])
         # The edges of all signals are known up to the earliest of their last edges.
         known_until = min(last_times.values()) if last_times else end()
-        counts = [int(np.searchsorted(times, known_until, "right")) for times in pending_times]
-        edge_times = tuple(times[:count] for times, count in zip(pending_times, counts, strict=True))
-        yield Edges(levels=tuple(levels), times=edge_times, begin=begin, end=known_until, done=sum(amounts_read))
+        known_counts = [int(np.searchsorted(times, known_until, "right")) for times in pending_times]
+        known_times = tuple(times[:count] for times, count in zip(pending_times, known_counts, strict=True))
+        yield Edges(levels=tuple(levels), times=known_times, begin=begin, end=known_until, done=sum(amounts_read))
         begin = known_until
-        # An odd number of edges inverts the level.
-        levels = [level ^ (count & 1) for level, count in zip(levels, counts, strict=True)]
-        pending_times = [times[count:] for times, count in zip(pending_times, counts, strict=True)]
+        for index, known_count in enumerate(known_counts):
+            # An odd number of edges inverts the level.
+            levels[index] ^= known_count & 1
+            pending_times[index] = pending_times[index][known_count:]
 
 
 def _find_last_time(times: Any) -> float:

@@ -64,6 +64,16 @@ class TableForm(NamedTuple):
     is_stamped: bool
     has_decimal_commas: bool
 
+    @property
+    def has_times(self) -> bool:
+        """True if the first column has times that are used."""
+        return self.unit is not None and self.unit > 0
+
+    @property
+    def columns_before_channels(self) -> int:
+        """Number of columns before the channels: 1 for times or sample numbers, otherwise 0."""
+        return 0 if self.unit is None else 1
+
 
 class _Headers(NamedTuple):
     """Headers of a table.

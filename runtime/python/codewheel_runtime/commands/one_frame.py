@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+from collections.abc import Iterable, Mapping
 from enum import EnumMeta
 from typing import TYPE_CHECKING, Any, cast, get_args, get_type_hints
 
@@ -13,7 +14,7 @@ from ..encoder import Encoder
 from ..errors import FrameError, LengthError
 from ..frames.decoders import cached_decoder, raise_error
 from ..frames.descriptions import find_any_shape, find_kinds
-from ..reports import Interface, Verdict
+from ..reports import Interface, Report, Verdict
 from .common import (
     DONE,
     FAILED,
@@ -101,21 +102,27 @@ def print_frame(encoder: Encoder, frame: int | bytes | str, options: argparse.Na
     if options.json:
         print(json.dumps(values, ensure_ascii=False))
     elif isinstance(result, FrameError):
-        more = other_frames or result.hint
-        message: object = f"{result}. {more}" if more else result
+        advice = other_frames or result.hint
+        message: object = f"{result}. {advice}" if advice else result
         raise CommandFailed(message)
     else:
-        width = max(map(len, values))
-        for name, value in values.items():
-            print(f"{name:<{width}}  {_format_value(value)}")
-        for report in result.reports:
-            remedy_line = f"\n  {report.remedy}" if report.remedy else ""
-            print(f"\n{report.name}: {report.meaning}{remedy_line}")
+        _print_values_and_reports(values, result.reports)
         if other_frames:
             print(f"\n{other_frames}")
     if isinstance(result, FrameError):
         return FAILED
     return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE
+
+
+def _print_values_and_reports(values: Mapping[str, Any], reports: Iterable[Report]) -> None:
+    """Print the values of a frame by name, a line for each, then its reports with their remedies."""
+    name_width = max(map(len, values))
+    for name, value in values.items():
+        print(f"{name:<{name_width}}  {_format_value(value)}")
+    for report in reports:
+        print(f"\n{report.name}: {report.meaning}")
+        if report.remedy:
+            print(f"  {report.remedy}")
 
 
 def _format_value(value: Any) -> str:

@@ -29,13 +29,25 @@ _FORMAT_BY_SUFFIX: Final[dict[str, FileKind]] = {
     ".parquet": "parquet",
     ".pq": "parquet",
 }
+#: What to do with files that are not read, by extension.
+_ADVICE_BY_SUFFIX: Final = {
+    **dict.fromkeys((".gz", ".bz2", ".xz", ".zst", ".zip"), "compressed files cannot be decoded: decompress the file"),
+    **dict.fromkeys((".xls", ".xlsx", ".ods"), "spreadsheets cannot be decoded: save the table as CSV"),
+}
 #: First bytes of an Arrow file.
 _ARROW_MARK: Final = b"ARROW1\0\0"
 
 
 def find_kind(path: str) -> FileKind:
-    """Return the format of a file according to its extension. Other extensions, or none, mean binary files."""
-    return _FORMAT_BY_SUFFIX.get(PurePath(path).suffix.lower(), "binary")
+    """Return the format of a file according to its extension. Other extensions, or none, mean binary files.
+
+    Raises:
+        InputError: The extension is that of a compressed file or of a spreadsheet.
+    """
+    suffix = PurePath(path).suffix.lower()
+    if suffix in _ADVICE_BY_SUFFIX:
+        raise InputError(path, _ADVICE_BY_SUFFIX[suffix])
+    return _FORMAT_BY_SUFFIX.get(suffix, "binary")
 
 
 @contextmanager

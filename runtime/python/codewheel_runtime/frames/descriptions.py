@@ -110,5 +110,5 @@ def decoding_arguments(frame_class: type, /, **arguments: object) -> tuple[objec
     """
     _, argument_types = find_description(frame_class)
     # The first fields of a class are the arguments of the function for its description.
-    needed_fields = field_names(frame_class)[: len(argument_types)]
-    return tuple(arguments[name] for name in needed_fields)
+    needed_names = field_names(frame_class)[: len(argument_types)]
+    return tuple(arguments[name] for name in needed_names)

@@ -35,10 +35,11 @@ def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
     if not _HEX_DIGITS.fullmatch(compact):
         raise ValueError(f"{short(text)} is not a hexadecimal number")
     if digits is None and is_decimal:
-        choice = "choose --digits decimal or --digits hex, or put 0x in front"
+        choice = "choose --digits decimal or --digits hex (in Python: digits='hex'), or put 0x in front"
         raise ValueError(f"{short(text)} can be decimal or hexadecimal: {choice}")
     if digits is None:
-        raise ValueError(f"{short(text)} is hexadecimal: choose --digits hex, or put 0x in front")
+        choice = "choose --digits hex (in Python: digits='hex'), or put 0x in front"
+        raise ValueError(f"{short(text)} is hexadecimal: {choice}")
     return int(compact, 16)
 
 

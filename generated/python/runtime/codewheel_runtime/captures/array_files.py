@@ -63,7 +63,7 @@ def read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float |
     bits = places if channels is None else range(len(places))
     parts = _read_array_parts(file, path, form, places)
     edges = read_samples(parts, tuple(1 << bit for bit in bits))
-    return Signals(edges, seconds=1 / rate if rate else None, is_sampled=True)
+    return Signals.at_rate(edges, rate)
 
 
 def _read_array_parts(
@@ -144,25 +144,31 @@ def read_array_archive(
     channels, times, rate_in_file = _load_arrays(archive, path)
     sample_rate = rate or rate_in_file
     arrays = list(channels.values())
-    if len(arrays) == 1 and arrays[0].dtype.kind != "f" and times is None:
+    has_single_array = len(arrays) == 1 and times is None
+    # Floating-point numbers are voltages.
+    if has_single_array and arrays[0].dtype.kind != "f":
         try:
             return read_array(arrays[0], names, sample_rate)
         except TypeError as error:
             raise InputError(path, str(error)) from None
-    columns = arrays if times is None else [times, *arrays]
-    shapes = {column.shape for column in columns}
-    if len(shapes) != 1 or any(column.ndim != 1 for column in columns):
-        raise InputError(path, "expected one array of samples, or an array of 0 and 1 of the same length per channel")
+    _check_columns(arrays if times is None else [times, *arrays], path)
     places = names.places([*channels], path)
     cells = np.stack([arrays[place] for place in places], 1)
     samples = pack_bits(_convert_to_levels(cells, threshold, path))
     masks = tuple(1 << bit for bit in range(len(places)))
     edges = read_samples([Samples(samples, done=len(samples), times=times)], masks)
     if times is None:
-        return Signals(edges, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=len(samples))
+        return Signals.at_rate(edges, sample_rate, total=len(samples))
     if not (np.isfinite(times).all() and (np.diff(times) >= 0).all()):
         raise InputError(path, "the times are not finite numbers in ascending order")
     return Signals(edges, seconds=1.0, is_sampled=False, total=len(samples))
+
+
+def _check_columns(columns: list[Any], path: str) -> None:
+    """Raise InputError unless all columns have one dimension and the same length."""
+    shapes = {column.shape for column in columns}
+    if len(shapes) != 1 or any(column.ndim != 1 for column in columns):
+        raise InputError(path, "expected one array of samples, or an array of 0 and 1 of the same length per channel")
 
 
 def _convert_to_levels(cells: Any, threshold: float | None, path: str) -> Any:

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any, Final, NamedTuple, Protocol
 
 from ..bulk.decode import decode_many
+from ..bulk.table import Table
 from ..channel_tables import ChannelTable
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
@@ -20,6 +21,7 @@ from ..files.sinks import SINKS, TargetKind
 from ..files.stream import (
     Output,
     SpeedColumns,
+    Summary,
     decode_parts,
     find_target_format,
     make_plan,
@@ -246,20 +248,14 @@ def _decode_capture(
     paths = list_paths(capture_input.source)
     with open_capture(capture_input) as capture_frames, open_for_writing(output.target, paths, output.force) as file:
         time_column = capture_frames.time_column
+        add_speeds = SpeedColumns(time_column, paths[0]) if output.si else None
+        empty_table = _make_empty_table(capture_frames, encoder, add_speeds)
         time_columns = {time_column: np.zeros(0)}
-        # A table without frames, which shows the columns of the result.
-        empty_table = decode_many([], capture_frames.shape, encoder)
-        if time_column in empty_table:
-            raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
-        empty_table = empty_table.with_columns(**time_columns)
-        add_columns = SpeedColumns(time_column, paths[0]) if output.si else None
-        if add_columns is not None:
-            empty_table = add_columns.check(empty_table)
         frame_source = Source(_make_batches(capture_frames, log), capture_frames.total, (time_column,), time_columns)
         plan = make_plan(empty_table, frame_source, output.columns, paths[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
-                frames = decode_parts(frame_source, capture_frames.shape, encoder, sink, limit, progress, add_columns)
+                frames = decode_parts(frame_source, capture_frames.shape, encoder, sink, limit, progress, add_speeds)
             except InputError:
                 _report_exchanged_lines(capture_input)
                 raise
@@ -267,6 +263,26 @@ def _decode_capture(
         if has_no_valid_frame:
             _report_exchanged_lines(capture_input)
     log.finish()
+    return _summarize(frames, log)
+
+
+def _make_empty_table(
+    capture_frames: CaptureFrames, encoder: Encoder | BissLayout, add_speeds: SpeedColumns | None
+) -> Table:
+    """Return a table without frames, which shows the columns of the result.
+
+    Raises UsageError if the frames have a field with the name of the column of times.
+    """
+    time_column = capture_frames.time_column
+    table = decode_many([], capture_frames.shape, encoder)
+    if time_column in table:
+        raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
+    table = table.with_columns(**{time_column: np.zeros(0)})
+    return table if add_speeds is None else add_speeds.check(table)
+
+
+def _summarize(frames: Summary, log: Log) -> CaptureSummary:
+    """Return the counts of frames together with the lost cycles and the register accesses in the log."""
     return CaptureSummary(
         frames=frames,
         lost=log.reasons,

@@ -13,12 +13,13 @@ from typing import Any, BinaryIO, Final, NamedTuple
 from ..bulk.words import short
 from ..errors import InputError
 from ..packages import load
-from .signals import Signals
+from .signals import Edges, Signals
 
 np: Any = load("numpy")
 
-#: A byte has a start bit, eight data bits, and a stop bit.
-BITS_PER_BYTE: Final = 10
+_DATA_BITS: Final = 8
+#: A byte has a start bit, its data bits, and a stop bit.
+BITS_PER_BYTE: Final = 1 + _DATA_BITS + 1
 
 
 class Bytes(NamedTuple):
@@ -42,44 +43,82 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[Bytes, None, N
     """
     # Without a sample rate, times are in samples.
     time_unit = signals.seconds or 1.0
-    bit_time = 1 / baud / time_unit
-    # The stop bit lasts at least half a bit. Then the next byte may follow at once.
-    shortest_byte_time = (BITS_PER_BYTE - 0.5) * bit_time
     # An edge between two samples is seen at the second one, half a sample late on average.
-    early = 0.5 if signals.is_sampled else 0.0
-    # Times of the edges that are not used yet, and the level before them.
-    edges, level = np.zeros(0), 1
-    # Time from which a byte can begin.
-    earliest_start = -np.inf
-    end, done, is_first_part = 0.0, 0, True
+    edge_delay = 0.5 if signals.is_sampled else 0.0
+    line = _SerialLine(bit_time=1 / baud / time_unit, edge_delay=edge_delay)
+    done = 0
     for part in _add_end_mark(signals):
         if part is not None:
-            # The serial line is the only signal, so its index is 0.
-            if is_first_part:
-                level, is_first_part = part.levels[0], False
-            edges = np.concatenate([edges, part.times[0]])
-            end, done = part.end, part.done
-        # The level before an edge with an even index is the first level. If that is 1, these edges fall. Otherwise, the
-        # edges with an odd index fall.
-        falls = edges[1 - level :: 2]
-        if part is not None:
-            # At the end of the capture, all edges are used. Before it, only those whose byte is complete.
-            complete_count = int(np.searchsorted(falls, end - BITS_PER_BYTE * bit_time, "right"))
-            falls = falls[:complete_count]
-        starts = _choose_start_bits(falls, earliest_start, shortest_byte_time)
-        if not len(starts):
-            continue
-        earliest_start = float(starts[-1]) + shortest_byte_time
-        # The middle of eight data bits and the stop bit: a row for each byte, and a column for each bit.
-        times = starts[:, None] + (bit_time * (1.5 + np.arange(9)) - early)[None, :]
+            line.add(part)
+            done = part.done
+        starts = line.find_starts(is_end=part is None)
+        if len(starts):
+            values, has_stop_bits = line.read_bytes(starts)
+            yield Bytes(values, starts * time_unit, has_stop_bits, done)
+
+
+class _SerialLine:
+    """Edges on a serial line that do not belong to a complete byte yet.
+
+    Args:
+        bit_time: Time of a bit, in the unit of the edges.
+        edge_delay: Mean time between an edge and the time that the capture gives for it.
+    """
+
+    def __init__(self, bit_time: float, edge_delay: float) -> None:
+        self._bit_time = bit_time
+        # The stop bit lasts at least half a bit. Then the next byte may follow at once.
+        self._shortest_byte_time = (BITS_PER_BYTE - 0.5) * bit_time
+        # From the start of the start bit to the middle of each data bit and of the stop bit, which follow it.
+        self._bit_offsets = bit_time * (1.5 + np.arange(_DATA_BITS + 1)) - edge_delay
+        self._edges = np.zeros(0)
+        #: Level before the edges, and the end of the part that was added last.
+        self._level = 1
+        self._end = 0.0
+        #: Time before which no byte can begin.
+        self._earliest_start = -np.inf
+        self._is_empty = True
+
+    def add(self, part: Edges) -> None:
+        """Add the edges of the next part of the capture."""
+        # The serial line is the only signal, so its index is 0.
+        if self._is_empty:
+            self._level = part.levels[0]
+            self._is_empty = False
+        self._edges = np.concatenate([self._edges, part.times[0]])
+        self._end = part.end
+
+    def find_starts(self, *, is_end: bool) -> Any:
+        """Return the time of each start bit whose byte is complete. At the end of the capture, this is every byte."""
+        # Edges rise and fall in turn. After a high level, the first edge falls. After a low level, the second one does.
+        first_falling_edge = 1 - self._level
+        falling_edges = self._edges[first_falling_edge::2]
+        if not is_end:
+            last_complete_start = self._end - BITS_PER_BYTE * self._bit_time
+            complete_count = int(np.searchsorted(falling_edges, last_complete_start, "right"))
+            falling_edges = falling_edges[:complete_count]
+        return _choose_start_bits(falling_edges, self._earliest_start, self._shortest_byte_time)
+
+    def read_bytes(self, starts: Any) -> tuple[Any, Any]:
+        """Return the bytes with these start bits, and True for each that has a stop bit. Remove their edges."""
+        # A row for each byte, and a column for each of its bits.
+        bit_times = starts[:, None] + self._bit_offsets[None, :]
         # An odd number of edges before a time inverts the first level.
-        edge_counts = np.searchsorted(edges, times.ravel(), "right").reshape(times.shape)
-        levels = (edge_counts & 1) ^ level
-        values = (levels[:, :8] << np.arange(8)).sum(axis=1).astype(np.uint8)
-        has_stop_bits = levels[:, 8] == 1
-        yield Bytes(values, starts * time_unit, has_stop_bits, done)
-        used_count = int(np.searchsorted(edges, earliest_start, "left"))
-        edges, level = edges[used_count:], level ^ (used_count & 1)
+        edge_counts = np.searchsorted(self._edges, bit_times.ravel(), "right").reshape(bit_times.shape)
+        levels = (edge_counts & 1) ^ self._level
+        # The least significant bit is sent first.
+        weighted_bits = levels[:, :_DATA_BITS] << np.arange(_DATA_BITS)
+        values = weighted_bits.sum(axis=1).astype(np.uint8)
+        has_stop_bits = levels[:, _DATA_BITS] == 1
+        self._earliest_start = float(starts[-1]) + self._shortest_byte_time
+        self._remove_edges_before(self._earliest_start)
+        return values, has_stop_bits
+
+    def _remove_edges_before(self, time: float) -> None:
+        """Remove the edges before this time, and keep the level after them."""
+        used_count = int(np.searchsorted(self._edges, time, "left"))
+        self._edges = self._edges[used_count:]
+        self._level ^= used_count & 1
 
 
 def _choose_start_bits(falls: Any, earliest_start: float, shortest_byte_time: float) -> Any:
@@ -171,7 +210,7 @@ def _read_byte(cell: str, path: str, line: int) -> int:
     raise InputError(path, reason, place=f"line {line}")
 
 
-def _add_end_mark(signals: Signals) -> Iterator[Any]:
+def _add_end_mark(signals: Signals) -> Iterator[Edges | None]:
     """Yield the edges of a capture part by part, then None, which marks its end."""
     yield from signals.edges
     yield None

@@ -176,26 +176,21 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
         raise InputError(path, "this sigrok session has no logic signals")
     if sample_bytes not in (1, 2, 4, 8):
         raise InputError(path, f"samples of {sample_bytes} bytes are not supported: expected 1, 2, 4 or 8")
-    numbers = [number for number in sorted(probes) if 1 <= number <= 8 * sample_bytes]
-    channels = [probes[number] for number in numbers]
+    # A sample has a bit for each probe.
+    probe_numbers = [number for number in sorted(probes) if 1 <= number <= 8 * sample_bytes]
+    channels = [probes[number] for number in probe_numbers]
     # The number of a probe is also accepted, although only probes in use have names.
     numbered_names = names._replace(
-        clock=_find_numbered_probe(names.clock, probes, numbers, path),
-        data=_find_numbered_probe(names.data, probes, numbers, path),
+        clock=_find_numbered_probe(names.clock, probes, probe_numbers, path),
+        data=_find_numbered_probe(names.data, probes, probe_numbers, path),
     )
-    chosen_probes = [numbers[index] for index in numbered_names.places(channels, path)]
+    chosen_probes = [probe_numbers[index] for index in numbered_names.places(channels, path)]
     # The lowest bit of a sample is probe 1.
     masks = tuple(1 << (number - 1) for number in chosen_probes)
     entries = _list_sample_files(archive, metadata.file_stem, path)
-    if not entries:
-        raise InputError(path, "this sigrok session has no samples")
-    total = sum(info.file_size for info in entries)
-    if total > MOST_UNPACKED:
-        sizes = f"{total / 1e9:.1f} GB unpacked, and at most {MOST_UNPACKED / 1e9:.1f} GB are read"
-        raise InputError(path, f"the samples have {sizes}: save a shorter session")
+    total = _measure_unpacked(entries, path)
     samples = read_samples(_unpack_samples(archive, entries, sample_bytes, path), masks)
-    sample_rate = rate or metadata.rate
-    return Signals(samples, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=total)
+    return Signals.at_rate(samples, rate or metadata.rate, total)
 
 
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
@@ -233,6 +228,21 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[z
     if len(numbered_names) > len(parts):
         raise InputError(path, f"this sigrok session is damaged: its file {name} is missing")
     return parts
+
+
+def _measure_unpacked(entries: list[zipfile.ZipInfo], path: str) -> int:
+    """Return the unpacked size of the files of samples in bytes.
+
+    Raises:
+        InputError: There are no files, or they are too large.
+    """
+    if not entries:
+        raise InputError(path, "this sigrok session has no samples")
+    total = sum(info.file_size for info in entries)
+    if total > MOST_UNPACKED:
+        sizes = f"{total / 1e9:.1f} GB unpacked, and at most {MOST_UNPACKED / 1e9:.1f} GB are read"
+        raise InputError(path, f"the samples have {sizes}: save a shorter session")
+    return total
 
 
 def _unpack_samples(

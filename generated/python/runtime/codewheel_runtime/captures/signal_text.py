@@ -70,18 +70,15 @@ def read_table_signals(
     """
     form = find_table_form(path, head)
     places = names.places(form.channels, path)
-    # A column of times or of numbers is before the channels.
-    offset = int(form.unit is not None)
-    columns = [offset + place for place in places]
+    columns = [form.columns_before_channels + place for place in places]
     parts = _read_table_parts(file, path, form, columns, threshold)
     # The levels of the signals are packed, so their bits are numbered from 0.
     masks = tuple(1 << bit for bit in range(len(places)))
     edges = read_samples(parts, masks)
     total = measure_size(file)
-    if form.unit:
+    if form.has_times:
         return Signals(edges, seconds=form.unit, is_sampled=False, total=total)
-    sample_rate = rate or form.rate
-    return Signals(edges, seconds=1 / sample_rate if sample_rate else None, is_sampled=True, total=total)
+    return Signals.at_rate(edges, rate or form.rate, total)
 
 
 def _read_table_parts(
@@ -177,9 +174,7 @@ class _RowReader:
 
         Raises InputError if a cell is wrong. ``line`` is the number of the first row, for that error.
         """
-        # A unit of 0 means that times are not used.
-        has_times = bool(self._form.unit)
-        if not has_times:
+        if not self._form.has_times:
             return None, self._read_levels(block, line)
         stamps: Any = None
         if self._form.is_stamped:

@@ -258,24 +258,26 @@ class _ReplyFinder:
                 reply_starts.append(reply_start)
             else:
                 lost.append(Lost(float(self._times[first]), self._explain_loss(first, end, request_lengths)))
-        reply_starts.sort()
-        first_bytes = np.array(reply_starts, np.int64)
-        shape = self._kinds.replies.get(self.wanted)
-        # While the kind is not known, there are no replies, and any length fits.
-        length = shape.length if shape is not None else 1
-        rows = np.zeros((0, length), "u1")
-        if len(first_bytes):
-            # The indices of the bytes of each reply are a row.
-            rows = self._values[first_bytes[:, None] + np.arange(length)[None, :]]
+        first_bytes = np.array(sorted(reply_starts), np.int64)
         other_counts = {name: len(starts) for name, starts in places.starts.items() if starts and name != self.wanted}
         return CapturedFrames(
-            frames=rows,
+            frames=self._copy_replies(first_bytes),
             times=self._times[first_bytes],
             lost=lost,
             done=self._done,
             kind=self.wanted,
             others=other_counts,
         )
+
+    def _copy_replies(self, first_bytes: Any) -> Any:
+        """Return the bytes of the replies of the wanted kind, a row for each. Each begins at an index in the array."""
+        shape = self._kinds.replies.get(self.wanted)
+        # While the kind is not known, there are no replies, and any length fits.
+        length = shape.length if shape is not None else 1
+        if not len(first_bytes):
+            return np.zeros((0, length), "u1")
+        byte_indices = first_bytes[:, None] + np.arange(length)[None, :]
+        return self._values[byte_indices]
 
     def _is_damaged_reply(self, first: int, start: int, end: int) -> bool:
         """Return whether the bytes from ``start`` to ``end`` are a reply of the wanted kind with a CRC error.

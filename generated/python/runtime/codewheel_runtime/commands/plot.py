@@ -85,14 +85,18 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
     for mark_times, label, color in _list_marks(table, times, lost):
         if len(mark_times):
             _draw_marks((top, bottom), mark_times, f"{label} ({len(mark_times)})", color)
-    _, legend_labels = top.get_legend_handles_labels()
-    if legend_labels:
-        # Above the axes, where it does not cover the plot.
-        top.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False, fontsize="small")
+    _add_legend(top)
     for axes in (top, bottom):
         axes.grid(alpha=0.3)
         axes.margins(x=0.01)
     return drawn
+
+
+def _add_legend(axes: Any) -> None:
+    """Explain the marks in a legend above the axes, where it does not cover the plot. Without marks, there is none."""
+    _, labels = axes.get_legend_handles_labels()
+    if labels:
+        axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False, fontsize="small")
 
 
 def _draw_speed(axes: Any, table: Table, times: Any, unit: SpeedUnit) -> None:
