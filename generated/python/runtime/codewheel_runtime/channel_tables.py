@@ -33,12 +33,12 @@ class ChannelTable:
         verdict: Verdict of all channels of each frame, as an index in ``Verdict``.
     """
 
-    def __init__(self, layout: Any, channels: tuple[Table, ...], is_wrong_length: Any) -> None:
-        """Combine the tables of the channels. ``is_wrong_length`` is True for each frame of the wrong length."""
+    def __init__(self, layout: Any, channels: tuple[Table, ...], does_not_fit: Any) -> None:
+        """Combine the tables of the channels. ``does_not_fit`` is True for each frame of the wrong length."""
         self._layout = layout
         self.channels = channels
         # A wrong length takes precedence. Then the first channel with an error counts.
-        fault = np.where(is_wrong_length, np.uint8(ErrorKind.LENGTH), np.uint8(0))
+        fault = np.where(does_not_fit, np.uint8(ErrorKind.LENGTH), np.uint8(0))
         for table in channels:
             has_no_error_yet = fault == 0
             fault = np.where(has_no_error_yet, table.fault, fault)
@@ -90,7 +90,7 @@ def decode_channels(layout: Any, frames: object) -> ChannelTable:
     """
     # The frames are rows of this many bytes, with leading zeros.
     length = (layout.bits + 7) // 8
-    rows, is_wrong_length = _read_rows_of_frames(frames, layout.bits, length)
+    rows, does_not_fit = _read_rows_of_frames(frames, layout.bits, length)
     # The first channel forms the highest bits.
     low_bit = layout.bits
     tables: list[Table] = []
@@ -98,22 +98,27 @@ def decode_channels(layout: Any, frames: object) -> ChannelTable:
         low_bit -= bits
         words = _extract_bits(rows, low_bit, bits)
         tables.append(decode_frames(words, frame_class, variant=layout.encoder))
-    return ChannelTable(layout, tuple(tables), is_wrong_length)
+    return ChannelTable(layout, tuple(tables), does_not_fit)
 
 
 class _Rows(NamedTuple):
-    """Frames as rows of bytes, and an array that is True for each frame of the wrong length.
+    """Frames as rows of bytes, and an array that is True for each frame that does not fit.
 
     Zeros replace such frames.
     """
 
     rows: Any
-    is_wrong_length: Any
+    does_not_fit: Any
 
 
 def _read_rows_of_frames(frames: Any, bits: int, length: int) -> _Rows:
-    """Convert frames of ``bits`` bits from numbers or bytes to rows of ``length`` bytes."""
-    if isinstance(frames, np.ndarray) and frames.dtype.kind in "uiO" and frames.ndim == 1:
+    """Convert frames of ``bits`` bits from numbers or bytes to rows of ``length`` bytes.
+
+    A frame does not fit if it has another number of bytes, or a 1 above its ``bits`` bits.
+    """
+    # The kinds of numbers: unsigned, signed, and Python's integers, which can have more than 64 bits.
+    is_array_of_numbers = isinstance(frames, np.ndarray) and frames.dtype.kind in "uiO" and frames.ndim == 1
+    if is_array_of_numbers:
         frames = frames.tolist()
     if isinstance(frames, (list, tuple)):
         frame_list = list(cast(Iterable[Any], frames))
@@ -122,22 +127,22 @@ def _read_rows_of_frames(frames: Any, bits: int, length: int) -> _Rows:
     rows, wrong_rows = read_rows(frames, length)
     # The frame may not fill its first byte, which then begins with zeros.
     bits_of_first_byte = bits - 8 * (length - 1)
-    is_wrong_length = rows[:, 0] >= 1 << bits_of_first_byte
+    does_not_fit = rows[:, 0] >= 1 << bits_of_first_byte
     if len(wrong_rows):
-        is_wrong_length[wrong_rows] = True
-    return _Rows(rows, is_wrong_length)
+        does_not_fit[wrong_rows] = True
+    return _Rows(rows, does_not_fit)
 
 
 def _convert_numbers(frames: list[Any], bits: int, length: int) -> _Rows:
     """Convert frames of ``bits`` bits from numbers to rows of ``length`` bytes."""
     data = bytearray()
-    is_wrong_length: list[bool] = []
+    does_not_fit: list[bool] = []
     for frame in frames:
         number = whole_number("the frame", frame)
         fits = 0 <= number < 1 << bits
         data += (number if fits else 0).to_bytes(length, "big")
-        is_wrong_length.append(not fits)
-    return _Rows(np.frombuffer(data, np.uint8).reshape(-1, length), np.array(is_wrong_length, bool))
+        does_not_fit.append(not fits)
+    return _Rows(np.frombuffer(data, np.uint8).reshape(-1, length), np.array(does_not_fit, bool))
 
 
 def _extract_bits(rows: Any, low_bit: int, width: int) -> Any:

@@ -74,15 +74,19 @@ class Accesses:
 
     ``_state`` is the method that follows the next cycle. ``_time`` is the time at which the control frame began, and
     ``_is_write`` is True if it writes. ``_is_outside_frame`` is True outside a control frame. ``_zeros`` is the number
-    of CDM zeros since the last 1. ``_sent`` and ``_answers`` are the CDM and CDS bits of the header or byte, the last
-    one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head`` contains CTS, ID and address.
+    of CDM zeros since the last 1. ``_sent_bits`` and ``_answer_bits`` are the CDM and CDS bits of the header or byte,
+    the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_header_bits`` contains CTS, ID and
+    address.
     """
 
     def __init__(self) -> None:
-        self._zeros = self._bit_count = self._sent = self._answers = 0
+        self._zeros = 0
+        self._bit_count = 0
+        self._sent_bits = 0
+        self._answer_bits = 0
         self._state = self._follow_idle
         self._time = 0.0
-        self._head = 0
+        self._header_bits = 0
         self._is_write, self._is_outside_frame = False, True
 
     def feed(self, bits: ControlBits) -> Iterator[Access]:
@@ -125,7 +129,10 @@ class Accesses:
         """Start following a control frame, whose S bit is at this time."""
         self._time = time
         self._is_outside_frame = False
-        self._bit_count = self._sent = self._answers = self._head = 0
+        self._bit_count = 0
+        self._sent_bits = 0
+        self._answer_bits = 0
+        self._header_bits = 0
         # A header that ends before R and W counts as the header of a read.
         self._is_write = False
         self._state = self._follow_header
@@ -164,7 +171,7 @@ class Accesses:
 
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
         """Return the access to the transmitted ID and address, with this value and result."""
-        head = ControlHead.decode(self._head)
+        head = ControlHead.decode(self._header_bits)
         return Access(
             time=self._time,
             slave_id=head.slave_id,
@@ -182,18 +189,18 @@ class Accesses:
         access that the slave refuses is yielded.
         """
         self._bit_count += 1
-        self._answers = append_bit(self._answers, cds)
+        self._answer_bits = append_bit(self._answer_bits, cds)
         if self._bit_count <= HEADER_BITS:
-            self._sent = append_bit(self._sent, cdm)
+            self._sent_bits = append_bit(self._sent_bits, cdm)
         if self._bit_count == ADDRESS_BITS:
-            self._head = self._sent >> CRC_BITS
-            head = ControlHead.decode_with_crc(self._sent)
+            self._header_bits = self._sent_bits >> CRC_BITS
+            head = ControlHead.decode_with_crc(self._sent_bits)
             # Commands have no registers, and a damaged header reaches no slave.
             if head is None or not head.is_register_access:
                 self._end_access()
         elif self._bit_count == HEADER_BITS:
             # The last two bits are R and W. Only one of them is 1: R for a read, W for a write.
-            r_and_w = self._sent & 0b11
+            r_and_w = self._sent_bits & 0b11
             self._is_write = r_and_w == 0b01
         elif self._bit_count == HEADER_BITS + 1:
             outcome = self._check_echo()
@@ -208,10 +215,10 @@ class Accesses:
 
     def _check_echo(self) -> Outcome:
         """Return the outcome according to the answers to the header. It is RUNNING if the slave accepts the access."""
-        head = ControlHead.decode(self._head)
+        head = ControlHead.decode(self._header_bits)
         # The value is not known yet. Any value turns the access into a write.
         value = 0 if self._is_write else None
-        return Request(head.slave_id, head.address, value)._check_echo(self._answers)
+        return Request(head.slave_id, head.address, value)._check_echo(self._answer_bits)
 
     def _follow_start(self, cds: int, cdm: int) -> Iterator[Access]:
         """Process a cycle in which the master sends S before a byte. The slave is busy until it answers with 1.
@@ -222,8 +229,8 @@ class Accesses:
             # This CDM bit is the first one of the byte.
             self._state = self._follow_byte
             self._bit_count = 0
-            self._sent = cdm
-            self._answers = 0
+            self._sent_bits = cdm
+            self._answer_bits = 0
         elif not cdm:
             yield self._make_access(None, Outcome.BUSY.value)
             self._end_access()
@@ -236,11 +243,11 @@ class Accesses:
         """
         self._bit_count += 1
         if self._bit_count < BYTE_BITS:
-            self._answers = append_bit(self._answers, cds)
-            self._sent = append_bit(self._sent, cdm)
+            self._answer_bits = append_bit(self._answer_bits, cds)
+            self._sent_bits = append_bit(self._sent_bits, cdm)
         elif self._bit_count == BYTE_BITS:
-            self._answers = append_bit(self._answers, cds)
-            byte_and_crc = self._sent if self._is_write else self._answers
+            self._answer_bits = append_bit(self._answer_bits, cds)
+            byte_and_crc = self._sent_bits if self._is_write else self._answer_bits
             value = _decode_value(byte_and_crc)
             outcome = self._judge_byte(value)
             is_done = outcome is Outcome.DONE
@@ -250,7 +257,7 @@ class Accesses:
                 self._end_access()
         elif cdm:
             # The master continues with the next register. The address is in the lowest bits of the head.
-            self._head += 1
+            self._header_bits += 1
             self._state = self._follow_start
         else:
             self._end_access()
@@ -262,7 +269,7 @@ class Accesses:
         """
         if not self._is_write:
             return Outcome.BAD_CRC if value is None else Outcome.DONE
-        is_repeated = self._answers == self._sent
+        is_repeated = self._answer_bits == self._sent_bits
         return Outcome.DONE if is_repeated and value is not None else Outcome.BAD_ECHO
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import csv
 import io
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from itertools import chain, islice
 from typing import BinaryIO, Final, NamedTuple
 
@@ -15,7 +15,7 @@ from ..bulk.shape import Shape
 from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
 from . import inputs
-from .fast_csv import Block, JoinedBlocks, ends_with_row, has_a_row_per_line, make_block_reader, split_into_blocks
+from .fast_csv import Block, BlockReader, JoinedBlocks, ends_with_row, has_a_row_per_line, split_into_blocks
 from .inputs import (
     FIRST,
     FrameBatch,
@@ -58,33 +58,81 @@ def read_csv_rows(
     first_row = next(rows, None)
     if first_row is None:
         return Source(_yield_no_parts(), size)
-    frame_column, is_header = _find_frame_column(first_row, name, storage, shape)
-    header = [cell.strip() for cell in first_row] if is_header else [""] * len(first_row)
-    names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
-    # The index and the name of each column except the column of frames.
-    other_columns = [(index, column_name) for index, column_name in enumerate(names) if index != frame_column]
-    other_names = tuple(column_name for _, column_name in other_columns)
+    columns = _find_columns(first_row, name, storage, shape)
+    other_names = tuple(column_name for _, column_name in columns.others)
     empty_columns = select_columns(other_names, storage, lambda _: [], name)
-    kept_columns = [(index, column_name) for index, column_name in other_columns if column_name in empty_columns]
-    # Comments, empty lines and the header come before the first row of frames. The line that was read last is the first
-    # row, which can be the header.
-    skipped_lines = lines.number if is_header else lines.number - 1
-    skipped_bytes = _find_line(head, skipped_lines)
-    has_single_cr = b"\r" in head[:skipped_bytes].replace(b"\r\n", b"")
+    kept_columns = [(index, column_name) for index, column_name in columns.others if column_name in empty_columns]
+    start = _find_first_frame(head, lines.number, columns.has_header)
+    # The fast reader cannot skip a header.
+    can_be_fast = not start.is_before_header
+    fast_reader = _make_fast_reader(columns, kept_columns, delimiter, shape, storage) if can_be_fast else None
+    slow_reader = _SlowReader(lines, delimiter, columns.frame_column, kept_columns, start.is_before_header)
+    csv_file = _CsvFile(name, storage, shape, find_valid_fraction)
+    parts = _CsvParts(csv_file, fast_reader, slow_reader, start)
+    remaining_blocks = chain([head[start.offset :]], blocks)
+    return Source(parts.read(remaining_blocks), size, other_names, empty_columns)
+
+
+class _Columns(NamedTuple):
+    """Columns of a file.
+
+    Attributes:
+        names: Names of all columns. Without a header, or without a name in it, they are numbered from 1.
+        frame_column: Index of the column of frames.
+        others: Index and name of each other column.
+        has_header: True if the first row contains the names.
+    """
+
+    names: list[str]
+    frame_column: int
+    others: list[tuple[int, str]]
+    has_header: bool
+
+
+def _find_columns(first_row: list[str], file_name: str, storage: StorageFormat, shape: Shape) -> _Columns:
+    """Return the columns of a file according to its first row, which can be a header.
+
+    Raises the error of ``_find_frame_column``.
+    """
+    frame_column, has_header = _find_frame_column(first_row, file_name, storage, shape)
+    header = [cell.strip() for cell in first_row] if has_header else [""] * len(first_row)
+    names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
+    others = [(index, name) for index, name in enumerate(names) if index != frame_column]
+    return _Columns(names, frame_column, others, has_header)
+
+
+class _Start(NamedTuple):
+    """Where reading starts: offset in bytes, number of lines before it, and True if the header still follows."""
+
+    offset: int
+    lines_before: int
+    is_before_header: bool
+
+
+def _find_first_frame(head: bytes, first_row_line: int, has_header: bool) -> _Start:
+    """Return the start of the first row with a frame, after comments, empty lines and the header.
+
+    ``head`` is the first block of the file, and ``first_row_line`` the number of the line of its first row, which is
+    the header if ``has_header`` is True.
+    """
+    lines_before = first_row_line if has_header else first_row_line - 1
+    offset = _find_line(head, lines_before)
+    has_single_cr = b"\r" in head[:offset].replace(b"\r\n", b"")
     if has_single_cr:
         # Only the slow reader counts lines that end with a single CR. It reads from the beginning, and skips the header
         # itself.
-        skipped_lines = skipped_bytes = 0
-    skips_header = is_header and not skipped_bytes
-    slow_reader = _SlowReader(lines, delimiter, frame_column, kept_columns, skips_header)
-    read_fast = None
-    # The fast reader cannot skip a header.
-    if not skips_header:
-        read_fast = make_block_reader(names, frame_column, kept_columns, delimiter, shape, storage.digits)
-    csv_file = _CsvFile(name, storage, shape, find_valid_fraction)
-    remaining_blocks = chain([head[skipped_bytes:]], blocks)
-    parts = _read_parts(slow_reader, read_fast, remaining_blocks, skipped_lines, skipped_bytes, csv_file)
-    return Source(parts, size, other_names, empty_columns)
+        return _Start(offset=0, lines_before=0, is_before_header=has_header)
+    return _Start(offset, lines_before, is_before_header=has_header and not offset)
+
+
+def _make_fast_reader(
+    columns: _Columns, kept_columns: list[tuple[int, str]], delimiter: str, shape: Shape, storage: StorageFormat
+) -> BlockReader | None:
+    """Return a reader of blocks, or None if pyarrow is not installed."""
+    try:
+        return BlockReader(columns.names, columns.frame_column, kept_columns, delimiter, shape, storage.digits)
+    except ImportError:
+        return None
 
 
 def _find_line(data: bytes, line_count: int) -> int:
@@ -184,50 +232,72 @@ class _CsvFile(NamedTuple):
     find_valid_fraction: ValidFraction
 
 
-def _read_parts(
-    slow_reader: _SlowReader,
-    read_fast: Callable[[bytes], Block | None] | None,
-    blocks: Iterator[bytes],
-    lines_read: int,
-    bytes_read: int,
-    csv_file: _CsvFile,
-) -> Generator[FrameBatch, None, None]:
-    """Yield the frames of blocks, with the other columns of the same rows and the progress.
+class _CsvParts:
+    """Frames of a file, read block by block.
 
-    ``lines_read`` and ``bytes_read`` are the numbers of lines and bytes before the first block. ``read_fast`` reads a
-    block, or is None if pyarrow is not installed. Returns None for blocks with unusual content. ``slow_reader``
-    reads these blocks. If a row may continue in the next block, it reads the rest of the file.
+    Args:
+        csv_file: The file.
+        fast_reader: Reader of blocks, or None if pyarrow is not installed.
+        slow_reader: Reader of the blocks that ``fast_reader`` cannot read. If a row may continue in the next block, it
+            reads the rest of the file.
+        start: Where the first block starts.
     """
-    cells = TextCells(csv_file.shape, csv_file.storage.digits)
-    is_first = True
-    for block in blocks:
-        can_be_fast = read_fast is not None and has_a_row_per_line(block)
+
+    def __init__(
+        self, csv_file: _CsvFile, fast_reader: BlockReader | None, slow_reader: _SlowReader, start: _Start
+    ) -> None:
+        self._csv_file = csv_file
+        self._fast_reader = fast_reader
+        self._slow_reader = slow_reader
+        self._bytes_read = start.offset
+        self._lines_read = start.lines_before
+        self._cells = TextCells(csv_file.shape, csv_file.storage.digits)
+        self._are_first_cells_checked = False
+
+    def read(self, blocks: Iterator[bytes]) -> Generator[FrameBatch, None, None]:
+        """Yield the frames of all blocks, with the other columns of the same rows and the progress."""
+        for block in blocks:
+            has_a_row_in_each_line = self._fast_reader is not None and has_a_row_per_line(block)
+            fast_block = self._read_fast(block) if has_a_row_in_each_line else None
+            if fast_block is not None:
+                yield FrameBatch(fast_block.frames, self._bytes_read, fast_block.other_columns)
+                continue
+            # After a quote, a row can continue in the next block.
+            ends_here = has_a_row_in_each_line and ends_with_row(block, self._slow_reader.delimiter)
+            yield from self._read_slowly([block] if ends_here else chain([block], blocks))
+            # If the slow reader has read all blocks, this was the last one.
+            self._lines_read += block.count(b"\n")
+            self._bytes_read += len(block)
+
+    def _read_fast(self, block: bytes) -> Block | None:
+        """Return the rows of a block, or None if its content is unusual, or if it ends within a line."""
         has_whole_lines = block.endswith(b"\n")
-        fast_block = read_fast(block) if read_fast is not None and can_be_fast and has_whole_lines else None
-        if fast_block is not None:
-            lines_read += fast_block.line_count
-            bytes_read += len(block)
-            cells.seen += len(fast_block.frames)
-            if is_first and len(fast_block.frames):
-                _check_first_cells(cells, fast_block.first_cells, csv_file)
-                is_first = False
-            # The next block can end with an incomplete row, which is compared with this cell.
-            slow_reader.remember_last_cell(fast_block.last_cell)
-            yield FrameBatch(fast_block.frames, bytes_read, fast_block.other_columns)
-            continue
-        # After a quote, a row can continue in the next block.
-        ends_here = can_be_fast and ends_with_row(block, slow_reader.delimiter)
-        blocks_to_read = [block] if ends_here else chain([block], blocks)
-        slow_reader.open(blocks_to_read, lines_read, bytes_read)
-        while (batch := slow_reader.read_batch()).cells:
-            frames = [cells.read(text, number) for text, number in zip(batch.cells, batch.line_numbers, strict=False)]
-            if is_first:
-                _check_first_cells(cells, batch.cells[:FIRST], csv_file)
-                is_first = False
-            yield FrameBatch(frames, slow_reader.lines.read, batch.other_columns)
-        # If the slow reader has read all blocks, this was the last one.
-        lines_read += block.count(b"\n")
-        bytes_read += len(block)
+        fast_block = self._fast_reader.read(block) if self._fast_reader is not None and has_whole_lines else None
+        if fast_block is None:
+            return None
+        self._lines_read += fast_block.line_count
+        self._bytes_read += len(block)
+        self._cells.seen += len(fast_block.frames)
+        self._check_first_cells(fast_block.first_cells)
+        # The next block can end with an incomplete row, which is compared with this cell.
+        self._slow_reader.remember_last_cell(fast_block.last_cell)
+        return fast_block
+
+    def _read_slowly(self, blocks: Iterable[bytes]) -> Iterator[FrameBatch]:
+        """Yield the frames of blocks that are read row by row."""
+        reader = self._slow_reader
+        reader.open(blocks, self._lines_read, self._bytes_read)
+        read_cell = self._cells.read
+        while (batch := reader.read_batch()).cells:
+            frames = [read_cell(text, number) for text, number in zip(batch.cells, batch.line_numbers, strict=False)]
+            self._check_first_cells(batch.cells[:FIRST])
+            yield FrameBatch(frames, reader.lines.read, batch.other_columns)
+
+    def _check_first_cells(self, texts: list[str]) -> None:
+        """Check the first cells of the file once. Raises the error of ``_check_first_cells``."""
+        if texts and not self._are_first_cells_checked:
+            self._are_first_cells_checked = True
+            _check_first_cells(self._cells, texts, self._csv_file)
 
 
 def _check_first_cells(cells: TextCells, texts: list[str], csv_file: _CsvFile) -> None:

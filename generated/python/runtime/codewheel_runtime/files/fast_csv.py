@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, BinaryIO, Final, NamedTuple
 
 from ..bulk.shape import Shape
@@ -29,7 +29,7 @@ class Block(NamedTuple):
     Attributes:
         frames: The frames.
         other_columns: Cells of the other columns, by name.
-        first_cells: Cells of the first frames, at most 1000.
+        first_cells: Cells of the first frames, at most 1000, for the check of the first frames.
         last_cell: Cell of the last frame, or an empty string if there is none.
         line_count: Number of lines.
     """
@@ -103,61 +103,96 @@ class JoinedBlocks(io.RawIOBase):
         return len(part)
 
 
-def make_block_reader(
-    names: Sequence[str],
-    frame_column: int,
-    kept_columns: Sequence[tuple[int, str]],
-    delimiter: str,
-    shape: Shape,
-    digits: DigitKind | None,
-) -> Callable[[bytes], Block | None] | None:
-    """Return a function that reads a block of whole lines, or None if pyarrow is not installed.
+class BlockReader:
+    """Reader of blocks with pyarrow.
 
-    The function returns None if a cell is missing, contains a quoted line end, or is not a frame in the usual form.
-    ``names`` are the names of all columns. ``frame_column`` is the index of the column of frames, and ``kept_columns``
-    contains the index and the name of each other column to keep. ``digits`` is the base of numbers without ``0x``.
+    Args:
+        names: Names of all columns.
+        frame_column: Index of the column of frames.
+        kept_columns: Index and name of each other column to keep.
+        delimiter: Character between two cells.
+        shape: Description of the frames.
+        digits: Base of numbers without ``0x``.
+
+    Raises:
+        ImportError: pyarrow is not installed.
     """
-    try:
-        pa: Any = load("pyarrow")
-        pc: Any = load("pyarrow.compute")
-        csv: Any = load("pyarrow.csv")
-    except ImportError:
-        return None
-    columns = [str(index) for index in range(len(names))]
-    parse = csv.ParseOptions(delimiter=delimiter)
-    # Columns are named by their index, because names in the file can be equal. The column of frames comes first.
-    wanted = [str(frame_column), *(str(index) for index, _ in kept_columns)]
-    convert = csv.ConvertOptions(
-        include_columns=wanted, column_types=dict.fromkeys(wanted, pa.string()), strings_can_be_null=False
-    )
 
-    def read(block: bytes) -> Block | None:
-        """Return the frames and the other columns of whole lines, or None if the slower reader is needed."""
-        # pyarrow must not split the block.
-        options = csv.ReadOptions(column_names=columns, use_threads=False, block_size=len(block) + 1)
+    def __init__(
+        self,
+        names: Sequence[str],
+        frame_column: int,
+        kept_columns: Sequence[tuple[int, str]],
+        delimiter: str,
+        shape: Shape,
+        digits: DigitKind | None,
+    ) -> None:
+        self._pa: Any = load("pyarrow")
+        self._pc: Any = load("pyarrow.compute")
+        self._csv: Any = load("pyarrow.csv")
+        self._frame_bytes = shape.length
+        self._digits = digits
+        self._kept_names = [name for _, name in kept_columns]
+        # Columns are named by their index, because names in the file can be equal.
+        self._names_in_block = [str(index) for index in range(len(names))]
+        # The column of frames comes first.
+        wanted_names = [str(frame_column), *(str(index) for index, _ in kept_columns)]
+        self._parse_options = self._csv.ParseOptions(delimiter=delimiter)
+        self._convert_options = self._csv.ConvertOptions(
+            include_columns=wanted_names,
+            column_types=dict.fromkeys(wanted_names, self._pa.string()),
+            strings_can_be_null=False,
+        )
+
+    def read(self, block: bytes) -> Block | None:
+        """Return the frames and the other columns of a block of whole lines.
+
+        Return None if the block must be read row by row: a cell is missing, has a line end in quotes, or is not a frame
+        in the usual form.
+        """
         line_count = block.count(b"\n")
         try:
-            table = csv.read_csv(pa.BufferReader(block), options, parse, convert).combine_chunks()
+            table = self._read_table(block)
             has_line_end_in_quotes = table.num_rows != line_count and b'"' in block
             if has_line_end_in_quotes:
                 return None
-            cells = table.column(0).chunk(0) if table.num_rows else pa.array([], pa.string())
-            if shape.length:
-                frames = _read_bytes(cells, shape.length, pc)
-            else:
-                frames = _read_words(cells, digits, pa, pc)
-        except pa.ArrowInvalid:
+            # Column 0 contains the frames.
+            cells = table.column(0).chunk(0) if table.num_rows else self._pa.array([], self._pa.string())
+            frames = self._read_frames(cells)
+        except self._pa.ArrowInvalid:
             return None
         if frames is None:
             return None
-        # Column 0 contains the frames.
-        other_columns = {name: table.column(index).combine_chunks() for index, (_, name) in enumerate(kept_columns, 1)}
-        last_cell = cells[-1].as_py() if len(cells) else ""
-        # These cells are for the check of the first frames.
-        first_cells = cells.slice(0, FIRST).to_pylist()
-        return Block(frames, other_columns, first_cells, last_cell, line_count)
+        return Block(
+            frames=frames,
+            other_columns={
+                name: table.column(index).combine_chunks() for index, name in enumerate(self._kept_names, start=1)
+            },
+            first_cells=cells.slice(0, FIRST).to_pylist(),
+            last_cell=cells[-1].as_py() if len(cells) else "",
+            line_count=line_count,
+        )
 
-    return read
+    def _read_table(self, block: bytes) -> Any:
+        """Return the cells of a block as a table of texts, with the frames in the first column.
+
+        Raises ArrowInvalid if a row has too few or too many cells.
+        """
+        read_options = self._csv.ReadOptions(
+            column_names=self._names_in_block,
+            use_threads=False,
+            # pyarrow must not split the block.
+            block_size=len(block) + 1,
+        )
+        block_file = self._pa.BufferReader(block)
+        table = self._csv.read_csv(block_file, read_options, self._parse_options, self._convert_options)
+        return table.combine_chunks()
+
+    def _read_frames(self, cells: Any) -> Any:
+        """Return the frames in cells of text as numbers or rows of bytes, or None if they are not in the usual form."""
+        if self._frame_bytes:
+            return _read_bytes(cells, self._frame_bytes, self._pc)
+        return _read_words(cells, self._digits, self._pa, self._pc)
 
 
 def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
