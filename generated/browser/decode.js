@@ -2370,9 +2370,14 @@
    * proves otherwise. ``padded`` is then a valid frame with more zeros, if any. The command has the same rule, in frames.py.
    */
   function asFirstBits(placedLayout, typedFrame) {
-    const { number, written, exact, isBytes } = typedFrame;
-    if (exact || !isBytes || written / 8 >= countBytes(placedLayout.bits)) return typedFrame;
+    const { number, bits, written, exact, isBytes } = typedFrame;
+    // A program may have printed bits that begin with a 1 without their leading zeros.
+    const mayLackZeros = exact && bits < placedLayout.bits && bitLength(number) === bits;
+    if (!mayLackZeros && (exact || !isBytes || written / 8 >= countBytes(placedLayout.bits))) return typedFrame;
     const isValid = !decode(placedLayout, number).problems.length;
+    if (mayLackZeros) {
+      return { ...typedFrame, padded: isValid ? `0b${number.toString(2).padStart(placedLayout.bits, "0")}` : "" };
+    }
     if (isValid && placedLayout.crc) return typedFrame;
     const padded = isValid ? `0x${hexDigits(number).padStart(Math.ceil(placedLayout.bits / 4), "0")}` : "";
     return { ...typedFrame, bits: written, exact: true, padded };
@@ -2712,7 +2717,7 @@
     const { padded, isBytes, written } = typedFrame;
     const missingText = findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame))
       || (isBytes ? describeMissingBytes(placedLayout, written) : "");
-    return padded ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
+    return padded && missingText ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
   }
 
   /** Return whether whole bytes are missing from the digits of a frame with a wrong CRC, so that they were read as 0. */

@@ -336,9 +336,14 @@ function otherFrames(orderCode, sender, text, decoded, registerContents, answers
  * proves otherwise. ``padded`` is then a valid frame with more zeros, if any. The command has the same rule, in frames.py.
  */
 function asFirstBits(placedLayout, typedFrame) {
-  const { number, written, exact, isBytes } = typedFrame;
-  if (exact || !isBytes || written / 8 >= countBytes(placedLayout.bits)) return typedFrame;
+  const { number, bits, written, exact, isBytes } = typedFrame;
+  // A program may have printed bits that begin with a 1 without their leading zeros.
+  const mayLackZeros = exact && bits < placedLayout.bits && bitLength(number) === bits;
+  if (!mayLackZeros && (exact || !isBytes || written / 8 >= countBytes(placedLayout.bits))) return typedFrame;
   const isValid = !decode(placedLayout, number).problems.length;
+  if (mayLackZeros) {
+    return { ...typedFrame, padded: isValid ? `0b${number.toString(2).padStart(placedLayout.bits, "0")}` : "" };
+  }
   if (isValid && placedLayout.crc) return typedFrame;
   const padded = isValid ? `0x${hexDigits(number).padStart(Math.ceil(placedLayout.bits / 4), "0")}` : "";
   return { ...typedFrame, bits: written, exact: true, padded };

@@ -136,7 +136,7 @@ function missingPart(decoded) {
   const { padded, isBytes, written } = typedFrame;
   const missingText = findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame))
     || (isBytes ? describeMissingBytes(placedLayout, written) : "");
-  return padded ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
+  return padded && missingText ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
 }
 
 /** Return whether whole bytes are missing from the digits of a frame with a wrong CRC, so that they were read as 0. */

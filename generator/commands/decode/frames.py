@@ -197,17 +197,22 @@ def typed_bits(device: Device, placed_layout: PlacedLayout, frame_text: str, *, 
     """Return a frame written as one number, as ``frame_number`` does, or the first bits of one if bytes are missing.
 
     Bytes such as ``50 FC`` usually have all their zeros, so a frame of 24 bits then lacks its last bits, not its
-    leading zeros. A number such as ``0x50FC`` may lack zeros, and so may bytes that are valid by their CRC. The decode
-    page follows the same rule.
+    leading zeros. A number such as ``0x50FC`` may lack zeros, and so may bytes that are valid by their CRC. Bits that
+    begin with a 1 are read as they are, but a program may have printed them without leading zeros. The decode page
+    follows the same rule.
 
     Raises:
         FrameTextError: The text has a different form.
     """
     typed_frame = frame_number(placed_layout, frame_text, exact=exact)
     lacks_bytes = typed_frame.written // 8 < (placed_layout.bits + 7) // 8
-    if not typed_frame.is_bytes or not lacks_bytes:
+    lacks_bits = typed_frame.exact and typed_frame.bits < placed_layout.bits
+    may_lack_zeros = lacks_bits and typed_frame.number.bit_length() == typed_frame.bits
+    if not may_lack_zeros and not (typed_frame.is_bytes and lacks_bytes):
         return typed_frame
     is_valid = not codec.decode(device, placed_layout, typed_frame.number).problems
+    if may_lack_zeros:
+        return replace(typed_frame, padded=f"0b{typed_frame.number:0{placed_layout.bits}b}" if is_valid else "")
     if is_valid and device.crc_of(placed_layout) is not None:
         return typed_frame
     padded = f"0x{typed_frame.number:0{(placed_layout.bits + 3) // 4}X}" if is_valid else ""
