@@ -115,6 +115,16 @@ function withLeadingZeros(pieces) {
 /** Return whether a piece is a number in binary with its prefix. */
 const isBinaryNumber = (piece) => /^0b[01]+$/i.test(piece);
 
+/** Return bytes that can only be decimal, with 1 to 3 digits each, or none, as digits.py does. */
+function decimalBytesIn(pieces) {
+  const areShort = pieces.length > 1 && pieces.every((piece) => /^[0-9]{1,3}$/.test(piece) && Number(piece) < 256);
+  return areShort && pieces.some((piece) => piece.length === 3) ? pieces.map(Number) : [];
+}
+
+/** Return the error for bytes in decimal, with the same bytes in hex. */
+const decimalError = (text, bytes) => new FrameText(
+  messageFor("decimal_bytes", quoteText(text), formatBytes(bytes)), [formatBytes(bytes)]);
+
 /** Return whether pieces are several numbers that cannot be one frame of ``bitCount`` bits, as digits.py does. */
 function areSeveralNumbers(pieces, bitCount) {
   if (withLeadingZeros(pieces).filter(isBinaryNumber).length > 1) return true;
@@ -128,6 +138,8 @@ function areSeveralNumbers(pieces, bitCount) {
 function bytesIn(text) {
   const pieces = withLeadingZeros(text.split(/\s+/));
   const areBinary = pieces.filter(isBinaryNumber).length > 1;
+  const decimalBytes = decimalBytesIn(pieces);
+  if (decimalBytes.length) throw decimalError(text, decimalBytes);
   return pieces.flatMap((piece) => {
     const digits = piece.replace(/^0x/i, "");
     if (areBinary || !/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
@@ -143,6 +155,9 @@ function bytesIn(text) {
  * If ``areBytesExact``, bytes of another length have exactly the bits that are written.
  */
 function numberIn(text, bitCount, areBytesExact) {
+  const decimalBytes = decimalBytesIn(text.split(/\s+/));
+  const isWholeFrame = decimalBytes.length === countBytes(bitCount);
+  if (isWholeFrame && numberOf("big", decimalBytes) >> BigInt(bitCount) === 0n) throw decimalError(text, decimalBytes);
   if (areSeveralNumbers(text.replaceAll("_", "").trim().split(/\s+/), bitCount)) throw new FrameText(
     messageFor("no_bits", quoteText(text), bitCount, messageFor("write_separately", bitCount)));
   const prefixedText = withPrefix(text, bitCount);

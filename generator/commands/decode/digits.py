@@ -19,6 +19,7 @@ _BINARY_NUMBER = re.compile(r"0[bB][01]+")
 _SEPARATORS = re.compile(r"[\s'\",;\[\](){}<>]+")
 #: The suffixes of numbers in C.
 _HEX_SUFFIX = re.compile(r"[uUlL]+$")
+_ONE_TO_THREE_DIGITS = re.compile(r"[0-9]{1,3}")
 #: Fewest digits that show that numbers are decimal. In hex, 1 of 80,000 texts of this length has no letter.
 _FEWEST_DECIMAL_DIGITS = 24
 #: Number of digits from which a piece of digits is not a byte in hexadecimal.
@@ -208,6 +209,18 @@ def are_decimal_numbers(texts: Sequence[str], bits: int) -> bool:
         return False
     is_too_large_in_hex = any(int(text, 16) >> bits for text in texts)
     return is_too_large_in_hex or len(digits) >= _FEWEST_DECIMAL_DIGITS
+
+
+def decimal_bytes_in(pieces: Sequence[str]) -> bytes:
+    """Return the bytes that a program printed in decimal, such as ``173 96 74 45``, or none if they may be hex.
+
+    A byte of three digits shows that they are decimal.
+    """
+    are_short = all(_ONE_TO_THREE_DIGITS.fullmatch(piece) for piece in pieces)
+    has_three_digits = any(len(piece) == 3 for piece in pieces)
+    if len(pieces) < 2 or not are_short or not has_three_digits or max(map(int, pieces)) > 255:
+        return b""
+    return bytes(map(int, pieces))
 
 
 def are_several_numbers(pieces: Sequence[str], bits: int) -> bool:

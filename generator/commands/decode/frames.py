@@ -31,6 +31,7 @@ from ...why.hypotheses import LEAST_EQUAL_BITS, TypedFrame
 from .digits import (
     are_several_numbers,
     bits_of_bytes,
+    decimal_bytes_in,
     meanings_of_long_number,
     possible_meanings,
     with_leading_zeros,
@@ -109,11 +110,14 @@ def frame_bytes(frame_text: str) -> bytes:
     zeros.
 
     Raises:
-        FrameTextError: A piece is not hex, or has an odd number of digits.
+        FrameTextError: A piece is not hex, or has an odd number of digits, or the bytes are decimal.
     """
     frame = b""
     pieces = with_leading_zeros(frame_text.split())
     are_binary = sum(_BINARY_NUMBER.fullmatch(piece) is not None for piece in pieces) > 1
+    decimal_bytes = decimal_bytes_in(pieces)
+    if decimal_bytes:
+        raise _decimal_error(frame_text, decimal_bytes)
     for piece in pieces:
         quoted_piece = quoted(visible(piece))
         if are_binary or not _HEX_NUMBER.fullmatch(piece):
@@ -244,7 +248,16 @@ def _number_without_prefix(placed: PlacedLayout | PlacedChannels, digits: str, f
 def _number_error(placed: PlacedLayout | PlacedChannels, frame_text: str, remedy: str) -> FrameTextError:
     """Return the error for a text that is not a number of the frame's bits."""
     quoted_text = quoted(visible(frame_text))
+    decimal_bytes = decimal_bytes_in(frame_text.split())
+    is_whole_frame = len(decimal_bytes) == (placed.bits + 7) // 8
+    if is_whole_frame and int.from_bytes(decimal_bytes, "big") >> placed.bits == 0:
+        return _decimal_error(frame_text, decimal_bytes)
     return FrameTextError(say_report.no_bits(quoted_text, str(placed.bits), remedy))
+
+
+def _decimal_error(frame_text: str, decimal_bytes: bytes) -> FrameTextError:
+    """Return the error for bytes in decimal, which could be hexadecimal in another frame."""
+    return FrameTextError(say_report.decimal_bytes(quoted(visible(frame_text)), decimal_bytes.hex(" ").upper()))
 
 
 def _reject_zeros_and_ones(pieces: Sequence[str], frame_text: str) -> None:
