@@ -2190,7 +2190,7 @@
    */
   function numberIn(text, bitCount, areBytesExact) {
     const decimalBytes = decimalBytesIn(text.split(/\s+/));
-    const isWholeFrame = decimalBytes.length === countBytes(bitCount);
+    const isWholeFrame = decimalBytes.length && decimalBytes.length === countBytes(bitCount);
     if (isWholeFrame && numberOf("big", decimalBytes) >> BigInt(bitCount) === 0n) throw decimalError(text, decimalBytes);
     if (areSeveralNumbers(text.replaceAll("_", "").trim().split(/\s+/), bitCount)) throw new FrameText(
       messageFor("no_bits", quoteText(text), bitCount, messageFor("write_separately", bitCount)));
@@ -3350,7 +3350,10 @@
       && received !== command >> BigInt(remainingBits) && (received === 0n || received === ones(commandBits));
     const idleText = fillTemplate(TABLE.texts.command_idle, commandBits, received & ONE);
     const offsets = lineRulesOf(placedLayout).slips.flatMap(
-      (offset) => tryOffset(placedLayout, crc, typedFrame, placedLayout.bits, offset, commandBits));
+      (offset) => tryOffset(placedLayout, crc, typedFrame, placedLayout.bits, offset, commandBits))
+      // The intact command does not prove that the data are shifted.
+      .map((hypothesis) => ({ ...hypothesis, rightConstantBits: hypothesis.otherBitsRequired,
+        otherBitsRequired: Math.max(hypothesis.otherBitsRequired - assumedBits, 0) }));
     // Idle bits can have two values.
     return [...(isIdle ? [assumeCommand(idleText, commandBits - 1)] : []), ...offsets];
   }

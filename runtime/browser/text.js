@@ -156,7 +156,7 @@ function bytesIn(text) {
  */
 function numberIn(text, bitCount, areBytesExact) {
   const decimalBytes = decimalBytesIn(text.split(/\s+/));
-  const isWholeFrame = decimalBytes.length === countBytes(bitCount);
+  const isWholeFrame = decimalBytes.length && decimalBytes.length === countBytes(bitCount);
   if (isWholeFrame && numberOf("big", decimalBytes) >> BigInt(bitCount) === 0n) throw decimalError(text, decimalBytes);
   if (areSeveralNumbers(text.replaceAll("_", "").trim().split(/\s+/), bitCount)) throw new FrameText(
     messageFor("no_bits", quoteText(text), bitCount, messageFor("write_separately", bitCount)));

@@ -754,7 +754,10 @@ function tryCommandBits(placedLayout, crc, typedFrame) {
     && received !== command >> BigInt(remainingBits) && (received === 0n || received === ones(commandBits));
   const idleText = fillTemplate(TABLE.texts.command_idle, commandBits, received & ONE);
   const offsets = lineRulesOf(placedLayout).slips.flatMap(
-    (offset) => tryOffset(placedLayout, crc, typedFrame, placedLayout.bits, offset, commandBits));
+    (offset) => tryOffset(placedLayout, crc, typedFrame, placedLayout.bits, offset, commandBits))
+    // The intact command does not prove that the data are shifted.
+    .map((hypothesis) => ({ ...hypothesis, rightConstantBits: hypothesis.otherBitsRequired,
+      otherBitsRequired: Math.max(hypothesis.otherBitsRequired - assumedBits, 0) }));
   // Idle bits can have two values.
   return [...(isIdle ? [assumeCommand(idleText, commandBits - 1)] : []), ...offsets];
 }

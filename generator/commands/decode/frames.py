@@ -249,7 +249,7 @@ def _number_error(placed: PlacedLayout | PlacedChannels, frame_text: str, remedy
     """Return the error for a text that is not a number of the frame's bits."""
     quoted_text = quoted(visible(frame_text))
     decimal_bytes = decimal_bytes_in(frame_text.split())
-    is_whole_frame = len(decimal_bytes) == (placed.bits + 7) // 8
+    is_whole_frame = decimal_bytes and len(decimal_bytes) == (placed.bits + 7) // 8
     if is_whole_frame and int.from_bytes(decimal_bytes, "big") >> placed.bits == 0:
         return _decimal_error(frame_text, decimal_bytes)
     return FrameTextError(say_report.no_bits(quoted_text, str(placed.bits), remedy))
