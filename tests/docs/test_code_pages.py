@@ -62,8 +62,8 @@ def test_parity_bits_are_named_in_place_of_a_crc() -> None:
 @pytest.mark.parametrize(
     ("spec", "covered"),
     [
-        ("infineon/tle5012b", "8 bits, over bits 47:16 only, `read` to `position`"),
-        ("magntek/mt6835", "8 bits, over bits 31:8 only, `position` to `overspeed`"),
+        ("infineon/tle5012b", "8 bits, over bits 47:16, `read` to `position`"),
+        ("magntek/mt6835", "8 bits, over bits 31:8, `position` to `overspeed`"),
     ],
 )
 def test_a_crc_states_the_bits_that_it_covers(spec: str, covered: str) -> None:

@@ -394,12 +394,12 @@ def crc_line(family_device: Device, crc: Crc, placed_layout: PlacedLayout) -> st
 
 
 def _covered_by_crc(placed_layout: PlacedLayout) -> str:
-    """Return what the CRC of a frame covers, such as ``over bits 47:16 only, `read` to `position```."""
+    """Return what the CRC of a frame covers, such as ``over bits 47:16, `read` to `position```."""
     if not placed_layout.covers_part:
         return "over everything before it"
     low, width = placed_layout.crc_covers
     covered_names = [code_span(field.name) for field in placed_layout.fields if low <= field.low < low + width]
-    return f"over bits {low + width - 1}:{low} only, {covered_names[0]} to {covered_names[-1]}"
+    return f"over bits {low + width - 1}:{low}, {covered_names[0]} to {covered_names[-1]}"
 
 
 def _in_superscript(exponent: re.Match[str]) -> str:
