@@ -2177,15 +2177,14 @@
   function bytesIn(text) {
     const pieces = withLeadingZeros(text.split(/\s+/));
     const areBinary = pieces.filter(isBinaryNumber).length > 1;
+    const typedPieces = text.split(/\s+/);
+    if (typedPieces.some((piece) => piece.length === FEWEST_DIGITS_OF_NUMBER)) rejectDecimalBytes(text, typedPieces);
     return pieces.flatMap((piece) => {
       const digits = piece.replace(/^0x/i, "");
       if (areBinary || !/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
       const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
       if (evenDigits.length === 1) throw new FrameText(messageFor("one_digit", quoteText(piece), digits));
-      if (evenDigits.length % 2) {
-        rejectDecimalBytes(text, text.split(/\s+/));
-        throw new FrameText(messageFor("odd", quoteText(piece)));
-      }
+      if (evenDigits.length % 2) throw new FrameText(messageFor("odd", quoteText(piece)));
       return evenDigits.match(/../g).map((byte) => parseInt(byte, 16));
     });
   }
@@ -2195,8 +2194,14 @@
    * If ``areBytesExact``, bytes of another length have exactly the bits that are written.
    */
   function numberIn(text, bitCount, areBytesExact) {
-    if (areSeveralNumbers(text.replaceAll("_", "").trim().split(/\s+/), bitCount)) throw new FrameText(
-      messageFor("no_bits", quoteText(text), bitCount, messageFor("write_separately", bitCount)));
+    if (areSeveralNumbers(text.replaceAll("_", "").trim().split(/\s+/), bitCount)) {
+      const typedPieces = text.split(/\s+/);
+      const isWholeFrame = typedPieces.length === countBytes(bitCount) && typedPieces.every((piece) => /^[0-9]+$/.test(piece));
+      if (isWholeFrame && numberOf("big", typedPieces.map(Number)) >> BigInt(bitCount) === 0n) {
+        rejectDecimalBytes(text, typedPieces);
+      }
+      throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, messageFor("write_separately", bitCount)));
+    }
     const prefixedText = withPrefix(text, bitCount);
     let compactText = prefixedText.replace(/[\s_]/g, "");
     if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
@@ -2389,9 +2394,14 @@
    * proves otherwise. ``padded`` is then a valid frame with more zeros, if any. The command has the same rule, in frames.py.
    */
   function asFirstBits(placedLayout, typedFrame) {
-    const { number, written, exact, isBytes } = typedFrame;
-    if (exact || !isBytes || written / 8 >= countBytes(placedLayout.bits)) return typedFrame;
+    const { number, bits, written, exact, isBytes } = typedFrame;
+    // A program may have printed bits that begin with a 1 without their leading zeros.
+    const mayLackZeros = exact && bits < placedLayout.bits && bitLength(number) === bits;
+    if (!mayLackZeros && (exact || !isBytes || written / 8 >= countBytes(placedLayout.bits))) return typedFrame;
     const isValid = !decode(placedLayout, number).problems.length;
+    if (mayLackZeros) {
+      return { ...typedFrame, padded: isValid ? `0b${number.toString(2).padStart(placedLayout.bits, "0")}` : "" };
+    }
     if (isValid && placedLayout.crc) return typedFrame;
     const padded = isValid ? `0x${hexDigits(number).padStart(Math.ceil(placedLayout.bits / 4), "0")}` : "";
     return { ...typedFrame, bits: written, exact: true, padded };
@@ -2529,8 +2539,12 @@
     const rows = hasHeader && isTable ? lines.slice(1) : lines;
     const frameRows = hasNumbers ? rows.map(withoutLineNumber) : rows;
     const sampleCount = SAMPLE_LINES - (lines.length - rows.length);
-    const areDecimal = areDecimalNumbers(frameRows.slice(0, sampleCount).map(({ text }) => text), bitCount);
-    if (!areDecimal) return frameRows;
+    const sampleTexts = frameRows.slice(0, sampleCount).map(({ text }) => text);
+    if (lackLeadingZeros(sampleTexts, bitCount)) {
+      return frameRows.map((row) => (
+        /^1[01]*$/.test(row.text) ? { ...row, text: `0b${row.text.padStart(bitCount, "0")}` } : row));
+    }
+    if (!areDecimalNumbers(sampleTexts, bitCount)) return frameRows;
     return frameRows.map((row) => (
       hasNotation("decimal", row.text) ? { ...row, text: `0x${hexDigits(BigInt(row.text))}` } : row));
   }
@@ -2549,6 +2563,13 @@
     const frameText = NUMBERED_ROW.exec(row.text)?.[2];
     if (frameText === undefined) return row;
     return { ...row, text: frameText, offset: row.offset + row.text.length - frameText.length };
+  }
+
+  /** Return whether texts are frames of ``bitCount`` bits without their leading zeros, as digits.py does. */
+  function lackLeadingZeros(texts, bitCount) {
+    const lengths = texts.map((text) => text.length);
+    return texts.every((text) => /^1[01]*$/.test(text)) && new Set(lengths).size > 1
+      && Math.min(...lengths) > 8 && Math.max(...lengths) === bitCount;
   }
 
   /** Return whether all texts are decimal numbers, although single ones could also be hex. */
@@ -2731,7 +2752,7 @@
     const { padded, isBytes, written } = typedFrame;
     const missingText = findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame))
       || (isBytes ? describeMissingBytes(placedLayout, written) : "");
-    return padded ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
+    return padded && missingText ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
   }
 
   /** Return whether whole bytes are missing from the digits of a frame with a wrong CRC, so that they were read as 0. */
@@ -3349,7 +3370,10 @@
       && received !== command >> BigInt(remainingBits) && (received === 0n || received === ones(commandBits));
     const idleText = fillTemplate(TABLE.texts.command_idle, commandBits, received & ONE);
     const offsets = lineRulesOf(placedLayout).slips.flatMap(
-      (offset) => tryOffset(placedLayout, crc, typedFrame, placedLayout.bits, offset, commandBits));
+      (offset) => tryOffset(placedLayout, crc, typedFrame, placedLayout.bits, offset, commandBits))
+      // The intact command does not prove that the data are shifted.
+      .map((hypothesis) => ({ ...hypothesis, rightConstantBits: hypothesis.otherBitsRequired,
+        otherBitsRequired: Math.max(hypothesis.otherBitsRequired - assumedBits, 0) }));
     // Idle bits can have two values.
     return [...(isIdle ? [assumeCommand(idleText, commandBits - 1)] : []), ...offsets];
   }
@@ -4223,11 +4247,11 @@
         ? [createList(decoded.differences.map((difference) => `differs from the manual: ${difference}`))] : []),
       ...listReports(decoded),
       ...(table && angleText ? [createPart("p", "angle", angleText)] : []),
+      ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded, otherLayouts.length > 0)),
       ...(table ? [drawFrameBits(decoded, table), table] : []),
       ...(decoded.crc ? [createCrcLine(decoded.crc)] : []),
       ...nameOtherFrames(decoded, otherLayouts),
       ...createDoubts(decoded, measure),
-      ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded, otherLayouts.length > 0)),
     ];
   }
 
@@ -4261,10 +4285,17 @@
     return differingIndex < 0 ? 0 : firstRank[differingIndex] - secondRank[differingIndex];
   }
 
-  /** List the order codes that match the frame in a text. ``pick`` selects one of them. */
-  function createGuesses(frameText, pick) {
-    const groups = inferred(frameText);
-    if (!groups.length) return [createPart("div", "bad", createSentence(notOfAnyCode(frameText)))];
+  /**
+   * List the order codes that match the frame in a text. ``pick`` selects one of them. If codes near to the label match it,
+   * only these are listed. A frame that no code matches is not called wrong beside them, because a mistake may explain it.
+   */
+  function createGuesses(frameText, pick, nearCodes) {
+    const allGroups = inferred(frameText);
+    const nearGroups = allGroups.map((group) => (
+      { ...group, codes: group.codes.filter((code) => nearCodes.includes(code)) })).filter(({ codes }) => codes.length);
+    const groups = nearGroups.length ? nearGroups : allGroups;
+    if (!groups.length && nearCodes.length) return [];
+    if (!groups.length) return [createPart("div", "bad", createSentence(capitalize(notOfAnyCode(frameText))))];
     const entries = groups.sort(compareGuesses).map((group) => {
       const { placedLayout } = group.decoded;
       const lengthText = describeLength(placedLayout, group.decoded.bits);
@@ -4839,7 +4870,9 @@
       const helpLine = createElement("p", {}, helpText && toSentence(helpText));
       const helpParts = helpText ? [createPart("div", "bad", helpLine, createCodeButtons(nearCodes, pickCode))] : [];
       const [firstLine] = linesOf(frameInput.value);
-      return firstLine ? [...helpParts, ...createGuesses(firstLine.text, pickCode)] : helpParts;
+      // A line that describes the frame has been typed instead of an order code.
+      const isGuessed = firstLine && !isLine(codeInput.value);
+      return isGuessed ? [...helpParts, ...createGuesses(firstLine.text, pickCode, nearCodes)] : helpParts;
     }
 
     /** Return the notes on how the label differs from the codes in the manual, and on the origin of the family. */

@@ -149,7 +149,8 @@ def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout,
     missing = missing_part(line, placed_layout.bits, recorded_bits(typed_frame, placed_layout.bits))
     if not missing and typed_frame.is_bytes:
         missing = _missing_bytes(placed_layout, typed_frame.written)
-    return TEXTS["zeros_left_out"].format(missing, typed_frame.padded) if typed_frame.padded else missing
+    has_two_readings = bool(missing and typed_frame.padded)
+    return TEXTS["zeros_left_out"].format(missing, typed_frame.padded) if has_two_readings else missing
 
 
 def _missing_digits(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:

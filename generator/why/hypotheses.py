@@ -23,8 +23,8 @@ class TypedFrame:
     """A frame as the user typed it, with ``bits`` bits, or at least that many if leading zeros may be missing.
 
     ``exact`` is true if none are missing. ``written`` is the number of bits of all digits, including leading zeros, or
-    0 for a decimal number. ``is_bytes`` is true for several bytes, which usually have all their zeros. If bytes
-    are missing at the end of the frame, ``padded`` is its text in case that leading zeros are missing instead.
+    0 for a decimal number. ``is_bytes`` is true for several bytes, which usually have all their zeros. If the
+    frame is too short, ``padded`` is its text in case that leading zeros are missing, not its last bits.
     """
 
     number: int

@@ -181,19 +181,28 @@ def _offsets_after_command(
     """
     _, command_bits = _bits_during_command(placed_layout, crc)
     remaining_bits = placed_layout.bits - command_bits
-    has_constant = _constant_bits_from(placed_layout, remaining_bits) > 0
+    constant_bits = _constant_bits_from(placed_layout, remaining_bits)
     has_data = remaining_bits > 0
-    if not has_constant or not has_data or not typed_frame.may_have(placed_layout.bits):
+    if not constant_bits or not has_data or not typed_frame.may_have(placed_layout.bits):
         return
     for offset in line.slips:
-        if offset.additional_bits == 0 and _can_have(placed_layout, crc, offset):
-            yield from _offset_hypotheses(
-                placed_layout=placed_layout,
-                crc=crc,
-                offset=offset,
-                number=typed_frame.number,
-                length=placed_layout.bits,
-                command_bits=command_bits,
+        if offset.additional_bits != 0 or not _can_have(placed_layout, crc, offset):
+            continue
+        hypotheses = _offset_hypotheses(
+            placed_layout=placed_layout,
+            crc=crc,
+            offset=offset,
+            number=typed_frame.number,
+            length=placed_layout.bits,
+            command_bits=command_bits,
+        )
+        for hypothesis in hypotheses:
+            # The intact command does not prove that the data are shifted.
+            determined_bits = hypothesis.determined_bits
+            yield replace(
+                hypothesis,
+                determined_bits=max(determined_bits - constant_bits, 0),
+                right_constant_bits=determined_bits,
             )
 
 

@@ -221,7 +221,9 @@ function box(root) {
     const helpLine = createElement("p", {}, helpText && toSentence(helpText));
     const helpParts = helpText ? [createPart("div", "bad", helpLine, createCodeButtons(nearCodes, pickCode))] : [];
     const [firstLine] = linesOf(frameInput.value);
-    return firstLine ? [...helpParts, ...createGuesses(firstLine.text, pickCode)] : helpParts;
+    // A line that describes the frame has been typed instead of an order code.
+    const isGuessed = firstLine && !isLine(codeInput.value);
+    return isGuessed ? [...helpParts, ...createGuesses(firstLine.text, pickCode, nearCodes)] : helpParts;
   }
 
   /** Return the notes on how the label differs from the codes in the manual, and on the origin of the family. */

@@ -282,11 +282,11 @@ function createResult(decoded, measure, otherLayouts) {
       ? [createList(decoded.differences.map((difference) => `differs from the manual: ${difference}`))] : []),
     ...listReports(decoded),
     ...(table && angleText ? [createPart("p", "angle", angleText)] : []),
+    ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded, otherLayouts.length > 0)),
     ...(table ? [drawFrameBits(decoded, table), table] : []),
     ...(decoded.crc ? [createCrcLine(decoded.crc)] : []),
     ...nameOtherFrames(decoded, otherLayouts),
     ...createDoubts(decoded, measure),
-    ...(isAnotherFrame(decoded, otherLayouts) ? [] : createExplanations(decoded, otherLayouts.length > 0)),
   ];
 }
 
@@ -320,10 +320,17 @@ function compareGuesses(first, second) {
   return differingIndex < 0 ? 0 : firstRank[differingIndex] - secondRank[differingIndex];
 }
 
-/** List the order codes that match the frame in a text. ``pick`` selects one of them. */
-function createGuesses(frameText, pick) {
-  const groups = inferred(frameText);
-  if (!groups.length) return [createPart("div", "bad", createSentence(notOfAnyCode(frameText)))];
+/**
+ * List the order codes that match the frame in a text. ``pick`` selects one of them. If codes near to the label match it,
+ * only these are listed. A frame that no code matches is not called wrong beside them, because a mistake may explain it.
+ */
+function createGuesses(frameText, pick, nearCodes) {
+  const allGroups = inferred(frameText);
+  const nearGroups = allGroups.map((group) => (
+    { ...group, codes: group.codes.filter((code) => nearCodes.includes(code)) })).filter(({ codes }) => codes.length);
+  const groups = nearGroups.length ? nearGroups : allGroups;
+  if (!groups.length && nearCodes.length) return [];
+  if (!groups.length) return [createPart("div", "bad", createSentence(capitalize(notOfAnyCode(frameText))))];
   const entries = groups.sort(compareGuesses).map((group) => {
     const { placedLayout } = group.decoded;
     const lengthText = describeLength(placedLayout, group.decoded.bits);

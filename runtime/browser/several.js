@@ -49,8 +49,12 @@ function readColumns(lines, bitCount) {
   const rows = hasHeader && isTable ? lines.slice(1) : lines;
   const frameRows = hasNumbers ? rows.map(withoutLineNumber) : rows;
   const sampleCount = SAMPLE_LINES - (lines.length - rows.length);
-  const areDecimal = areDecimalNumbers(frameRows.slice(0, sampleCount).map(({ text }) => text), bitCount);
-  if (!areDecimal) return frameRows;
+  const sampleTexts = frameRows.slice(0, sampleCount).map(({ text }) => text);
+  if (lackLeadingZeros(sampleTexts, bitCount)) {
+    return frameRows.map((row) => (
+      /^1[01]*$/.test(row.text) ? { ...row, text: `0b${row.text.padStart(bitCount, "0")}` } : row));
+  }
+  if (!areDecimalNumbers(sampleTexts, bitCount)) return frameRows;
   return frameRows.map((row) => (
     hasNotation("decimal", row.text) ? { ...row, text: `0x${hexDigits(BigInt(row.text))}` } : row));
 }
@@ -69,6 +73,13 @@ function withoutLineNumber(row) {
   const frameText = NUMBERED_ROW.exec(row.text)?.[2];
   if (frameText === undefined) return row;
   return { ...row, text: frameText, offset: row.offset + row.text.length - frameText.length };
+}
+
+/** Return whether texts are frames of ``bitCount`` bits without their leading zeros, as digits.py does. */
+function lackLeadingZeros(texts, bitCount) {
+  const lengths = texts.map((text) => text.length);
+  return texts.every((text) => /^1[01]*$/.test(text)) && new Set(lengths).size > 1
+    && Math.min(...lengths) > 8 && Math.max(...lengths) === bitCount;
 }
 
 /** Return whether all texts are decimal numbers, although single ones could also be hex. */

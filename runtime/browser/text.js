@@ -143,15 +143,14 @@ function areSeveralNumbers(pieces, bitCount) {
 function bytesIn(text) {
   const pieces = withLeadingZeros(text.split(/\s+/));
   const areBinary = pieces.filter(isBinaryNumber).length > 1;
+  const typedPieces = text.split(/\s+/);
+  if (typedPieces.some((piece) => piece.length === FEWEST_DIGITS_OF_NUMBER)) rejectDecimalBytes(text, typedPieces);
   return pieces.flatMap((piece) => {
     const digits = piece.replace(/^0x/i, "");
     if (areBinary || !/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
     const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
     if (evenDigits.length === 1) throw new FrameText(messageFor("one_digit", quoteText(piece), digits));
-    if (evenDigits.length % 2) {
-      rejectDecimalBytes(text, text.split(/\s+/));
-      throw new FrameText(messageFor("odd", quoteText(piece)));
-    }
+    if (evenDigits.length % 2) throw new FrameText(messageFor("odd", quoteText(piece)));
     return evenDigits.match(/../g).map((byte) => parseInt(byte, 16));
   });
 }
@@ -161,8 +160,14 @@ function bytesIn(text) {
  * If ``areBytesExact``, bytes of another length have exactly the bits that are written.
  */
 function numberIn(text, bitCount, areBytesExact) {
-  if (areSeveralNumbers(text.replaceAll("_", "").trim().split(/\s+/), bitCount)) throw new FrameText(
-    messageFor("no_bits", quoteText(text), bitCount, messageFor("write_separately", bitCount)));
+  if (areSeveralNumbers(text.replaceAll("_", "").trim().split(/\s+/), bitCount)) {
+    const typedPieces = text.split(/\s+/);
+    const isWholeFrame = typedPieces.length === countBytes(bitCount) && typedPieces.every((piece) => /^[0-9]+$/.test(piece));
+    if (isWholeFrame && numberOf("big", typedPieces.map(Number)) >> BigInt(bitCount) === 0n) {
+      rejectDecimalBytes(text, typedPieces);
+    }
+    throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, messageFor("write_separately", bitCount)));
+  }
   const prefixedText = withPrefix(text, bitCount);
   let compactText = prefixedText.replace(/[\s_]/g, "");
   if (/^0b[01]+$/i.test(compactText)) return makeTypedFrame(compactText, compactText.length - 2, true);
@@ -355,9 +360,14 @@ function otherFrames(orderCode, sender, text, decoded, registerContents, answers
  * proves otherwise. ``padded`` is then a valid frame with more zeros, if any. The command has the same rule, in frames.py.
  */
 function asFirstBits(placedLayout, typedFrame) {
-  const { number, written, exact, isBytes } = typedFrame;
-  if (exact || !isBytes || written / 8 >= countBytes(placedLayout.bits)) return typedFrame;
+  const { number, bits, written, exact, isBytes } = typedFrame;
+  // A program may have printed bits that begin with a 1 without their leading zeros.
+  const mayLackZeros = exact && bits < placedLayout.bits && bitLength(number) === bits;
+  if (!mayLackZeros && (exact || !isBytes || written / 8 >= countBytes(placedLayout.bits))) return typedFrame;
   const isValid = !decode(placedLayout, number).problems.length;
+  if (mayLackZeros) {
+    return { ...typedFrame, padded: isValid ? `0b${number.toString(2).padStart(placedLayout.bits, "0")}` : "" };
+  }
   if (isValid && placedLayout.crc) return typedFrame;
   const padded = isValid ? `0x${hexDigits(number).padStart(Math.ceil(placedLayout.bits / 4), "0")}` : "";
   return { ...typedFrame, bits: written, exact: true, padded };

@@ -136,7 +136,7 @@ function missingPart(decoded) {
   const { padded, isBytes, written } = typedFrame;
   const missingText = findMissingPart(placedLayout, writeReceivedBits(placedLayout, typedFrame))
     || (isBytes ? describeMissingBytes(placedLayout, written) : "");
-  return padded ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
+  return padded && missingText ? fillTemplate(TABLE.texts.zeros_left_out, missingText, padded) : missingText;
 }
 
 /** Return whether whole bytes are missing from the digits of a frame with a wrong CRC, so that they were read as 0. */
@@ -754,7 +754,10 @@ function tryCommandBits(placedLayout, crc, typedFrame) {
     && received !== command >> BigInt(remainingBits) && (received === 0n || received === ones(commandBits));
   const idleText = fillTemplate(TABLE.texts.command_idle, commandBits, received & ONE);
   const offsets = lineRulesOf(placedLayout).slips.flatMap(
-    (offset) => tryOffset(placedLayout, crc, typedFrame, placedLayout.bits, offset, commandBits));
+    (offset) => tryOffset(placedLayout, crc, typedFrame, placedLayout.bits, offset, commandBits))
+    // The intact command does not prove that the data are shifted.
+    .map((hypothesis) => ({ ...hypothesis, rightConstantBits: hypothesis.otherBitsRequired,
+      otherBitsRequired: Math.max(hypothesis.otherBitsRequired - assumedBits, 0) }));
   // Idle bits can have two values.
   return [...(isIdle ? [assumeCommand(idleText, commandBits - 1)] : []), ...offsets];
 }

@@ -38,6 +38,11 @@ TEXTS = (
     (BISS, "", "0F4243D3"),
     (BISS, "", "F 42 43 D3"),
     (BISS, "", "0F42 43D3"),
+    (SSI, "", "15 66 67 211 1"),
+    (SSI, "", "15 66 67 211"),
+    (SSI, "", "255 255 255 211 1"),
+    (RS485, "", "2 32 199 209 106 94"),
+    (RS485, "", "2 32 299 209 106 94"),
     (BISS, "", "0x0F42 0x43D3"),
     (BISS, "", " ".join(f"{0xF4243D3:045b}")),
     (BISS, "", f"{0xF4243D3:045b}"),
@@ -129,6 +134,10 @@ TEXTS = (
 )
 #: Texts for an encoder whose frames are words of 16 bits.
 SPI_TEXTS = (
+    "\n".join(("1" * 16, "1" * 15, "1" + "0" * 14)),
+    "\n".join(("1" * 15, "1" * 14)),
+    "\n".join(("1" * 16, "0" + "1" * 14)),
+    "\n".join(("0.1 " + "1" * 16, "0.2 " + "1" * 15, "0.3 zz")),
     "0x7FFE 0x3FFF",
     "{0x7FFEu, 0x3FFF};",
     '["7FFE", "3fff", "FFFF"]',
@@ -204,6 +213,10 @@ def test_page_and_command_line_split_the_same_words(ask: Ask, every_encoder: Lib
     for text, answer in zip(SPI_TEXTS, answers, strict=True):
         assert answer == lines_of_command(library, SPI, "", text), text
     assert [len(answer) for answer in answers] == [
+        3,
+        2,
+        2,
+        3,
         2,
         2,
         3,

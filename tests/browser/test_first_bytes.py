@@ -50,3 +50,32 @@ def test_the_page_reads_the_same_bits(ask: Callable[[Library, str], Asker]) -> N
     ((bytes_, number),) = ask(library, "node")("reasons", [{**case.data, "frames": ["50 FC", "0x50FC"]}])
     assert bytes_[:2] == [[], TOO_SHORT]
     assert "treated as leading zeros" in number[1]
+
+
+#: Public cases: AS5048A with MISO connected to MOSI (eborghi10/AS5048A issue 3), printed by Arduino's print(..., BIN).
+WITHOUT_ZEROS = {
+    "AS5048A": ("111111111111101", "0b0111111111111101"),
+    "ssi,gray:position=13": ("11111010001", "0b0011111010001"),
+}
+
+
+@pytest.mark.parametrize("code", WITHOUT_ZEROS)
+def test_bits_printed_without_leading_zeros_are_offered_with_them(code: str, capsys: Capture) -> None:
+    printed_bits, frame = WITHOUT_ZEROS[code]
+    assert f"if it lacks its leading zeros instead, write {frame}." in printed(capsys, code, printed_bits)
+
+
+@pytest.mark.parametrize(("code", "frame"), [("AS5048A", "111111111111111"), ("AS5048A", "011111111111111")])
+def test_bits_are_not_padded_to_a_wrong_frame_or_after_a_zero(code: str, frame: str, capsys: Capture) -> None:
+    """15 ones after a zero have odd parity. A text with a leading zero was printed with its zeros."""
+    assert "leading zeros" not in printed(capsys, code, frame)
+
+
+@pytest.mark.starts_process
+def test_the_page_offers_the_same_zeros(ask: Callable[[Library, str], Asker]) -> None:
+    library = library_of("../specs/ams/as5048a")
+    case = next(case for (case, *_) in cases(library.devices[0]) if case.placed.name == "position")
+    frames = ["111111111111101", "011111111111111"]
+    ((without_zeros, with_zeros),) = ask(library, "node")("reasons", [{**case.data, "frames": frames}])
+    assert "write 0b0111111111111101" in without_zeros[1]
+    assert "leading zeros" not in with_zeros[1]

@@ -59,6 +59,21 @@ def test_parity_bits_are_named_in_place_of_a_crc() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("spec", "covered"),
+    [
+        ("infineon/tle5012b", "8 bits, over bits 47:16, `read` to `position`"),
+        ("magntek/mt6835", "8 bits, over bits 31:8, `position` to `overspeed`"),
+    ],
+)
+def test_a_crc_states_the_bits_that_it_covers(spec: str, covered: str) -> None:
+    (device,), _ = load_library([ENCODERS / f"{spec}.yaml"])
+    (variant,) = device.variants
+    (layout,) = [layout for layout in device.interfaces[0].layouts if layout.name == "angle"]
+    facts = dict(frame_facts(device, layout, variant))
+    assert facts["CRC"].endswith(covered)
+
+
 def test_there_is_no_page_beside_them(library: Library, pages: Files) -> None:
     linked = set(re.findall(r"\[`[^]]*\]\(([^)]+/[^)]+\.md)\)", pages["docs/README.md"]))
     assert linked == {name.removeprefix("docs/") for name in order_code_pages(pages)}

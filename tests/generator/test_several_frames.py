@@ -94,6 +94,22 @@ def test_words_are_frames_with_quotes_and_without(
         assert [field["value"] for field in fields if field["name"] == "position"] == values
 
 
+@pytest.mark.parametrize(
+    ("texts", "frames"),
+    [
+        # github.com/eborghi10/AS5048A/issues/3: print(x, BIN) omits leading zeros.
+        (["1" * 16, "1" * 15, "1" + "0" * 14], ["0b" + "1" * 16, "0b0" + "1" * 15, "0b01" + "0" * 14]),
+        # No line has all bits, so a clock may be missing. A leading zero shows that zeros are printed.
+        (["1" * 15, "1" * 14], ["1" * 15, "1" * 14]),
+        (["1" * 16, "0" + "1" * 14], ["1" * 16, "0" + "1" * 14]),
+        (["1" * 16, "1" * 8], ["1" * 16, "1" * 8]),
+    ],
+)
+def test_bits_in_a_column_may_lack_leading_zeros(texts: list[str], frames: list[str]) -> None:
+    lines = frame_lines(texts)
+    assert [line.text for line in separate_frames(lines, (16,))] == frames
+
+
 def test_bytes_in_binary_are_one_frame(capsys: Capture) -> None:
     for arguments in (BYTES, (" ".join(BYTES),)):
         assert main(["decode", "TS5700N8401", *arguments]) == 0
@@ -107,6 +123,9 @@ def test_bytes_in_binary_are_one_frame(capsys: Capture) -> None:
     [
         ("ssi:position=16", ("1234", "5678"), "If these are several frames, write each on its own line"),
         ("RESOLUTE-26", ("0b0110", "0b0111"), "If these are several frames, write each on its own line"),
+        # community.st.com/t5/.../m-p/301243: four bytes as an Arduino prints them.
+        ("ssi:position=32", ("173", "96", "74", "45"), "Write 0xAD 0x60 0x4A 0x2D if it is decimal"),
+        ("ssi:position=9", ("173", "96"), "If these are several frames, write each"),
         ("TLE5012B", ("0000", "0000"), "could be bits or hex bytes. Prefix it with 0b or 0x"),
         ("TS5700N8401", ("0b0110", "0b0111"), "'0b0110' is not hex"),
     ],

@@ -30,6 +30,12 @@ position twice                                | questions-factor-of-two
 counts backwards                              | questions-counts-backwards
 wrong counting direction                      | questions-counts-backwards
 encoder runs the wrong way                    | questions-counts-backwards
+what is the error bit                         | questions-error-bit
+TM PosInput frame length                      | questions-master-settings
+EL5042 offset LSB                             | questions-master-settings
+my encoder is not in the list                 | one-line
+unknown encoder                               | one-line
+supported encoders                            | encoders
 """
 #: Pages, and what the box shows for the example.
 EXAMPLES = """

@@ -237,6 +237,16 @@ def are_decimal_numbers(texts: Sequence[str], bits: int) -> bool:
     return is_too_large_in_hex or len(digits) >= _FEWEST_DECIMAL_DIGITS
 
 
+def lack_leading_zeros(texts: Sequence[str], bits: int) -> bool:
+    """Return whether texts are frames of ``bits`` bits without their leading zeros, as ``print(x, BIN)`` writes them.
+
+    One of them has all bits, and each begins with a 1. Texts of at most 8 bits may be bytes.
+    """
+    are_bits = all(_ZEROS_AND_ONES.fullmatch(text) and text.startswith("1") for text in texts)
+    lengths = set(map(len, texts))
+    return are_bits and len(lengths) > 1 and min(lengths) > 8 and max(lengths) == bits
+
+
 def are_several_numbers(pieces: Sequence[str], bits: int) -> bool:
     """Return whether pieces are several numbers that cannot be one frame of ``bits`` bits.
 

@@ -119,11 +119,14 @@ def frame_bytes(frame_text: str) -> bytes:
     zeros.
 
     Raises:
-        FrameTextError: A piece is not hex, or has an odd number of digits.
+        FrameTextError: A piece is not hex, or has an odd number of digits, or the bytes are decimal.
     """
     frame = b""
     pieces = with_leading_zeros(frame_text.split())
     are_binary = sum(_BINARY_NUMBER.fullmatch(piece) is not None for piece in pieces) > 1
+    meanings = meanings_of_decimal_bytes(frame_text.split())
+    if len(meanings) == 1:
+        raise _decimal_bytes_error(frame_text, meanings)
     for piece in pieces:
         quoted_piece = quoted(visible(piece))
         if are_binary or not _HEX_NUMBER.fullmatch(piece):
@@ -135,9 +138,6 @@ def frame_bytes(frame_text: str) -> bytes:
         elif len(digits) == 1:
             raise FrameTextError(say_report.one_digit(quoted_piece, digits))
         elif len(digits) % 2:
-            meanings = meanings_of_decimal_bytes(frame_text.split())
-            if meanings:
-                raise _decimal_bytes_error(frame_text, meanings)
             raise FrameTextError(say_report.odd(quoted_piece))
         frame += bytes.fromhex(digits)
     return frame
@@ -213,17 +213,22 @@ def typed_bits(device: Device, placed_layout: PlacedLayout, frame_text: str, *, 
     """Return a frame written as one number, as ``frame_number`` does, or the first bits of one if bytes are missing.
 
     Bytes such as ``50 FC`` usually have all their zeros, so a frame of 24 bits then lacks its last bits, not its
-    leading zeros. A number such as ``0x50FC`` may lack zeros, and so may bytes that are valid by their CRC. The decode
-    page follows the same rule.
+    leading zeros. A number such as ``0x50FC`` may lack zeros, and so may bytes that are valid by their CRC. Bits that
+    begin with a 1 are read as they are, but a program may have printed them without leading zeros. The decode page
+    follows the same rule.
 
     Raises:
         FrameTextError: The text has a different form.
     """
     typed_frame = frame_number(placed_layout, frame_text, exact=exact)
     lacks_bytes = typed_frame.written // 8 < (placed_layout.bits + 7) // 8
-    if not typed_frame.is_bytes or not lacks_bytes:
+    lacks_bits = typed_frame.exact and typed_frame.bits < placed_layout.bits
+    may_lack_zeros = lacks_bits and typed_frame.number.bit_length() == typed_frame.bits
+    if not may_lack_zeros and not (typed_frame.is_bytes and lacks_bytes):
         return typed_frame
     is_valid = not codec.decode(device, placed_layout, typed_frame.number).problems
+    if may_lack_zeros:
+        return replace(typed_frame, padded=f"0b{typed_frame.number:0{placed_layout.bits}b}" if is_valid else "")
     if is_valid and device.crc_of(placed_layout) is not None:
         return typed_frame
     padded = f"0x{typed_frame.number:0{(placed_layout.bits + 3) // 4}X}" if is_valid else ""
@@ -255,6 +260,11 @@ def _number_without_prefix(placed: PlacedLayout | PlacedChannels, digits: str, f
 def _number_error(placed: PlacedLayout | PlacedChannels, frame_text: str, remedy: str) -> FrameTextError:
     """Return the error for a text that is not a number of the frame's bits."""
     quoted_text = quoted(visible(frame_text))
+    pieces = frame_text.split()
+    meanings = meanings_of_decimal_bytes(pieces)
+    is_whole_frame = meanings and len(pieces) == (placed.bits + 7) // 8
+    if is_whole_frame and int.from_bytes(map(int, pieces), "big") >> placed.bits == 0:
+        return _decimal_bytes_error(frame_text, meanings)
     return FrameTextError(say_report.no_bits(quoted_text, str(placed.bits), remedy))
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import INTERFACES, Device, Variant
 from ...say.notations import DIGITS
-from .digits import are_decimal_numbers, words_of
+from .digits import are_decimal_numbers, lack_leading_zeros, words_of
 from .frames import FrameLine
 
 #: Number of lines that show whether numbers are decimal, and whether the first column counts the lines.
@@ -19,6 +19,7 @@ _SAMPLE = 20
 #: Fewest lines that show a column that counts the lines.
 _FEWEST_ROWS = 3
 _DECIMAL = re.compile(DIGITS["decimal"])
+_BITS = re.compile(r"1[01]*")
 #: The number of a line, a separator of CSV, and a frame of at least 3 characters: ``12,40276`` or ``12;0x9D54``.
 _NUMBERED_ROW = re.compile(r"(?P<number>0|[1-9][0-9]{0,8})[ ]*[,;\t][ ]*(?P<frame>[0-9A-Za-z]{3,})")
 #: The names of two columns: ``time,raw``. At least one letter is not a hex digit.
@@ -37,7 +38,8 @@ def separate_frames(lines: Iterable[FrameLine], sizes: Sequence[int]) -> Iterato
     """Yield a line for each frame, such as ``0x9D54``, in lines with several frames or with numbers in columns.
 
     ``sizes`` are the possible numbers of bits of a frame. If it is empty, the lines are yielded as they are. The first
-    lines show whether numbers are decimal, and whether the first column counts the lines.
+    lines show whether numbers are decimal, whether bits lack leading zeros, and whether the first column counts the
+    lines.
     """
     if not sizes:
         yield from lines
@@ -52,10 +54,13 @@ def separate_frames(lines: Iterable[FrameLine], sizes: Sequence[int]) -> Iterato
         rows = sample
     frame_texts = [_without_line_number(row.text) if has_numbered_rows else row.text for row in rows]
     are_decimal = are_decimal_numbers(frame_texts, sizes[0])
+    lack_zeros = lack_leading_zeros(frame_texts, sizes[0])
     for line in itertools.chain(rows, remaining_lines):
         text = _without_line_number(line.text) if has_numbered_rows else line.text
         if are_decimal and _DECIMAL.fullmatch(text):
             text = f"0x{int(text):X}"
+        elif lack_zeros and _BITS.fullmatch(text):
+            text = f"0b{text.zfill(sizes[0])}"
         yield from _split_into_words(line._replace(text=text), sizes)
 
 

@@ -297,11 +297,11 @@ def frame_facts(
 
     ``question_names`` are the names of the open questions on the page, which the verdicts link to.
     """
-    crc = family_device.crc_of(layout.place(variant.parameters))
-    yield "CRC", "none" if crc is None else crc_line(family_device, crc)
     # The layout of a page is a copy with different notes. The family finds ranges only for its own layout objects.
     family_layout = member_named(family_device.interface(variant.interface).layouts, layout.name, "layout")
     placed_layout = family_layout.place(variant.parameters)
+    crc = family_device.crc_of(placed_layout)
+    yield "CRC", "none" if crc is None else crc_line(family_device, crc, placed_layout)
     if crc is None:
         yield from _parity_facts(placed_layout)
     yield from _flag_facts(placed_layout)
@@ -378,8 +378,8 @@ def _flags_with_places(names_and_places: Sequence[tuple[str, str]]) -> Iterator[
         previous_byte = byte
 
 
-def crc_line(family_device: Device, crc: Crc) -> str:
-    """Return the parameters of a CRC in one line. The polynomial includes its top bit."""
+def crc_line(family_device: Device, crc: Crc, placed_layout: PlacedLayout) -> str:
+    """Return the parameters of the CRC of a frame in one line. The polynomial includes its top bit."""
     polynomial = _EXPONENT_IN_TEXT.sub(_in_superscript, crc.polynomial)
     crc_properties = [
         f"poly `0x{crc.poly_with_top_bit:X}` ({escape(polynomial)})",
@@ -387,10 +387,19 @@ def crc_line(family_device: Device, crc: Crc) -> str:
         crc_reflected(family_device, crc),
         crc_inverted(crc),
         count_with_unit(crc.width, "bit"),
-        "over everything before it",
+        _covered_by_crc(placed_layout),
     ]
     xor_sentence = ". It equals the XOR of these bytes" if crc.is_xor else ""
     return ", ".join(filter(None, crc_properties)) + xor_sentence
+
+
+def _covered_by_crc(placed_layout: PlacedLayout) -> str:
+    """Return what the CRC of a frame covers, such as ``over bits 47:16, `read` to `position```."""
+    if not placed_layout.covers_part:
+        return "over everything before it"
+    low, width = placed_layout.crc_covers
+    covered_names = [code_span(field.name) for field in placed_layout.fields if low <= field.low < low + width]
+    return f"over bits {low + width - 1}:{low}, {covered_names[0]} to {covered_names[-1]}"
 
 
 def _in_superscript(exponent: re.Match[str]) -> str:
