@@ -3454,9 +3454,10 @@
   function tryMovedBytes(placedLayout, crc, data) {
     const { texts } = TABLE;
     const byteCount = placedLayout.bits / 8;
-    const assumeFrame = (kind, text, bytes, template = text) => {
-      const hypothesis = createFrameHypothesis(
-        placedLayout, crc, kind, text, numberOf(placedLayout.layout.order, bytes), { template });
+    const assumeFrame = (kind, text, bytes, template = text, assumedBits = 0) => {
+      const hypothesis = createFrameHypothesis(placedLayout, crc, kind, text,
+        numberOf(placedLayout.layout.order, bytes), { template });
+      hypothesis.otherBitsRequired -= assumedBits;
       return crc ? withCrcOverBytes(hypothesis, bytes) : hypothesis;
     };
     const extraBytes = data.length - byteCount;
@@ -3467,11 +3468,15 @@
         assumeFrame("bytes_behind", fillTemplate(texts.after, extraText), data.slice(0, byteCount)));
     }
     if (extraBytes === 0 || extraBytes === -1) {
+      // The bits of the missing byte are assumed, so they prove nothing.
+      const assumedBits = countConstantBits({ checks: placedLayout.checks.filter(
+        ({ low, width }) => extractBits(firstByteMaskOf(placedLayout) >> BigInt(low), 0, width)) });
       for (const byte of findPossibleFirstBytes(placedLayout)) {
         const [text, template] = [formatBytes([byte]), "{0}"]
           .map((byteText) => fillTemplate(texts.byte_missing, byteText))
           .map((missingText) => (extraBytes ? missingText : fillTemplate(texts.and_follows, missingText)));
-        hypotheses.push(assumeFrame("first_byte_lost", text, [byte, ...data.slice(0, byteCount - 1)], template));
+        const bytes = [byte, ...data.slice(0, byteCount - 1)];
+        hypotheses.push(assumeFrame("first_byte_lost", text, bytes, template, assumedBits));
       }
     }
     if (extraBytes === 0) hypotheses.push(
@@ -3481,13 +3486,15 @@
     return hypotheses;
   }
 
+  /** Return the mask of the first byte in the number of a frame. */
+  const firstByteMaskOf = ({ layout, bits }) => numberOf(layout.order, [0xFF, ...Array(bits / 8 - 1).fill(0)]);
+
   /** The possible first bytes of a frame, if that byte only has the selector, constants, parity and usual values. */
   function findPossibleFirstBytes(placedLayout) {
     const { order, selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
     const byteCount = placedLayout.bits / 8;
-    const firstByteMask = numberOf(order, [0xFF, ...Array(byteCount - 1).fill(0)]);
     const fieldsInFirstByte = placedLayout.fields.filter(
-      ({ low, width }) => extractBits(firstByteMask >> BigInt(low), 0, width));
+      ({ low, width }) => extractBits(firstByteMaskOf(placedLayout) >> BigInt(low), 0, width));
     const selectorFields = fieldsInFirstByte.filter(({ name }) => name === selector);
     const parityFields = fieldsInFirstByte.filter(({ field }) => "parity" in field);
     const otherFields = fieldsInFirstByte.filter(({ name, field }) => name !== selector && !("parity" in field));
@@ -3574,6 +3581,8 @@
     const isCertainReply = !isRequest(lastFrame) && !lastFrame.placedLayout.layout.asks?.length;
     return createHypothesis({
       kind, text, template, placedLayout: lastFrame.placedLayout, otherBitsRequired: totalEvidence,
+      likelihood: frames.reduce((product, { placedLayout, bytes }) => (
+        product * computeLikelihood(placedLayout, numberOf(placedLayout.layout.order, bytes))), 1),
       parts: frames.map((frame, index) => [titles[index], formatBytes(frame.bytes)]),
       coveredData: joinBytes(receivedBytes), coveredBits: 8 * receivedBytes.length,
       number: isCertainReply ? numberOf(lastFrame.placedLayout.layout.order, lastFrame.bytes) : undefined,

@@ -148,3 +148,21 @@ def test_echoes_of_different_requests_are_one_mistake(capsys: Capture, monkeypat
     text = " ".join(capsys.readouterr().out.split())
     assert "2 of 2 frames with an error have this explanation" in text
     assert "- the bytes are whole frames: request, then reply" in text.partition("Together")[2]
+
+
+def test_two_replies_with_inactive_flags_are_two_replies(capsys: Capture) -> None:
+    """The flags of both replies speak for it, not only those of the last one."""
+    (explanation, *_) = explanations_of(capsys, "OrbisSerial-14", *"64 56 AB 00 64 56 AB 00".split())
+    assert explanation["kind"] == "several_frames"
+
+
+@pytest.mark.parametrize(
+    ("code", "data", "one_in"),
+    [
+        ("AMM5A17/1JP1", "90 DD 7F", 256),  # only its CRC can contradict the reply 32 90 DD 7F
+        ("OrbisSerial-14", "56 AB 00", 1),  # the only constant of 64 56 AB 00 is the first byte
+    ],
+)
+def test_an_assumed_byte_proves_nothing(code: str, data: str, one_in: int, capsys: Capture) -> None:
+    (explanation, *_) = explanations_of(capsys, code, *data.split())
+    assert (explanation["kind"], explanation["one_in"]) == ("first_byte_lost", one_in)
