@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from ...model import (
     Constant,
@@ -17,6 +18,9 @@ from ...model.layout import have_lengths
 from ...reference import codec
 from ...say import report as say_report
 from .frames import FrameTextError, decode_as, layouts_of_sender, undecorated
+
+if TYPE_CHECKING:
+    from ...why.diagnosis import Diagnosis
 
 
 class OtherFrames:
@@ -74,13 +78,25 @@ def is_frame_of_other_kind(decoded: codec.DecodedFrame, other_layouts: Sequence[
     return any(isinstance(kind, (Constant, CrcValue, Parity)) for kind in kinds)
 
 
-def other_frames_line(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout]) -> str:
-    """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string."""
+def frame_of_other_code(diagnosis: Diagnosis | None) -> str:
+    """Return a text with the other order codes that may have sent a frame without a CRC, or an empty string."""
+    if diagnosis is None or diagnosis.has_crc:
+        return ""
+    texts = [explanation.text for explanation in diagnosis.explanations if explanation.kind == "other_order_code"]
+    return next(iter(texts), "")
+
+
+def other_frames_line(decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout], other_code: str) -> str:
+    """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string.
+
+    ``other_code`` is a text with other order codes that may have sent the frame, or empty.
+    """
     if not other_layouts:
         return ""
     layout_names = ", ".join(layout.name for layout in other_layouts)
     if not decoded.problems:
         return f"{say_report.also_possible(layout_names)} (choose with --layout)"
     if is_frame_of_other_kind(decoded, other_layouts):
-        return f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
+        sentence = f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
+        return f"{sentence}. {say_report.another_reading(other_code)}" if other_code else sentence
     return f"{say_report.possible_instead(layout_names)} (choose with --layout)"
