@@ -381,8 +381,10 @@ def plant(encoder: Encoder, mistake: Mistake, source: random.Random) -> Planted:
     name = None if encoder.placed.layout.in_bytes else encoder.placed.name
     decoded = decode_text(encoder.device, encoder.variant, "encoder", text, name)
     values = codec.decode(encoder.device, encoder.placed, frame).values
-    # ``decode`` omits numbers whose place depends on a question that the user has not answered.
-    undecided = {name for alternative in encoder.device.alternatives for name in alternative.answers[0].sets}
+    undecided: set[str] = set()
+    if encoder.placed.layout.in_bytes:
+        # ``decode`` omits numbers whose place depends on a question that the user has not answered.
+        undecided = {name for alternative in encoder.device.alternatives for name in alternative.answers[0].sets}
     names = [
         field.name
         for field in encoder.placed.fields
