@@ -263,12 +263,37 @@ def bit_mistakes(encoder: Encoder, change: Callable[[int], int]) -> Iterator[Mis
     def bytes_reversed(frame: int, _: random.Random) -> str:
         return " ".join(f"0x{byte:02x}" for byte in change(frame).to_bytes(byte_count, "little"))
 
+    yield from recorded_mistakes(encoder, change)
     yield Mistake("late", late, kinds=("first_bit_missing",))
     yield Mistake("early", early, kinds=("bits_in_front",))
     yield Mistake("inverted", inverted, kinds=("all_inverted",))
     yield Mistake("bits reversed", bits_reversed, kinds=("bits_reversed",))
     if byte_count > 1:
         yield Mistake("bytes reversed", bytes_reversed, kinds=("bytes_reversed",))
+
+
+def recorded_mistakes(encoder: Encoder, change: Callable[[int], int]) -> Iterator[Mistake]:
+    """Yield raw buffers of BiSS, and SSI words with extra clocks, which the master reads as 0."""
+
+    is_left = encoder.variant.interface == "ssi" and encoder.device.interface("ssi").alignment.end == "msb_left"
+
+    def raw_buffer(frame: int, source: random.Random) -> str:
+        idle, acknowledge, time_out = source.randrange(9), source.randrange(1, 12), source.randrange(1, 9)
+        cds = int(source.random() < 0.1)
+        received = f"{'1' * idle}{'0' * acknowledge}1{cds}{encoder.number_bits(change(frame))}{'0' * time_out}"
+        received += "1" * (-len(received) % 8)
+        return f"0x{int(received, 2):0{len(received) // 4}x}"
+
+    def extra_clocks(frame: int, source: random.Random) -> str:
+        zeros = "0" * source.choice((1, 2, 3, 4, 7, 8))
+        word = encoder.number_bits(change(frame))
+        return f"0b{word}{zeros}" if is_left else f"0b{zeros}{word}"
+
+    if encoder.variant.interface == "biss":
+        yield Mistake("raw buffer", raw_buffer, kinds=("raw_buffer",))
+    if encoder.variant.interface == "ssi":
+        kinds = ("zeros_behind", "bits_behind") if is_left else ("zeros_in_front", "bits_in_front")
+        yield Mistake("extra clocks", extra_clocks, kinds)
 
 
 def byte_mistakes(encoder: Encoder) -> Iterator[Mistake]:
