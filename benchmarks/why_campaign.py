@@ -6,9 +6,11 @@ SETS is the number of sets of three frames for each layout and each mistake, by 
 
 - ``as it is``: a frame of the set is valid in spite of its mistake, so ``decode`` explains nothing. ``doubts`` is how
   often "Does the position look wrong?" then lists the position that was sent.
+- ``no trace``: with each of several first bytes, any bytes would be a valid frame, so the missing byte is unknown.
 - ``undecided``: another mistake explains every one of 32 further frames with this one, and is at least as likely for
   three frames. ``listed`` is how often the mistake is still in the list. Likelihoods are those of ``decode``.
-- ``judged``: all other sets. ``first`` is how often the mistake is named first, or the missing byte is named.
+- ``judged``: all other sets. ``first`` is how often the mistake is named first, or the missing byte is named. ``three``
+  is how often it is among the first three.
 """
 
 from __future__ import annotations
@@ -75,7 +77,8 @@ class Encoder:
 class Mistake:
     """A mistake: how it changes a valid frame, and the kinds of its explanation.
 
-    ``changes_frame`` is false if only the CRC differs. ``pair`` is true for two mistakes at once.
+    ``changes_frame`` is false if only the CRC differs. ``pair`` is true for two mistakes at once. With
+    ``loses_first_byte``, the length is right, because a byte follows a frame without its first byte.
     """
 
     name: str
@@ -83,11 +86,12 @@ class Mistake:
     kinds: tuple[str, ...]
     changes_frame: bool = True
     pair: bool = False
+    loses_first_byte: bool = False
 
 
 @dataclass(frozen=True)
 class Planted:
-    """A frame with a mistake: its text, the result of decoding it, and the numbers in the valid frame."""
+    """A frame with a mistake: its text, the result of decoding it, and the numbers that ``decode`` names for it."""
 
     text: str
     decoded: codec.DecodedFrame
@@ -101,10 +105,12 @@ class Count:
     as_it_is: int = 0
     doubts: int = 0
     without_doubts: int = 0
+    no_trace: int = 0
     undecided: int = 0
     listed: int = 0
     judged: int = 0
     first: int = 0
+    among_three: int = 0
 
 
 def main() -> None:
@@ -124,16 +130,18 @@ def main() -> None:
 
 
 def print_counts(counts: dict[tuple[str, str], Count]) -> None:
-    heads = f"{'as it is':>9}{'doubts':>9}{'undecided':>11}{'listed':>9}{'judged':>8}{'first':>9}"
+    heads = f"{'as it is':>9}{'doubts':>9}{'no trace':>10}{'undecided':>11}{'listed':>9}"
+    heads += f"{'judged':>8}{'first':>9}{'three':>9}"
     print(f"{'frames':15}{'mistake':32}{heads}")
     for (frames, mistake), count in sorted(counts.items()):
         checked = count.doubts + count.without_doubts
         doubts = percentage(count.doubts, checked)
         listed = percentage(count.listed, count.undecided)
         first = percentage(count.first, count.judged)
+        among_three = percentage(count.among_three, count.judged)
         print(
-            f"{frames:15}{mistake:32}{count.as_it_is:9}{doubts:>9}{count.undecided:11}{listed:>9}"
-            f"{count.judged:8}{first:>9}"
+            f"{frames:15}{mistake:32}{count.as_it_is:9}{doubts:>9}{count.no_trace:10}{count.undecided:11}{listed:>9}"
+            f"{count.judged:8}{first:>9}{among_three:>9}"
         )
 
 
@@ -255,12 +263,37 @@ def bit_mistakes(encoder: Encoder, change: Callable[[int], int]) -> Iterator[Mis
     def bytes_reversed(frame: int, _: random.Random) -> str:
         return " ".join(f"0x{byte:02x}" for byte in change(frame).to_bytes(byte_count, "little"))
 
+    yield from recorded_mistakes(encoder, change)
     yield Mistake("late", late, kinds=("first_bit_missing",))
     yield Mistake("early", early, kinds=("bits_in_front",))
     yield Mistake("inverted", inverted, kinds=("all_inverted",))
     yield Mistake("bits reversed", bits_reversed, kinds=("bits_reversed",))
     if byte_count > 1:
         yield Mistake("bytes reversed", bytes_reversed, kinds=("bytes_reversed",))
+
+
+def recorded_mistakes(encoder: Encoder, change: Callable[[int], int]) -> Iterator[Mistake]:
+    """Yield raw buffers of BiSS, and SSI words with extra clocks, which the master reads as 0."""
+
+    is_left = encoder.variant.interface == "ssi" and encoder.device.interface("ssi").alignment.end == "msb_left"
+
+    def raw_buffer(frame: int, source: random.Random) -> str:
+        idle, acknowledge, time_out = source.randrange(9), source.randrange(1, 12), source.randrange(1, 9)
+        cds = int(source.random() < 0.1)
+        received = f"{'1' * idle}{'0' * acknowledge}1{cds}{encoder.number_bits(change(frame))}{'0' * time_out}"
+        received += "1" * (-len(received) % 8)
+        return f"0x{int(received, 2):0{len(received) // 4}x}"
+
+    def extra_clocks(frame: int, source: random.Random) -> str:
+        zeros = "0" * source.choice((1, 2, 3, 4, 7, 8))
+        word = encoder.number_bits(change(frame))
+        return f"0b{word}{zeros}" if is_left else f"0b{zeros}{word}"
+
+    if encoder.variant.interface == "biss":
+        yield Mistake("raw buffer", raw_buffer, kinds=("raw_buffer",))
+    if encoder.variant.interface == "ssi":
+        kinds = ("zeros_behind", "bits_behind") if is_left else ("zeros_in_front", "bits_in_front")
+        yield Mistake("extra clocks", extra_clocks, kinds)
 
 
 def byte_mistakes(encoder: Encoder) -> Iterator[Mistake]:
@@ -286,17 +319,32 @@ def byte_mistakes(encoder: Encoder) -> Iterator[Mistake]:
             lambda frame, source: (request(source) + data(frame)).hex(" "),
             kinds=("bytes_in_front",),
         )
-    # Replies to different requests can have the same form, so the numbers are not compared.
-    yield Mistake(
-        "two replies", lambda frame, _: (data(frame) * 2).hex(" "), kinds=("several_frames",), changes_frame=False
-    )
+    # Replies to different requests can have the same form, so the numbers are not compared. If a reply has the form of
+    # a request, two of them are also the echo of a request and its reply.
+    kinds = ("several_frames", "bytes_in_front") if repeats_request(encoder) else ("several_frames",)
+    yield Mistake("two replies", lambda frame, _: (data(frame) * 2).hex(" "), kinds, changes_frame=False)
     yield Mistake("first byte missing", lambda frame, _: data(frame)[1:].hex(" "), kinds=("first_byte_lost",))
     yield Mistake(
         "first byte missing, one behind",
         lambda frame, source: (data(frame)[1:] + any_byte(source)).hex(" "),
         kinds=("first_byte_lost",),
+        loses_first_byte=True,
     )
     yield Mistake("inverted", lambda frame, _: bytes(byte ^ 0xFF for byte in data(frame)).hex(" "), ("all_inverted",))
+
+
+def repeats_request(encoder: Encoder) -> bool:
+    """Return whether most random replies with this layout are also valid requests."""
+    layouts = encoder.device.interface(encoder.variant.interface).layouts
+    requests = [layout.place(encoder.variant.parameters) for layout in layouts if layout.sender == "master"]
+    source = random.Random(encoder.name)
+    replies = [valid_frame(encoder, encoder.placed, source) for _ in range(SAMPLE_FRAMES)]
+    replies_in_bytes = [number_to_bytes(encoder.placed.layout, reply, encoder.placed.bits) for reply in replies]
+
+    def count_valid(request: PlacedLayout) -> int:
+        return sum(not codec.decode_placed(encoder.device, request, reply).problems for reply in replies_in_bytes)
+
+    return any(count_valid(request) > SAMPLE_FRAMES / 2 for request in requests)
 
 
 # -- results
@@ -327,10 +375,14 @@ def measure(encoder: Encoder, sets: int, counts: dict[tuple[str, str], Count], m
     for mistake in mistakes_of(encoder):
         count = counts.setdefault((frames, mistake.name), Count())
         can_tell: bool | None = None
+        has_no_trace = mistake.loses_first_byte and is_any_frame(encoder, source)
         for _ in range(sets):
             planted_frames = [plant(encoder, mistake, source) for _ in range(FRAMES_OF_SET)]
             if any(is_valid(planted) for planted in planted_frames):
                 count_doubts(encoder, mistake, planted_frames, count)
+                continue
+            if has_no_trace:
+                count.no_trace += 1
                 continue
             if can_tell is None:
                 can_tell = is_decidable(encoder, mistake, source)
@@ -339,9 +391,11 @@ def measure(encoder: Encoder, sets: int, counts: dict[tuple[str, str], Count], m
                 count.undecided += 1
                 count.listed += place is not None
                 continue
-            is_named = place == 0 or all(is_missing(encoder, planted) for planted in planted_frames)
+            says_missing = all(is_missing(encoder, planted) for planted in planted_frames)
+            is_named = place == 0 or says_missing
             count.judged += 1
             count.first += is_named
+            count.among_three += says_missing or (place is not None and place < 3)
             if not is_named:
                 misses[f"{frames}, {mistake.name}: {encoder.name}"] += 1
 
@@ -352,7 +406,15 @@ def plant(encoder: Encoder, mistake: Mistake, source: random.Random) -> Planted:
     name = None if encoder.placed.layout.in_bytes else encoder.placed.name
     decoded = decode_text(encoder.device, encoder.variant, "encoder", text, name)
     values = codec.decode(encoder.device, encoder.placed, frame).values
-    names = [field.name for field in encoder.placed.fields if isinstance(field.field.kind, Number)]
+    undecided: set[str] = set()
+    if encoder.placed.layout.in_bytes:
+        # ``decode`` omits numbers whose place depends on a question that the user has not answered.
+        undecided = {name for alternative in encoder.device.alternatives for name in alternative.answers[0].sets}
+    names = [
+        field.name
+        for field in encoder.placed.fields
+        if isinstance(field.field.kind, Number) and undecided.isdisjoint(field.field.low.parameters)
+    ]
     return Planted(text, decoded, {name: values[name] for name in names if isinstance(values[name], int)})
 
 
@@ -428,6 +490,21 @@ def is_decidable(encoder: Encoder, mistake: Mistake, source: random.Random) -> b
         return True
     right_score = score_of_set(evidence_of_right)
     return all(score_of_set(evidence) < right_score for evidence in (evidence_of_others or {}).values())
+
+
+def is_any_frame(encoder: Encoder, source: random.Random) -> bool:
+    """Return whether any bytes are a valid frame with several values of the first byte, which may be missing.
+
+    This is so if it is so for 32 random sequences of the other bytes.
+    """
+    length = encoder.placed.bits // 8
+
+    def has_several_first_bytes(other_bytes: bytes) -> bool:
+        frames = [bytes([first_byte]) + other_bytes for first_byte in range(256)]
+        decoded_frames = [codec.decode_placed(encoder.device, encoder.placed, frame) for frame in frames]
+        return sum(not decoded.problems for decoded in decoded_frames) > 1
+
+    return all(has_several_first_bytes(source.randbytes(length - 1)) for _ in range(SAMPLE_FRAMES))
 
 
 def score_of_set(evidence: Sequence[Evidence]) -> float:

@@ -363,6 +363,11 @@ def valid_other(name: str) -> str:
     return f"this is a valid {name}"
 
 
+def another_reading(text: str) -> str:
+    """Return the note on another way to read a frame, such as ``16 bits, the frame of AMT212B``."""
+    return f"Another reading: {text}"
+
+
 def register_length(register: str, needed: str, actual: str) -> str:
     """Return the message for a register value of a wrong length. ``needed`` and ``actual`` include their units."""
     return f"the register '{register}' has {needed}, but the text has {actual}"

@@ -25,6 +25,8 @@ READINGS = (
 )
 #: Text of the reading of an SPI word whose last bits do not fill the last byte.
 LEFT_ALIGNED = "if it is left-aligned in its bytes"
+#: Text of the reading of a number that has fewer digits than the frame, by a byte or more.
+CUT_OFF = "if its last bits are missing, and are 0"
 #: Name of the position of an encoder if the manual describes no measurement.
 _POSITION_NAME = "position"
 
@@ -58,7 +60,8 @@ def other_positions(
     if not is_count:
         return []
     readings: list[tuple[str, int]] = []
-    other_frames = _frames_without_mistake(placed_layout, position_field, decoded.number)
+    may_be_bytes = typed_frame is None or not typed_frame.exact or typed_frame.bits % 8 == 0
+    other_frames = _frames_without_mistake(placed_layout, position_field, decoded.number, may_be_bytes=may_be_bytes)
     texts_and_frames = [*zip(READINGS, other_frames, strict=True)]
     if typed_frame is not None:
         texts_and_frames += _recorded_frames(device, variant, placed_layout, typed_frame)
@@ -74,15 +77,18 @@ def other_positions(
 def _recorded_frames(
     device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame
 ) -> Iterator[tuple[str, int]]:
-    """Yield the frames that an SSI recording with more bits than the frame may contain.
+    """Yield the frames that the typed digits may contain if they are not the last digits of the frame.
 
-    The user typed leading zeros, and these may also have been received. Each frame comes with a text, such as ``if the
-    word comes first, and the other clocks read 0``.
+    In an SSI recording with more bits than the frame, the leading zeros that the user typed may also have been
+    received. Each frame comes with a text, such as ``if the word comes first, and the other clocks read 0``.
     """
     interface = device.interface(variant.interface)
     left_aligned_frame = _left_aligned_frame(interface, placed_layout, typed_frame)
     if left_aligned_frame is not None:
         yield LEFT_ALIGNED, left_aligned_frame
+    cut_frame = _cut_frame(placed_layout, typed_frame)
+    if cut_frame is not None:
+        yield CUT_OFF, cut_frame
     has_extra_zeros = not typed_frame.exact and typed_frame.written > placed_layout.bits
     if not isinstance(interface, Ssi) or not has_extra_zeros:
         return
@@ -104,12 +110,26 @@ def _left_aligned_frame(interface: Interface, placed_layout: PlacedLayout, typed
     return frame if is_possible else None
 
 
-def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, frame: int) -> Iterator[int | None]:
+def _cut_frame(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> int | None:
+    """Return the frame if a number lacks its last bits, which are at least a byte, or None if it cannot be valid.
+
+    Such a number usually lacks its leading zeros, but a program may also have read too few bytes.
+    """
+    missing_bits = placed_layout.bits - (typed_frame.written or placed_layout.bits)
+    if typed_frame.exact or missing_bits < 8:
+        return None
+    return _frame_if_possible(placed_layout, typed_frame.number << missing_bits)
+
+
+def _frames_without_mistake(
+    placed_layout: PlacedLayout, position_name: str, frame: int, *, may_be_bytes: bool
+) -> Iterator[int | None]:
     """Yield the frame as it was before each mistake in ``READINGS``, in the same order, or None if it is impossible.
 
     The mistakes are: reading one clock early or late, three mistakes with Gray code, swapped bytes, and inverted bits.
     A frame that is read one clock early has an extra first bit and lacks its last bit. One clock late, it is the
-    reverse. The frame is None if constants or parity bits would be wrong without swapped bytes or inverted bits.
+    reverse. The frame is None if constants or parity bits would be wrong without swapped bytes or inverted bits. With
+    ``may_be_bytes``, the frame may have been received as bytes, possibly with zeros in front of it.
     """
     yield _read_one_clock_later(placed_layout, frame)
     read_one_clock_earlier = frame >> 1
@@ -124,16 +144,16 @@ def _frames_without_mistake(placed_layout: PlacedLayout, position_name: str, fra
         parts = _parts_of(placed_layout, position_name)
         yield _with_position_from_gray(placed_layout, parts, frame) if len(parts) > 1 else None
         yield None
-    if placed_layout.bits % 8 == 0:
-        frame_bytes = frame.to_bytes(placed_layout.bits // 8, "little")
-        yield _frame_if_possible(placed_layout, int.from_bytes(frame_bytes, "big"))
-    else:
-        yield None
+    byte_count = (placed_layout.bits + 7) // 8  # rounded up
+    frame_with_reversed_bytes = int.from_bytes(frame.to_bytes(byte_count, "little"), "big")
+    yield _frame_if_possible(placed_layout, frame_with_reversed_bytes) if may_be_bytes else None
     yield _frame_if_possible(placed_layout, frame ^ ((1 << placed_layout.bits) - 1))
 
 
 def _frame_if_possible(placed_layout: PlacedLayout, frame: int) -> int | None:
-    """Return a frame, or None if one of its constants or parity bits is wrong."""
+    """Return a frame, or None if it has too many bits, or if one of its constants or parity bits is wrong."""
+    if frame >> placed_layout.bits:
+        return None
     _, are_correct = check_constant_bits(placed_layout, frame)
     return frame if are_correct else None
 

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import prod
 from operator import itemgetter
 
 from ..model import Constant, Device, Layout, Number, PlacedLayout, Rs485, Spi, Unused, Variant, number_from_bytes
 from ..model.record import dataclass
 from ..reference import codec
 from ..reference.bits import unused_bits
-from .hypotheses import Hypothesis, check_constant_bits
+from .hypotheses import Hypothesis, check_constant_bits, likelihood
 
 #: Maximum number of bytes that are searched for frames.
 MOST_BYTES = 64
@@ -38,6 +39,11 @@ class ExchangedFrame:
     placed_layout: PlacedLayout
     data: bytes
     evidence: int
+
+    @property
+    def likelihood(self) -> float:
+        """How likely the flags and reserved bits of the frame are, compared with random bits."""
+        return likelihood(self.placed_layout, number_from_bytes(self.placed_layout.layout, self.data))
 
     @property
     def is_request(self) -> bool:
@@ -88,6 +94,7 @@ def exchange_hypotheses(device: Device, variant: Variant, received_bytes: bytes)
         received_crc=0,
         received_crc_bits=0,
         determined_bits=evidence,
+        likelihood=prod(frame.likelihood for frame in frames),
         recording_parts=tuple((frame.title, frame.data.hex(" ").upper()) for frame in frames),
         template=template,
     )

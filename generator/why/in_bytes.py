@@ -18,7 +18,7 @@ from ..model import (
 )
 from ..reference.bits import parity_bit, reflect
 from .exchanges import usual_values_of
-from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
+from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
 from .other_order_codes import other_order_code_hypotheses
 from .texts import TEXTS
@@ -152,15 +152,31 @@ def _missing_first_byte_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses with each possible first byte before the received bytes.
 
-    ``{0}`` in ``template`` is replaced by the byte.
+    ``{0}`` in ``template`` is replaced by the byte. Its bits are assumed, so they prove nothing.
     """
+    assumed_bits = _constant_bits_in_first_byte(placed_layout)
     for first_byte in first_bytes:
         frame = bytes([first_byte]) + received_bytes
         description = template.format(f"{first_byte:02X}")
         hypothesis = _frame_hypothesis(
             kind="first_byte_lost", description=description, placed_layout=placed_layout, crc=crc, frame=frame
         )
-        yield replace(hypothesis, template=template)
+        yield replace(hypothesis, template=template, determined_bits=hypothesis.determined_bits - assumed_bits)
+
+
+def _constant_bits_in_first_byte(placed_layout: PlacedLayout) -> int:
+    """Return how many bits of the constants, parity bits and selector of a frame are in its first byte."""
+    bits_of_first_byte = _first_byte_mask(placed_layout)
+    fields_outside = [field for field in placed_layout.fields if not (bits_of_first_byte >> field.low) & field.mask]
+    all_constant_bits, _ = check_constant_bits(placed_layout, frame=0)
+    constant_bits_outside, _ = check_constant_bits(replace(placed_layout, fields=tuple(fields_outside)), frame=0)
+    return all_constant_bits - constant_bits_outside
+
+
+def _first_byte_mask(placed_layout: PlacedLayout) -> int:
+    """Return the mask of the first byte in the frame as a number."""
+    bytes_after_first = bytes(placed_layout.bits // 8 - 1)
+    return number_from_bytes(placed_layout.layout, b"\xff" + bytes_after_first)
 
 
 def _frame_hypothesis(
@@ -198,9 +214,7 @@ def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str
     usually has, by its name, such as the address of the encoder.
     """
     layout = placed_layout.layout
-    bytes_after_first = bytes(placed_layout.bits // 8 - 1)
-    # Mask of the first byte in the frame as a number.
-    first_byte_mask = number_from_bytes(layout, b"\xff" + bytes_after_first)
+    first_byte_mask = _first_byte_mask(placed_layout)
     fields_in_first_byte = [field for field in placed_layout.fields if (first_byte_mask >> field.low) & field.mask]
     frame_without_selector = 0
     parity_fields: list[PlacedField] = []

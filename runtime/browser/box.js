@@ -105,7 +105,9 @@ function box(root) {
   /** Return {line, decoded} with the decoded frame of a line, or {line, error} if the line is not a frame. */
   function decodeLine(line) {
     try {
-      return { line, decoded: decodeText(line.text) };
+      const decoded = decodeText(line.text);
+      const isOfOtherKind = decoded.problems.length > 0 && isAnotherFrame(decoded, findOtherLayouts(decoded, line));
+      return { line, decoded: { ...decoded, isOfOtherKind } };
     } catch (error) {
       if (!(error instanceof FrameText)) throw error;
       return { line, error: error.message, spellings: error.spellings };
@@ -163,10 +165,14 @@ function box(root) {
       return [createPart("div", "warning", createElement("p", {}, UNANSWERED_QUESTION))];
     }
     if (decoded.channels) return createWholeResult(decoded, state.orderCode.interface.measure);
-    const [sender] = state.frameType.split(":");
-    const otherLayouts = selectedRegister() ? []
-      : otherFrames(state.orderCode, sender, line.text, decoded, state.registerContents, state.answers);
-    return createResult(decoded, state.orderCode.interface.measure, otherLayouts);
+    return createResult(decoded, state.orderCode.interface.measure, findOtherLayouts(decoded, line));
+  }
+
+  /** Return the layouts of the other frames that a line can be. */
+  function findOtherLayouts(decoded, line) {
+    const { orderCode, frameType, registerContents, answers } = state;
+    const [sender] = frameType.split(":");
+    return selectedRegister() ? [] : otherFrames(orderCode, sender, line.text, decoded, registerContents, answers);
   }
 
   /** Replace the text of a frame in its line by another spelling, and show the result. */

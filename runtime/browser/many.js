@@ -78,13 +78,10 @@ function writeCsv(rows) {
 
 /** List the mistakes that explain the most of the wrong frames among the lines, if they explain at least two. */
 function listCommonMistakes(rows) {
-  const decodedFrames = rows.flatMap((row) => (row.decoded ? [row.decoded] : []));
-  const wrongFrames = decodedFrames.filter((decoded) => decoded.problems.length > 0 && !decoded.channels);
-  const mistakesInAll = judgedWithValid(decodedFrames);
-  const mistakes = mistakesInAll.length ? mistakesInAll : judgedTogether(wrongFrames);
+  const { mistakes, failedCount, isOfAll } = judgeFrames(rows.flatMap(({ decoded }) => (decoded ? [decoded] : [])));
   if (!mistakes.length || mistakes[0].frames < 2) return [];
-  const introduction = mistakesInAll.length ? messageFor("together_all", `${mistakes[0].frames}`) : messageFor(
-    "together", `${mistakes[0].frames}`, `${Math.min(wrongFrames.length, TABLE.likely.frames)}`);
+  const introduction = isOfAll ? messageFor("together_all", `${mistakes[0].frames}`)
+    : messageFor("together", `${mistakes[0].frames}`, `${failedCount}`);
   const mistakeTexts = mistakes.map(
     ({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
   const shiftLines = mistakes[0].hidesShift ? [createSentence(messageFor("hidden_shift"))] : [];
@@ -111,7 +108,7 @@ function listCommonDoubts(rows, measure) {
   const readingsText = commonTexts.map(
     (text) => `${readingsOfFrames.map((positionByText) => positionByText.get(text)).join(" ")} ${text}`).join(", ");
   return [
-    ...(deadLineText && !otherTexts.length ? [createSentence(capitalize(deadLineText))] : []),
+    ...(deadLineText && !otherTexts.length && !frames.some(({ problems }) => problems.length) ? [createSentence(capitalize(deadLineText))] : []),
     ...(readingsText ? [foldDoubt(measure, readingsText)] : []),
   ];
 }

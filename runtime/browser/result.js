@@ -153,24 +153,15 @@ function createHeadline(decoded) {
   return createPart("div", VERDICT_CLASSES[decoded.verdict] ?? "plain", line);
 }
 
-/**
- * Return whether a wrong frame is a valid frame of another kind, whose check bits match, so that it has no mistake. A
- * dead line or the own request is more likely than such a frame.
- */
-function isAnotherFrame(decoded, otherLayouts) {
-  const [otherLayout] = otherLayouts;
-  return decoded.problems.length > 0 && otherLayouts.length === 1
-    && Boolean(otherLayout.crc || otherLayout.checks.some((placedCheck) => placedCheck.check.fault === "constant"))
-    && !deadLine(decoded) && !explained(decoded).some(({ kind }) => kind === "echo");
-}
-
 /** Name the other frames that it can be, in a sentence. */
 function nameOtherFrames(decoded, otherLayouts) {
   if (!otherLayouts.length) return [];
   const names = otherLayouts.map((placedLayout) => placedLayout.name.replaceAll("_", " ")).join(", ");
   const textName = isAnotherFrame(decoded, otherLayouts) ? "valid_other" : decoded.problems.length ? "instead" : "also";
   const otherText = messageFor(textName, names);
-  return [createElement("p", {}, `${capitalize(otherText)}. Choose it above.`)];
+  const otherCode = findOtherCode(decoded, otherLayouts);
+  const otherReading = otherCode ? ` ${toSentence(messageFor("another_reading", otherCode))}` : "";
+  return [createElement("p", {}, `${capitalize(otherText)}. Choose it above.${otherReading}`)];
 }
 
 /** Create the folded list of other readings of a position, which nothing in the frame contradicts. */

@@ -172,19 +172,54 @@ const anotherHelps = (explanations) => explanations.every((explanation) => expla
   && (explanations.length > 1 || (explanations.length === 1 && explanations[0].oneIn < TABLE.likely.certain));
 
 /**
+ * Return the mistakes in several frames {mistakes, failedCount, isOfAll}, most likely first, as the command does. With
+ * ``isOfAll``, they explain all frames, valid ones too, and otherwise the most of the ``failedCount`` frames that fail.
+ */
+function judgeFrames(decodedFrames) {
+  const frames = decodedFrames.filter(({ channels }) => !channels);
+  const failedFrames = frames.filter(isFailedFrame).slice(-TABLE.likely.frames);
+  const mistakesInAll = judgedWithValid(frames);
+  const mistakes = mistakesInAll.length || failedFrames.length < 2 ? mistakesInAll : judgedTogether(failedFrames);
+  return { mistakes, failedCount: failedFrames.length, isOfAll: mistakesInAll.length > 0 };
+}
+
+/** Return whether a frame has an error that can be explained, and is not a valid frame of another kind. */
+function isFailedFrame(decoded) {
+  const { problems, placedLayout, receivedBytes, isOfOtherKind } = decoded;
+  if (!problems.length || isOfOtherKind) return false;
+  const faults = receivedBytes ? ["crc", "length", "constant"] : ["crc", "length"];
+  const hasFault = (receivedBytes && !placedLayout) || problems.some(({ fault }) => faults.includes(fault));
+  if (canCrcContradict(decoded) && hasFault) return true;
+  return listMistakes(decoded).length > 0 || missingPart(decoded) !== ""
+    || (!placedLayout?.crc && findDisturbedBits(decoded).length > 0);
+}
+
+/** Return all explanations of a frame, of which a dead line is one. ``isWithPairs`` also tries two mistakes. */
+function listMistakes(decoded, isWithPairs = false) {
+  if (decoded.isOfOtherKind) return [];
+  const deadLineText = deadLine(decoded);
+  if (!deadLineText) return findExplanations(decoded, isWithPairs).all;
+  const { bitCount } = measureReceived(decoded);
+  const equalBits = hasZeroReply(decoded) ? findCommand(decoded.placedLayout).remainingBits : bitCount - 1;
+  const oneIn = ONE << BigInt(Math.min(equalBits, MOST_EQUAL_BITS));
+  const frequency = TABLE.likely.kinds.line_stuck;
+  return [{
+    kind: "line_stuck", text: deadLineText, template: deadLineText, isTwice: false, oneIn, frequency,
+    score: frequency * Number(oneIn) }];
+}
+
+/** More equal bits do not make a dead line more certain. */
+const MOST_EQUAL_BITS = 62;
+
+/**
  * Return the mistakes that explain most of several wrong frames, most likely first. Pairs of mistakes are tried if no
  * single mistake explains all of them, or if the likeliest hides a shift.
  */
-function judgedTogether(decodedFrames) {
-  const hasCrcOrLengthError = ({ problems }) => problems.some(
-    (problem) => problem.fault === "crc" || problem.fault === "length");
-  const explainedFrames = decodedFrames.slice(-TABLE.likely.frames)
-    .map((decoded) => ({ frame: decoded, all: findExplanations(decoded).all }))
-    .filter(({ frame, all }) => all.length || hasCrcOrLengthError(frame));
-  const singleMistakes = findCommonMistakes(explainedFrames.map(({ all }) => all));
-  const isExplained = singleMistakes[0]?.frames === explainedFrames.length;
+function judgedTogether(failedFrames) {
+  const singleMistakes = findCommonMistakes(failedFrames.map((decoded) => listMistakes(decoded)));
+  const isExplained = singleMistakes[0]?.frames === failedFrames.length;
   if (isExplained && !singleMistakes[0].hidesShift) return singleMistakes;
-  return findCommonMistakes(explainedFrames.map(({ frame }) => findExplanations(frame, true).all));
+  return findCommonMistakes(failedFrames.map((decoded) => listMistakes(decoded, true)));
 }
 
 /**
@@ -198,7 +233,7 @@ function judgedWithValid(decodedFrames) {
   if (!frames.every(({ placedLayout, typedFrame }) => placedLayout && typedFrame && hasOnlyParity(placedLayout))) return [];
   const explanationLists = frames.map((decoded) => {
     const isValid = !decoded.problems.length && !deadLine(decoded);
-    return isValid ? explainBits(decoded, false).all : findExplanations(decoded).all;
+    return isValid ? explainBits(decoded, false).all : listMistakes(decoded);
   });
   const mistakes = findCommonMistakes(explanationLists);
   return mistakes[0]?.frames === frames.length ? mistakes : [];
@@ -881,9 +916,10 @@ function tryOtherByteCrcs(placedLayout, crc, data) {
 function tryMovedBytes(placedLayout, crc, data) {
   const { texts } = TABLE;
   const byteCount = placedLayout.bits / 8;
-  const assumeFrame = (kind, text, bytes, template = text) => {
-    const hypothesis = createFrameHypothesis(
-      placedLayout, crc, kind, text, numberOf(placedLayout.layout.order, bytes), { template });
+  const assumeFrame = (kind, text, bytes, template = text, assumedBits = 0) => {
+    const hypothesis = createFrameHypothesis(placedLayout, crc, kind, text,
+      numberOf(placedLayout.layout.order, bytes), { template });
+    hypothesis.otherBitsRequired -= assumedBits;
     return crc ? withCrcOverBytes(hypothesis, bytes) : hypothesis;
   };
   const extraBytes = data.length - byteCount;
@@ -894,11 +930,15 @@ function tryMovedBytes(placedLayout, crc, data) {
       assumeFrame("bytes_behind", fillTemplate(texts.after, extraText), data.slice(0, byteCount)));
   }
   if (extraBytes === 0 || extraBytes === -1) {
+    // The bits of the missing byte are assumed, so they prove nothing.
+    const assumedBits = countConstantBits({ checks: placedLayout.checks.filter(
+      ({ low, width }) => extractBits(firstByteMaskOf(placedLayout) >> BigInt(low), 0, width)) });
     for (const byte of findPossibleFirstBytes(placedLayout)) {
       const [text, template] = [formatBytes([byte]), "{0}"]
         .map((byteText) => fillTemplate(texts.byte_missing, byteText))
         .map((missingText) => (extraBytes ? missingText : fillTemplate(texts.and_follows, missingText)));
-      hypotheses.push(assumeFrame("first_byte_lost", text, [byte, ...data.slice(0, byteCount - 1)], template));
+      const bytes = [byte, ...data.slice(0, byteCount - 1)];
+      hypotheses.push(assumeFrame("first_byte_lost", text, bytes, template, assumedBits));
     }
   }
   if (extraBytes === 0) hypotheses.push(
@@ -908,13 +948,15 @@ function tryMovedBytes(placedLayout, crc, data) {
   return hypotheses;
 }
 
+/** Return the mask of the first byte in the number of a frame. */
+const firstByteMaskOf = ({ layout, bits }) => numberOf(layout.order, [0xFF, ...Array(bits / 8 - 1).fill(0)]);
+
 /** The possible first bytes of a frame, if that byte only has the selector, constants, parity and usual values. */
 function findPossibleFirstBytes(placedLayout) {
   const { order, selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
   const byteCount = placedLayout.bits / 8;
-  const firstByteMask = numberOf(order, [0xFF, ...Array(byteCount - 1).fill(0)]);
   const fieldsInFirstByte = placedLayout.fields.filter(
-    ({ low, width }) => extractBits(firstByteMask >> BigInt(low), 0, width));
+    ({ low, width }) => extractBits(firstByteMaskOf(placedLayout) >> BigInt(low), 0, width));
   const selectorFields = fieldsInFirstByte.filter(({ name }) => name === selector);
   const parityFields = fieldsInFirstByte.filter(({ field }) => "parity" in field);
   const otherFields = fieldsInFirstByte.filter(({ name, field }) => name !== selector && !("parity" in field));
@@ -952,6 +994,23 @@ function tryWholeFrames({ receivedBytes, orderCode, interface: interface_, sende
   const totalEvidence = frames.reduce((sum, frame) => sum + frame.evidence, 0);
   if (!frames.length || isOnlyReply || totalEvidence < leastEvidence) return [];
   return [createWholeFramesHypothesis(frames, receivedBytes, totalEvidence)];
+}
+
+/**
+ * Return whether a wrong frame is a valid frame of another kind, whose check bits match, so that it has no mistake. A
+ * dead line or the own request is more likely than such a frame.
+ */
+function isAnotherFrame(decoded, otherLayouts) {
+  const [otherLayout] = otherLayouts;
+  return decoded.problems.length > 0 && otherLayouts.length === 1
+    && Boolean(otherLayout.crc || otherLayout.checks.some((placedCheck) => placedCheck.check.fault === "constant"))
+    && !deadLine(decoded) && !explained(decoded).some(({ kind }) => kind === "echo");
+}
+
+/** Return the text with other order codes that may have sent a valid frame of another kind without a CRC, or "". */
+function findOtherCode(decoded, otherLayouts) {
+  if (!isAnotherFrame(decoded, otherLayouts) || canCrcContradict(decoded)) return "";
+  return explained(decoded).find(({ kind }) => kind === "other_order_code")?.text ?? "";
 }
 
 /** Return whether the master sends a frame. */
@@ -1001,6 +1060,8 @@ function createWholeFramesHypothesis(frames, receivedBytes, totalEvidence) {
   const isCertainReply = !isRequest(lastFrame) && !lastFrame.placedLayout.layout.asks?.length;
   return createHypothesis({
     kind, text, template, placedLayout: lastFrame.placedLayout, otherBitsRequired: totalEvidence,
+    likelihood: frames.reduce((product, { placedLayout, bytes }) => (
+      product * computeLikelihood(placedLayout, numberOf(placedLayout.layout.order, bytes))), 1),
     parts: frames.map((frame, index) => [titles[index], formatBytes(frame.bytes)]),
     coveredData: joinBytes(receivedBytes), coveredBits: 8 * receivedBytes.length,
     number: isCertainReply ? numberOf(lastFrame.placedLayout.layout.order, lastFrame.bytes) : undefined,
@@ -1082,6 +1143,17 @@ function findLeftAlignedFrame(placedLayout, typedFrame) {
   return hasRightConstants(placedLayout, frameNumber) ? [[TABLE.left_aligned, frameNumber]] : [];
 }
 
+/**
+ * Return the text and the frame with zeros at its end, in a list, if a number lacks a byte or more. Its leading zeros may
+ * be missing, but so may its last bits.
+ */
+function findCutFrame(placedLayout, typedFrame) {
+  const missingBits = placedLayout.bits - (typedFrame?.written || placedLayout.bits);
+  if (!typedFrame || typedFrame.exact || missingBits < 8) return [];
+  const frameNumber = typedFrame.number << BigInt(missingBits);
+  return hasRightConstants(placedLayout, frameNumber) ? [[TABLE.cut_off, frameNumber]] : [];
+}
+
 /** Find the frames in a word of SSI with more typed bits than the frame, if its leading zeros were received. */
 function findRecordedFrames(placedLayout, typedFrame) {
   const interface_ = interfaceOf(placedLayout);
@@ -1114,21 +1186,24 @@ function decodeGrayBits(number, { low, width }) {
  * Return the frames that may have been sent instead, in the order of the texts in ``TABLE.doubts``: one bit later, one
  * bit earlier, in Gray code, in binary, with its bytes in reverse order, or inverted. A frame is null if that cannot be.
  */
-function listDoubtfulFrames(placedLayout, number, position) {
+function listDoubtfulFrames(placedLayout, number, position, typedFrame) {
   const parts = listPositionParts(placedLayout, position);
   const low = Math.min(...parts.map((part) => part.low));
   const width = parts.reduce((sum, part) => sum + part.width, 0);
   const isSplit = parts.length > 1;
   const withLastBit0 = (number << ONE) & ones(placedLayout.bits);
   const isPossible = (frameNumber) => hasRightConstants(placedLayout, frameNumber);
-  const ifPossible = (frameNumber) => (isPossible(frameNumber) ? frameNumber : null);
+  const ifPossible = (frameNumber) => (
+    frameNumber >> BigInt(placedLayout.bits) || !isPossible(frameNumber) ? null : frameNumber);
+  const mayBeBytes = !typedFrame?.exact || typedFrame.bits % 8 === 0;
+  const withReversedBytes = numberOf("big", bytesOf("little", number, countBytes(placedLayout.bits)));
   return [
     [withLastBit0, withLastBit0 | ONE].find(isPossible) ?? withLastBit0,
     number >> ONE,
     placedLayout.gray ? null : decodeGrayBits(number, { low, width }),
     placedLayout.gray || !isSplit ? null : parts.reduce(decodeGrayBits, number),
     placedLayout.gray ? convertFromBinary(placedLayout, number) : null,
-    placedLayout.bits % 8 ? null : ifPossible(numberOf("big", bytesOf("little", number, placedLayout.bits / 8))),
+    mayBeBytes ? ifPossible(withReversedBytes) : null,
     ifPossible(number ^ ones(placedLayout.bits)),
   ];
 }
@@ -1142,10 +1217,10 @@ function otherPositions({ placedLayout, number, problems, crc, fields, typedFram
   const hasPosition = typeof position?.value === "bigint";
   const hasDigits = Boolean(placedLayout?.digits.length);
   if (!isWordOfEncoder || problems.length || crc || !hasPosition || hasDigits) return [];
-  const doubtfulFrames = listDoubtfulFrames(placedLayout, number, position);
+  const doubtfulFrames = listDoubtfulFrames(placedLayout, number, position, typedFrame);
   const textsAndFrames = [
     ...doubtfulFrames.map((frameNumber, index) => [TABLE.doubts[index], frameNumber]),
-    ...findLeftAlignedFrame(placedLayout, typedFrame),
+    ...findLeftAlignedFrame(placedLayout, typedFrame), ...findCutFrame(placedLayout, typedFrame),
     ...findRecordedFrames(placedLayout, typedFrame)].filter(([, frameNumber]) => frameNumber !== null);
   return textsAndFrames
     .map(([text, frameNumber]) => [text, positionIn(decode(placedLayout, frameNumber).fields).value])

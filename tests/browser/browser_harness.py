@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import io
 import json
 import random
 import re
@@ -10,13 +11,17 @@ import subprocess
 import warnings
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
+from codewheel.commands.decode.decoding import NO_FRAME, DecodeRequest, Decoding
+from codewheel.commands.decode.frames import FrameLine
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, number_to_bytes
+from codewheel.order_codes.labels import LabelMatch
 from codewheel.reference import codec
 from codewheel.reference.findings import findings, strange_values
 from codewheel.say.plain_text import quantity_text
@@ -128,6 +133,34 @@ def cases(device: Device) -> Iterator[list[Case]]:
         of_interface = [variant for variant in variants_and_states if variant.interface == interface]
         variants = {tuple(sorted(variant.parameters.items())): variant for variant in of_interface}
         yield [Case(device, variant, layout.place(variant.parameters), register) for variant in variants.values()]
+
+
+def judged_by_command(case: Case, texts: Sequence[str], *, any_layout: bool = False) -> list[Any] | None:
+    """Return the judgement of ``decode`` on several frames, or None if the page lacks a part of it.
+
+    It has the common mistakes, the number of frames that fail, and whether all frames have the mistakes. With
+    ``any_layout``, the user does not name the layout. The page does not know mistakes that name options of the command.
+    """
+    is_named = not any_layout and not case.layout.in_bytes
+    request = DecodeRequest(
+        device=case.device,
+        match=LabelMatch(case.variant, unlisted=(), tail="", special=False),
+        sender=case.layout.sender,
+        layout=case.layout.name if is_named else None,
+        register=None,
+        as_json=False,
+        register_differences=(),
+        answers={},
+    )
+    decoding = Decoding(request)
+    with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        decoding.run(FrameLine(number, "", text) for number, text in enumerate(texts, 1))
+        mistakes, failed_count, are_in_all_frames = decoding.judge_frames()
+    names_options = any("--choose" in mistake.text for mistake in mistakes)
+    if decoding.code == NO_FRAME or names_options:
+        return None
+    rows = [[mistake.text, mistake.frames, str(mistake.one_in)] for mistake in mistakes]
+    return [rows, failed_count, are_in_all_frames]
 
 
 def disturbed_numbers(case: Case, count: int, random_: random.Random) -> Iterator[tuple[int, int]]:

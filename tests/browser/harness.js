@@ -178,13 +178,18 @@
       wheel.ownRequest(one)]);
   };
 
-  /** Return the mistakes that explain the most of the frames. */
-  const together = (item) => wheel.judgedTogether(item.frames.map((text) => decoded(foundFor(item), item, text)))
-    .map((one) => [one.text, one.frames, `${one.oneIn}`]);
-
-  /** Return the mistakes that explain all frames, some of which pass the parity check. */
-  const withValid = (item) => wheel.judgedWithValid(item.frames.map((text) => decoded(foundFor(item), item, text)))
-    .map((one) => one.text);
+  /** Return the mistakes in several frames, the number of frames that fail, and whether all frames have the mistakes. */
+  function together(item) {
+    const found = foundFor(item);
+    const decodedFrames = item.frames.map((text) => {
+      if (!item.frameType) return decoded(found, item, text);
+      const one = wheel.decodeFrame(found, item.frameType, text);
+      const others = () => wheel.otherFrames(found, item.sender, text, one, {}, {});
+      return { ...one, isOfOtherKind: one.problems.length > 0 && wheel.isAnotherFrame(one, others()) };
+    });
+    const { mistakes, failedCount, isOfAll } = wheel.judgeFrames(decodedFrames);
+    return [mistakes.map((one) => [one.text, one.frames, `${one.oneIn}`]), failedCount, isOfAll];
+  }
 
   /** Return the order codes for which a text is a valid frame. */
   const inferred = (item) => wheel.inferred(item.text).map((group) => [group.decoded.placedLayout.name, group.codes]);
@@ -195,5 +200,5 @@
   /** Compared frames, or the values of a text, for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
-  globalThis.codewheelTests = { answered, builtLines, compared, values, readings, encoded, reasons, together, doubts, inferred, labels, lines, records, unread, withValid };
+  globalThis.codewheelTests = { answered, builtLines, compared, values, readings, encoded, reasons, together, doubts, inferred, labels, lines, records, unread };
 })();

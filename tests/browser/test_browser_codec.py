@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import random
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import pytest
-from browser_harness import Asker, Case, cases, frames_with_checksums, library_of
+from browser_harness import Asker, Case, cases, frames_with_checksums, judged_by_command, library_of
 from codewheel.commands.cli import main
 from codewheel.commands.decode.frames import (
     FrameTextError,
@@ -29,7 +29,6 @@ from codewheel.why.diagnosis import Diagnosis, Explanation
 from codewheel.why.doubts import other_positions
 from codewheel.why.exchanges import own_request
 from codewheel.why.explain import explain_bits, explain_bytes, explain_constant
-from codewheel.why.together import CommonMistake, judge_together
 from exhaustive import mostly_exhaustive
 from rust_frames import numbers
 
@@ -458,26 +457,14 @@ def test_several_frames_are_judged_like_the_command_does(part: int, node: Asker,
     for case in [*compared_cases(library, 1)][part::PARTS]:
         frames = [[*disturbed_texts(case, random_)] for _ in range(3)]
         for texts in zip(*frames, strict=False):
-            mistakes = common_mistakes(case, texts)
-            if mistakes is not None:
+            judgement = judged_by_command(case, texts)
+            if judgement is not None:
                 items.append({**case.data, "frames": list(texts)})
-                expected.append([[mistake.text, mistake.frames, str(mistake.one_in)] for mistake in mistakes])
+                expected.append(judgement)
     answers = node("together", items)
-    for item, answer, mistakes_of_command in zip(items, answers, expected, strict=True):
-        assert answer == mistakes_of_command, item
-    assert sum(bool(answer) and answer[0][1] == 3 for answer in answers) > 20
-
-
-def common_mistakes(case: Case, texts: Iterable[str]) -> list[CommonMistake] | None:
-    """Return the mistakes that the command names for all frames, or None if the page does not know one of them."""
-    frames = [(text, why) for text in texts if (why := why_of(case, text)) is not None]
-    if any(mistake.kind in COMMAND_KINDS for _, why in frames for mistake in why.explanations):
-        return None
-    mistakes = judge_together([of_page(why) for _, why in frames])
-    if mistakes and mistakes[0].frames == len(frames) and not mistakes[0].hides_shift:
-        return mistakes
-    with_pairs = [why_of(case, text, with_pairs=True) for text, _ in frames]
-    return judge_together([of_page(why) for why in with_pairs if why is not None])
+    for item, answer, judgement in zip(items, answers, expected, strict=True):
+        assert answer == judgement, item
+    assert sum(bool(mistakes) and mistakes[0][1] == 3 for mistakes, *_ in answers) > 20
 
 
 @pytest.mark.parametrize(

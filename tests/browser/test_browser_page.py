@@ -301,6 +301,7 @@ OTHERS = """
   seen.types = [...what.options].map((one) => one.innerText);
   choose(what, "encoder:turns_reply"); seen.turns = said(boxes[0]);
   seen.link = boxes[0].querySelector("p.codewheel-decode-link a").getAttribute("href");
+  type(code, "AMT212A"); choose(what, "encoder:position_reply"); type(text, "AB 61"); seen.otherCode = said(boxes[0]);
   type(code, "SKM36"); type(text, "40 52 00 00 00 00 12"); seen.instead = said(boxes[0]);
   type(code, "AMT22-14"); type(text, "61 AB C0 00"); seen.byLength = said(boxes[0]);
   seen.chosen = what.selectedOptions[0].innerText;
@@ -322,6 +323,8 @@ def test_other_frames_that_it_can_be(chromium: str, tmp_path: Path) -> None:
     assert "Turns reply, 2 bytes" in result["turns"]
     assert "This can also be another frame: position reply. Choose it above." in result["turns"]
     assert result["link"] == "#code=AMT212B&frame=AB+61&from=encoder%3Aturns_reply"
+    valid_turns = "This is a valid turns reply. Choose it above."
+    assert f"{valid_turns} Another reading: 16 bits, the frame of AMT212B and 3 more." in result["otherCode"]
     assert "This is a valid type label reply. Choose it above." in result["instead"]
     assert "these changes make the CRC match" not in result["instead"].lower()
     assert result["chosen"] == "a frame of any length, from the encoder"

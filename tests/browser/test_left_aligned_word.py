@@ -38,5 +38,6 @@ def test_the_page_lists_the_same_reading(
     assert main(["new", "my_encoder", "--line", LINE]) == 0
     library = Library(load_library([tmp_path])[0])
     ((case,),) = cases(library.devices[0])
-    ((answer,),) = ask(library, "node")("doubts", [{**case.data, "frames": ["02 00 10"]}])
-    assert ["if it is left-aligned in its bytes", "8193"] in answer[0]
+    ((aligned, cut),) = ask(library, "node")("doubts", [{**case.data, "frames": ["02 00 10", "0x200"]}])
+    assert ["if it is left-aligned in its bytes", "8193"] in aligned[0]
+    assert ["if its last bits are missing, and are 0", str(0x20000)] in cut[0]

@@ -148,3 +148,45 @@ def test_echoes_of_different_requests_are_one_mistake(capsys: Capture, monkeypat
     text = " ".join(capsys.readouterr().out.split())
     assert "2 of 2 frames with an error have this explanation" in text
     assert "- the bytes are whole frames: request, then reply" in text.partition("Together")[2]
+
+
+def test_two_replies_with_inactive_flags_are_two_replies(capsys: Capture) -> None:
+    """The flags of both replies speak for it, not only those of the last one."""
+    (explanation, *_) = explanations_of(capsys, "OrbisSerial-14", *"64 56 AB 00 64 56 AB 00".split())
+    assert explanation["kind"] == "several_frames"
+
+
+@pytest.mark.parametrize(
+    ("code", "data", "one_in"),
+    [
+        ("AMM5A17/1JP1", "90 DD 7F", 256),  # only its CRC can contradict the reply 32 90 DD 7F
+        ("OrbisSerial-14", "56 AB 00", 1),  # the only constant of 64 56 AB 00 is the first byte
+    ],
+)
+def test_an_assumed_byte_proves_nothing(code: str, data: str, one_in: int, capsys: Capture) -> None:
+    (explanation, *_) = explanations_of(capsys, code, *data.split())
+    assert (explanation["kind"], explanation["one_in"]) == ("first_byte_lost", one_in)
+
+
+def test_a_reply_of_another_order_code_is_not_only_a_number_of_revolutions(capsys: Capture) -> None:
+    """The reply AB 61 in the data sheet is that of an encoder of 14 bits. The label says 12 bits."""
+    text = printed(capsys, "AMT212A", "AB", "61")
+    assert "add --layout turns_reply. Another reading: 16 bits, the frame of AMT212B and 3 more" in text
+
+
+@pytest.mark.parametrize(
+    ("line", "word", "reading"),
+    [
+        ("spi:position=24", "0x50FC", "5307392 if its last bits are missing, and are 0"),
+        ("ssi:position=21", "01 20 0A", "663553 if the bytes are swapped"),  # 0A2001h has 20 bits
+    ],
+)
+def test_readings_of_a_word_that_its_length_does_not_contradict(
+    line: str, word: str, reading: str, capsys: Capture
+) -> None:
+    assert reading in printed(capsys, line, *word.split())
+
+
+@pytest.mark.parametrize("word", ["0x0050FC", "0b" + "0" * 9 + "101000011111100"])
+def test_a_word_with_all_its_digits_lacks_no_bits(word: str, capsys: Capture) -> None:
+    assert "last bits are missing" not in printed(capsys, "spi:position=24", word)

@@ -1,4 +1,4 @@
-"""The campaign of benchmarks/why_campaign.py, for layouts that cannot tell whether a frame is inverted."""
+"""The campaign of benchmarks/why_campaign.py, for layouts that cannot tell which mistake was made."""
 
 from __future__ import annotations
 
@@ -53,3 +53,30 @@ def test_whether_three_inverted_frames_show_it(encoders: dict[str, Encoder], nam
     assert why_campaign.is_decidable(encoder, inverted, random.Random(48)) == is_decidable
     count = count_inverted(encoder)
     assert (count.undecided, count.listed, count.judged) == ((0, 0, 10) if is_decidable else (10, 10, 0))
+
+
+def test_a_missing_byte_of_data_leaves_no_trace() -> None:
+    """The first byte of an AMT21 contains a part of the position, and that of an Orbis repeats the command."""
+    devices, _ = load_library()
+    encoders_by_name = {encoder.name: encoder for encoder in why_campaign.distinct_encoders(devices)}
+    no_trace = [
+        why_campaign.is_any_frame(encoders_by_name[name], random.Random(61))
+        for name in ("AMT212A position_reply", "AMT212A turns_reply", "OrbisSerial-14 status_reply")
+    ]
+    assert no_trace == [True, True, False]
+
+
+def test_numbers_whose_place_is_an_open_question_are_not_expected() -> None:
+    """The manual of the AMM5 leaves the place of the address open, so ``decode`` names only the data."""
+    devices, _ = load_library()
+    (encoder,) = (
+        encoder for encoder in why_campaign.distinct_encoders(devices) if encoder.name.endswith(" eeprom_write_reply")
+    )
+    counts: dict[tuple[str, str], Count] = {}
+    why_campaign.measure(encoder, 2, counts, Counter())
+    assert {mistake: count.first for (_, mistake), count in counts.items()} == {
+        "first byte missing": 2,
+        "first byte missing, one behind": 2,
+        "inverted": 2,
+        "two replies": 2,
+    }

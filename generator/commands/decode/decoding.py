@@ -20,7 +20,7 @@ from ...why import LEAST_FAILED, MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
 from .frames import FrameLine, FrameTextError, decode_register_text, frame_lines, text_decoder, why_text, why_valid_text
-from .other_frames import OtherFrames, is_frame_of_other_kind, other_frames_line
+from .other_frames import OtherFrames, frame_of_other_code, is_frame_of_other_kind, other_frames_line
 from .plain_data import channel_data, decoded_data
 from .several_frames import frame_sizes, separate_frames
 from .text import explain, heading, label_lines, line_prefix, together_lines
@@ -156,14 +156,16 @@ class Decoding:
         frame_findings = self._findings_of_frame(decoded)
         self._codes.add(_exit_code(decoded, frame_findings))
         other_layouts = self._other_layouts(line.text, decoded)
+        other_code = ""
         if is_frame_of_other_kind(decoded, other_layouts, why):
             # The frame is valid with the other layout, so there is no mistake to explain.
+            other_code = frame_of_other_code(why)
             why = None
         frame = _ExplainedFrame(text=line.text, decoded=decoded, diagnosis=why)
         self._last_frames.append(frame)
         if why is not None and decoded.problems:
             self._failed_frames.append(frame)
-        output = self._frame_output(line, decoded, frame_findings, why, other_layouts)
+        output = self._frame_output(line, decoded, frame_findings, why, other_layouts, other_code)
         # With many frames, the user should not have to wait for the last one.
         is_one_of_many = line.number is not None
         print(output, flush=is_one_of_many)
@@ -184,12 +186,18 @@ class Decoding:
                 place_of_error = f"line {line.number}: " if line.number is not None else ""
                 print(f"codewheel: {place_of_error}{error}", file=sys.stderr)
         if not self._request.as_json:
-            mistakes_in_all = self._mistakes_in_all_frames()
-            common_mistakes = mistakes_in_all or self._common_mistakes()
-            together = together_lines(
-                common_mistakes, len(self._failed_frames), with_valid_frames=bool(mistakes_in_all)
-            )
+            mistakes, failed_count, are_in_all_frames = self.judge_frames()
+            together = together_lines(mistakes, failed_count, with_valid_frames=are_in_all_frames)
             print(*together, sep="\n", end="")
+
+    def judge_frames(self) -> tuple[list[CommonMistake], int, bool]:
+        """Return mistakes in the frames so far, likeliest first, the number of failed frames, and if they are in all.
+
+        The mistakes explain most of the last frames that failed, or all of the last frames, valid ones too.
+        """
+        mistakes_in_all = self._mistakes_in_all_frames()
+        mistakes = mistakes_in_all or self._common_mistakes()
+        return mistakes, len(self._failed_frames), bool(mistakes_in_all)
 
     def _print_channels(self, line: FrameLine, decoder: ChannelDecoder, frame: TypedFrame) -> None:
         """Print a frame that carries all data channels, as text or as JSON."""
@@ -386,6 +394,7 @@ class Decoding:
         frame_findings: Findings,
         diagnosis: Diagnosis | None,
         other_layouts: Sequence[PlacedLayout],
+        other_code: str,
     ) -> str:
         """Return a decoded frame as text or as JSON.
 
@@ -416,7 +425,7 @@ class Decoding:
             line=line,
             answers=answers,
             label=self._label,
-            other_frames=other_frames_line(decoded, other_layouts, diagnosis),
+            other_frames=other_frames_line(decoded, other_layouts, diagnosis, other_code),
         )
         return self._blank_line() + text
 

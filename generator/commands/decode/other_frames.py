@@ -86,15 +86,30 @@ def is_frame_of_other_kind(
     return any(isinstance(kind, (Constant, CrcValue, Parity)) for kind in kinds)
 
 
+def frame_of_other_code(diagnosis: Diagnosis | None) -> str:
+    """Return a text with the other order codes that may have sent a frame without a CRC, or an empty string."""
+    if diagnosis is None or diagnosis.has_crc:
+        return ""
+    texts = [explanation.text for explanation in diagnosis.explanations if explanation.kind == "other_order_code"]
+    return next(iter(texts), "")
+
+
 def other_frames_line(
-    decoded: codec.DecodedFrame, other_layouts: Sequence[PlacedLayout], diagnosis: Diagnosis | None
+    decoded: codec.DecodedFrame,
+    other_layouts: Sequence[PlacedLayout],
+    diagnosis: Diagnosis | None,
+    other_code: str,
 ) -> str:
-    """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string."""
+    """Return a sentence with the other layouts that the frame matches, and how to choose one, or an empty string.
+
+    ``other_code`` is a text with other order codes that may have sent the frame, or empty.
+    """
     if not other_layouts:
         return ""
     layout_names = ", ".join(layout.name for layout in other_layouts)
     if not decoded.problems:
         return f"{say_report.also_possible(layout_names)} (choose with --layout)"
     if is_frame_of_other_kind(decoded, other_layouts, diagnosis):
-        return f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
+        sentence = f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
+        return f"{sentence}. {say_report.another_reading(other_code)}" if other_code else sentence
     return f"{say_report.possible_instead(layout_names)} (choose with --layout)"

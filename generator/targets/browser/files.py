@@ -44,7 +44,7 @@ from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
 from ...why import LEAST_FAILED, MOST_FRAMES
 from ...why.channels import LEAST_CRC_BITS
 from ...why.diagnosis import CERTAIN, LEAST_BITS
-from ...why.doubts import LEFT_ALIGNED, READINGS
+from ...why.doubts import CUT_OFF, LEFT_ALIGNED, READINGS
 from ...why.exchanges import (
     ECHO_TEXT,
     FRAMES_TEXT,
@@ -358,6 +358,7 @@ def script_table(library: Library) -> Data:
         | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT, "echoed": MOST_ECHOED_BYTES},
         "doubts": READINGS,
         "left_aligned": LEFT_ALIGNED,
+        "cut_off": CUT_OFF,
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
         "texts": dict(TEXTS),
         "start_bits": START_BITS,

@@ -50,6 +50,7 @@ MESSAGES = {
     "also": report.also_possible("{0}"),
     "instead": report.possible_instead("{0}"),
     "valid_other": report.valid_other("{0}"),
+    "another_reading": report.another_reading("{0}"),
     "register_length": report.register_length("{0}", "{1}", "{2}"),
     "too_long": labels.too_long("{0}", "{1}", "{2}"),
     "code_empty": labels.EMPTY,
