@@ -114,7 +114,7 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     if function.carrier is CoveredData.BITS:
         return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
     paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
-    if function.form is CrcMethod.XOR:
+    if function.form is CrcMethod.XOR and not any("XOR of the bytes" in fact for fact in facts):
         paragraphs.append("With this polynomial, the CRC of whole bytes is their XOR.")
     return paragraphs
 
@@ -185,6 +185,8 @@ def about_layout(device: Device, interface: Interface, struct: LayoutStruct) -> 
     for layout_statement in say_layout.describe_layout(device, interface, frame_layout):
         if layout_statement not in statements_elsewhere:
             paragraphs.append(HEADER_STYLE.sentence(layout_statement))
+    if frame_layout.sender == "master" and frame_layout.data_fields:
+        paragraphs.append("Set all members, because those that an initial value leaves out are 0.")
     return [*paragraphs, *field_table(struct), *map(HEADER_STYLE.sentence, errata)]
 
 

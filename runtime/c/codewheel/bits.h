@@ -26,6 +26,15 @@
 #define CW_CONST const /**< marks a constant, of use at compile time in C++17 */
 #endif
 
+/* The size of an array in bytes. A pointer, or an array of another size, does not compile. */
+#ifdef __cplusplus
+#define CW_SIZE_OF(array, bytes) \
+    (sizeof(array) + (0U * sizeof(&(array) - *static_cast<uint8_t (**)[bytes]>(nullptr))))
+#else
+#define CW_SIZE_OF(array, bytes) \
+    (sizeof(array) + (0U * sizeof(&(array) - (uint8_t (*)[bytes])&(array))))
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -210,17 +219,17 @@ static inline uint64_t cw_to_digits(
         return word;
     }
     /* The highest digit can have fewer bits. */
-    for (uint32_t left = ((bits + digit_bits) - 1U) / digit_bits; left > 0U; left--) {
+    for (uint32_t digits_left = ((bits + digit_bits) - 1U) / digit_bits; digits_left > 0U; digits_left--) {
         uint64_t weight = 1U;
         uint32_t digit = 0U;
-        for (uint32_t lower = 1U; lower < left; lower++) {
+        for (uint32_t lower = 1U; lower < digits_left; lower++) {
             weight *= base;
         }
         while (((digit + 1U) < base) && (number >= weight)) {
             number -= weight;
             digit++;
         }
-        digits |= cw_field(codes, digit * digit_bits, digit_bits) << ((left - 1U) * digit_bits);
+        digits |= cw_field(codes, digit * digit_bits, digit_bits) << ((digits_left - 1U) * digit_bits);
     }
     return cw_with_field(word, low, bits, digits);
 }

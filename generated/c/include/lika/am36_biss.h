@@ -505,9 +505,7 @@ static inline uint32_t lika_am36_biss_reports(
  */
 #define LIKA_AM36_BISS_RECEIVE(code, rx, word) \
     lika_am36_biss_receive(LIKA_AM36_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, LIKA_AM36_BISS_##code##_RX_BYTES), (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -564,9 +562,7 @@ static inline double lika_am36_biss_degrees(lika_am36_biss variant, uint64_t pos
  */
 #define LIKA_AM36_BISS_READ(code, rx, position) \
     lika_am36_biss_read(LIKA_AM36_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, LIKA_AM36_BISS_##code##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AM36_BISS_READ_BYTES(code, bytes, length, position) \
     lika_am36_biss_read(LIKA_AM36_BISS_##code, \

@@ -117,7 +117,6 @@ static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0001 = { 1U, 24U }; /**< S
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
  * first. It equals the XOR of the bytes, so it does not detect swapped bytes. Both printed frames
  * are consistent with a start value of 0.
- * With this polynomial, the CRC of whole bytes is their XOR.
  */
 CW_CONSTEXPR
 static inline uint8_t lika_sma21_rs485_crc_rs485_8(const uint8_t *bytes, size_t length)
@@ -182,7 +181,6 @@ typedef enum lika_sma21_rs485_report {
  * byte of a number is sent first. Each reply of the encoder begins with the control field that it
  * received from the master. A request is not valid if its sync code, data ID, parity, delimiter or
  * length is wrong.
- * Set all members of a request, because those that an initial value leaves out are 0.
  * Erratum: The manual both rules out and describes zero setting over RS-485 (open). Used: Data ID F
  * is used as described in 7.3.1 and 7.3.3.2.
  * Erratum: The manual prints the control field's parity bit as part of the ID (resolved). Used: cc0
@@ -227,24 +225,25 @@ typedef enum lika_sma21_rs485_data_id {
 
 /* -- requests: the first byte of each one and of its reply ------------------------------------- */
 /**
- * Data ID 4: control field A2h, capture. 24-bit position and error code [7.3.1 p.38, 7.3.3 p.39].
+ * Data ID 4: control field A2h, requests data: 24-bit position and error code [7.3.1 p.38, 7.3.3
+ * p.39].
  */
 #define LIKA_SMA21_RS485_CONTROL_POSITION 0xA2U
-/** Data ID 5: control field 2Ah, capture. 48-bit position [7.3.1 p.38, 7.3.3 p.39]. */
+/** Data ID 5: control field 2Ah, requests data: 48-bit position [7.3.1 p.38, 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_WIDE_POSITION 0x2AU
 /**
- * Data ID A: control field 52h, capture. 24-bit position, encoder ID and error code [7.3.1 p.38,
- * 7.3.3 p.39].
+ * Data ID A: control field 52h, requests data: 24-bit position, encoder ID and error code [7.3.1
+ * p.38, 7.3.3 p.39].
  */
 #define LIKA_SMA21_RS485_CONTROL_IDENTIFICATION 0x52U
 /**
- * Data ID B: control field DAh, reset. Reset all errors. The reply carries the 24-bit position and
- * the error code [7.3.1 p.38, 7.3.3.2 p.41].
+ * Data ID B: control field DAh. Reset all errors. The reply carries the 24-bit position and the
+ * error code [7.3.1 p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_ERRORS 0xDAU
 /**
- * Data ID F: control field 7Ah, reset. Reset the position to 0. The reply carries the 24-bit
- * position and the error code [7.3.1 p.38, 7.3.3.2 p.41].
+ * Data ID F: control field 7Ah. Reset the position to 0. The reply carries the 24-bit position and
+ * the error code [7.3.1 p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_POSITION 0x7AU
 
@@ -256,6 +255,7 @@ typedef enum lika_sma21_rs485_data_id {
  * Its data_id is 4 (position), 5 (wide_position), A (identification), B (reset_errors) or F
  * (reset_position).
  * One byte, without a CRC.
+ * Set all members, because those that an initial value leaves out are 0.
  *   byte 0, bits 2:0  sync     SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id
  *   byte 0, bit 7     parity   cc4. Even parity of data_id.
@@ -1074,10 +1074,8 @@ static inline double lika_sma21_rs485_millimetres(lika_sma21_rs485 variant, int6
  */
 #define LIKA_SMA21_RS485_READ(code, rx, position) \
     lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_SMA21_RS485_POSITION_REPLY_LENGTH])&(rx))), \
-        (position))
-/** Read a position from a pointer to any number of bytes, or from a constant array. */
+        (rx), CW_SIZE_OF(rx, LIKA_SMA21_RS485_POSITION_REPLY_LENGTH), (position))
+/** Read a position from a pointer to the bytes of one reply, or from a constant array. */
 #define LIKA_SMA21_RS485_READ_BYTES(code, bytes, length, position) \
     lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \
         (bytes), (length), (position))
