@@ -483,3 +483,10 @@ def test_a_macro_that_is_too_long_is_continued() -> None:
     assert others
     assert all(line.endswith(" \\") and len(line) <= 100 for line in (first, *others))
     assert not last.endswith("\\")
+
+
+@pytest.mark.slow
+def test_the_parity_of_a_long_word_is_one_call(packaged: tuple[Device, ...]) -> None:
+    by_name = {device.name: device for device in packaged}
+    text = single(by_name["icpvl"], "iC-PVL-40-B1LWE")
+    assert "_parity_64(word & UINT64_C(0xFFFFFFFFFFF)) != 0U" in text

@@ -211,7 +211,8 @@ def about_unused(struct: LayoutStruct) -> str:
     bits_and_names: list[str] = []
     for field, low in struct.layout.unused:
         highest = low + field.widest - 1
-        bits_and_names.append(f"{bit_range(highest, low)} {field.name}")
+        bits = bit_range(highest, low)
+        bits_and_names.append(f"{'bit' if highest == low else 'bits'} {bits} {field.name}")
     listed_fields = HEADER_STYLE.phrase(statement(*list_parts(bits_and_names)))
     return f"Unused bits, each 1 if it differs from the manual: {listed_fields}."
 
@@ -324,7 +325,7 @@ def about_run(device: Device, run: ProcedurePlan, read_state: str) -> Iterator[P
     *first_functions, last_function = (CALLS[call] for call in run.calls)
     functions = f"{', '.join(first_functions)} and {last_function}" if first_functions else last_function
     interface = device.interface(run.procedure.interface)
-    yield f"{run.procedure.title}, over {interface.title}. The transport needs {functions}."
+    yield f"The procedure runs over {interface.title}. The transport needs {functions}."
     if read_state and run.changes_frames:
         yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 

@@ -245,6 +245,13 @@ static inline uint32_t cw_parity(uint32_t value)
     return (0x6996U >> (v & 0x0FU)) & 1U; /* bit n of 6996h is the parity of n */
 }
 
+/** Return 1 if the number of 1 bits is odd, 0 if it is even, for numbers of up to 64 bits. */
+CW_CONSTEXPR
+static inline uint32_t cw_parity_64(uint64_t value)
+{
+    return cw_parity((uint32_t)value ^ (uint32_t)(value >> 32U));
+}
+
 /** Return the parity of the even-numbered bits in bit 0, and of the odd-numbered bits in bit 1. */
 CW_CONSTEXPR
 static inline uint32_t cw_parities(uint32_t value)

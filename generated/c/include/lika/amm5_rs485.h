@@ -515,6 +515,11 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
 
 #define LIKA_AMM5_RS485_SINGLETURN_REPLY_LENGTH 6U /**< bytes in the frame: singleturn reply */
 
+/** status_info in the member unused */
+#define LIKA_AMM5_RS485_SINGLETURN_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_AMM5_RS485_SINGLETURN_REPLY_UNUSED_STATUS_ZERO 0xC0U
+
 /**
  * singleturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4
  * p.43].
@@ -562,7 +567,10 @@ typedef struct lika_amm5_rs485_singleturn_reply {
      * with leading zeros.
      */
     uint32_t singleturn;
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_amm5_rs485_singleturn_reply;
 
@@ -645,11 +653,18 @@ static inline uint32_t lika_amm5_rs485_singleturn_reply_reports(
     (void)variant;
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
         (frame->status_other_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_AMM5_RS485_SINGLETURN_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_SINGLETURN_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 #define LIKA_AMM5_RS485_MULTITURN_REPLY_LENGTH 6U /**< bytes in the frame: multiturn reply */
+
+/** status_info in the member unused */
+#define LIKA_AMM5_RS485_MULTITURN_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_AMM5_RS485_MULTITURN_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * multiturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
@@ -692,7 +707,10 @@ typedef struct lika_amm5_rs485_multiturn_reply {
      * leading zeros.
      */
     uint16_t multiturn;
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_amm5_rs485_multiturn_reply;
 
@@ -770,11 +788,18 @@ static inline uint32_t lika_amm5_rs485_multiturn_reply_reports(
     (void)variant;
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
         (frame->status_other_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_AMM5_RS485_MULTITURN_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_MULTITURN_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 #define LIKA_AMM5_RS485_ENCODER_ID_REPLY_LENGTH 4U /**< bytes in the frame: encoder ID reply */
+
+/** status_info in the member unused */
+#define LIKA_AMM5_RS485_ENCODER_ID_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_AMM5_RS485_ENCODER_ID_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * encoder_id_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41, 7.4
@@ -817,7 +842,10 @@ typedef struct lika_amm5_rs485_encoder_id_reply {
      * helps to identify the encoder. The decoder also accepts other values.
      */
     uint8_t encoder_id;
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_amm5_rs485_encoder_id_reply;
 
@@ -876,11 +904,22 @@ static inline uint32_t lika_amm5_rs485_encoder_id_reply_reports(
     (void)variant;
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
         (frame->status_other_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_AMM5_RS485_ENCODER_ID_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_ENCODER_ID_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 #define LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH 11U /**< bytes in the frame: complete reply */
+
+/** status_info in the member unused */
+#define LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_STATUS_ZERO 0xC0U
+/** alarm_zero_0 in the member unused */
+#define LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_ALARM_ZERO_0 0x100U
+/** alarm_zero_3_4 in the member unused */
+#define LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_ALARM_ZERO_3_4 0x1800U
 
 /**
  * complete_reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
@@ -975,8 +1014,8 @@ typedef struct lika_amm5_rs485_complete_reply {
     /** position consists of multiturn and singleturn, most significant part first. */
     uint64_t position;
     /**
-     * Unused bits, each 1 if it differs from the manual: 3:0 status_info, 7:6 status_zero, 8
-     * alarm_zero_0 and 12:11 alarm_zero_3_4.
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info, bits 7:6
+     * status_zero, bit 8 alarm_zero_0 and bits 12:11 alarm_zero_3_4.
      */
     uint16_t unused;
 } lika_amm5_rs485_complete_reply;
@@ -1124,10 +1163,14 @@ static inline uint32_t lika_amm5_rs485_complete_reply_reports(
         (uint32_t)LIKA_AMM5_RS485_REPORT_BATTERY_ALARM : 0U) |
         (((variant.multiturn_bits == 0U) && frame->battery_alarm) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_BATTERY_ALARM_UNEXPLAINED : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U) |
-        (((frame->unused & 0x100U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_ALARM_ZERO_0 : 0U) |
-        (((frame->unused & 0x1800U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_ALARM_ZERO_3_4 : 0U);
+        (((frame->unused & LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_ALARM_ZERO_0) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_ALARM_ZERO_0 : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_ALARM_ZERO_3_4) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_ALARM_ZERO_3_4 : 0U);
 }
 
 #define LIKA_AMM5_RS485_EEPROM_WRITE_REPLY_LENGTH 4U /**< bytes in the frame: EEPROM write reply */

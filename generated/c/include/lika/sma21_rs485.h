@@ -288,6 +288,11 @@ static inline cw_result lika_sma21_rs485_data_request_encode(
 
 #define LIKA_SMA21_RS485_POSITION_REPLY_LENGTH 7U /**< bytes in the frame: position reply */
 
+/** status_info in the member unused */
+#define LIKA_SMA21_RS485_POSITION_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_SMA21_RS485_POSITION_REPLY_UNUSED_STATUS_ZERO 0xC0U
+
 /**
  * position_reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
  * In the manual: Encoder -> Master: CF SF DF0 DF1 DF2 DF3 CRC.
@@ -377,7 +382,10 @@ typedef struct lika_sma21_rs485_position_reply {
     bool low_amplitude_error;
     bool signal_strength_alarm; /**< Signal on the strength alarm: Not implemented. */
     bool temperature_alarm; /**< Temperature alarm: Not implemented. */
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_sma21_rs485_position_reply;
 
@@ -524,12 +532,19 @@ static inline uint32_t lika_sma21_rs485_position_reply_reports(
         (frame->signal_strength_alarm ?
         (uint32_t)LIKA_SMA21_RS485_REPORT_SIGNAL_STRENGTH_ALARM : 0U) |
         (frame->temperature_alarm ? (uint32_t)LIKA_SMA21_RS485_REPORT_TEMPERATURE_ALARM : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_SMA21_RS485_POSITION_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_SMA21_RS485_POSITION_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 /** bytes in the frame: wide position reply */
 #define LIKA_SMA21_RS485_WIDE_POSITION_REPLY_LENGTH 9U
+
+/** status_info in the member unused */
+#define LIKA_SMA21_RS485_WIDE_POSITION_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_SMA21_RS485_WIDE_POSITION_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * wide_position_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3
@@ -583,7 +598,10 @@ typedef struct lika_sma21_rs485_wide_position_reply {
      * counts. Signed, in two's complement.
      */
     int64_t position;
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_sma21_rs485_wide_position_reply;
 
@@ -679,12 +697,19 @@ static inline uint32_t lika_sma21_rs485_wide_position_reply_reports(
     (void)variant;
     return (frame->status_alarm ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ALARM : 0U) |
         (frame->status_error ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_SMA21_RS485_WIDE_POSITION_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_SMA21_RS485_WIDE_POSITION_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 /** bytes in the frame: identification reply */
 #define LIKA_SMA21_RS485_IDENTIFICATION_REPLY_LENGTH 9U
+
+/** status_info in the member unused */
+#define LIKA_SMA21_RS485_IDENTIFICATION_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_SMA21_RS485_IDENTIFICATION_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * identification_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3
@@ -775,7 +800,10 @@ typedef struct lika_sma21_rs485_identification_reply {
     bool low_amplitude_error;
     bool signal_strength_alarm; /**< Signal on the strength alarm: Not implemented. */
     bool temperature_alarm; /**< Temperature alarm: Not implemented. */
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_sma21_rs485_identification_reply;
 
@@ -922,8 +950,10 @@ static inline uint32_t lika_sma21_rs485_identification_reply_reports(
         (frame->signal_strength_alarm ?
         (uint32_t)LIKA_SMA21_RS485_REPORT_SIGNAL_STRENGTH_ALARM : 0U) |
         (frame->temperature_alarm ? (uint32_t)LIKA_SMA21_RS485_REPORT_TEMPERATURE_ALARM : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_SMA21_RS485_IDENTIFICATION_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_SMA21_RS485_IDENTIFICATION_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 /** Frames of this interface. */
