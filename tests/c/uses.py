@@ -73,7 +73,7 @@ def without_nodiscard(code: str) -> str:
 
 
 #: Macros with arguments: a length at compile time, and a check that can be omitted.
-_WITH_ARGUMENTS = ("_RECEIVE", "_READ", "_READ_BYTES", "_READ_TWICE", "CW_ASSERT")
+_WITH_ARGUMENTS = ("_RECEIVE", "_READ", "_READ_BYTES", "_READ_TWICE", "CW_ASSERT", "CW_SIZE_OF")
 #: Macros that are keywords of the language.
 _WORDS = ("CW_CONSTEXPR", "CW_CONST", "CW_INLINE")
 

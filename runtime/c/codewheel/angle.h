@@ -70,7 +70,9 @@ static inline uint32_t cw_angle(uint64_t position, uint64_t steps)
 {
     uint64_t remainder = 0U;
     uint32_t angle = 0U;
-    uint32_t bit;
+    const uint32_t position_bits = 64U;
+    const uint32_t appended_zeros = 32U;
+    uint32_t bits_left;
     if (steps == 0U) {
         return 0U;
     }
@@ -86,11 +88,11 @@ static inline uint32_t cw_angle(uint64_t position, uint64_t steps)
         }
         return (uint32_t)(shifted & UINT32_MAX);
     }
-    /* Long division of the position with 32 zeros appended. The quotient is the angle. */
-    for (bit = 96U; bit > 0U; bit--) {
+    /* Long division of the position with zeros appended. The quotient is the angle. */
+    for (bits_left = position_bits + appended_zeros; bits_left > 0U; bits_left--) {
         remainder <<= 1U;
-        if (bit > 32U) {
-            const uint32_t position_bit = bit - 33U;
+        if (bits_left > appended_zeros) {
+            const uint32_t position_bit = (bits_left - appended_zeros) - 1U;
             remainder |= (position >> position_bit) & 1U;
         }
         angle <<= 1U;

@@ -219,7 +219,8 @@ static inline uint64_t cw_to_digits(
         return word;
     }
     /* The highest digit can have fewer bits. */
-    for (uint32_t digits_left = ((bits + digit_bits) - 1U) / digit_bits; digits_left > 0U; digits_left--) {
+    const uint32_t count = ((bits + digit_bits) - 1U) / digit_bits;
+    for (uint32_t digits_left = count; digits_left > 0U; digits_left--) {
         uint64_t weight = 1U;
         uint32_t digit = 0U;
         for (uint32_t lower = 1U; lower < digits_left; lower++) {
@@ -229,7 +230,8 @@ static inline uint64_t cw_to_digits(
             number -= weight;
             digit++;
         }
-        digits |= cw_field(codes, digit * digit_bits, digit_bits) << ((digits_left - 1U) * digit_bits);
+        const uint64_t code = cw_field(codes, digit * digit_bits, digit_bits);
+        digits |= code << ((digits_left - 1U) * digit_bits);
     }
     return cw_with_field(word, low, bits, digits);
 }
