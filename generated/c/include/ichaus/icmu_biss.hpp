@@ -6,7 +6,7 @@
  * Runtime 1.0. Spec icmu, content hash 7f2eb9f7.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto reading = ichaus::icmu_biss::read(ICHAUS_ICMU_BISS_IC_MU_28_2, rx);
+ *     auto reading = ichaus::icmu_biss::read(ICHAUS_ICMU_BISS_IC_MU_28_2, rx);
  *     if (reading) {
  *         ... reading.position ...
  *     }

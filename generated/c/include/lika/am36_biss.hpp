@@ -5,7 +5,7 @@
  * Runtime 1.0. Spec am36, content hash 093d9f5d.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto reading = lika::am36_biss::read(LIKA_AM36_BISS_AM3616_4096_I7, rx);
+ *     auto reading = lika::am36_biss::read(LIKA_AM36_BISS_AM3616_4096_I7, rx);
  *     if (reading) {
  *         ... reading.position ...
  *     }

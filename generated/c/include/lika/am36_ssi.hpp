@@ -5,7 +5,7 @@
  * Runtime 1.0. Spec am36, content hash 093d9f5d.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto reading = lika::am36_ssi::read(LIKA_AM36_SSI_AM3619_4096_GG, rx);
+ *     auto reading = lika::am36_ssi::read(LIKA_AM36_SSI_AM3619_4096_GG, rx);
  *     if (reading) {
  *         ... reading.position ...
  *     }

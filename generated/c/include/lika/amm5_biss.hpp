@@ -5,7 +5,7 @@
  * Runtime 1.0. Spec amm5, content hash 1ece2133.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto reading = lika::amm5_biss::read(LIKA_AMM5_BISS_A21_65KSC1, rx);
+ *     auto reading = lika::amm5_biss::read(LIKA_AMM5_BISS_A21_65KSC1, rx);
  *     if (reading) {
  *         ... reading.position ...
  *     }

@@ -6,7 +6,7 @@
  * Runtime 1.0. Spec asc85, content hash 41b41acf.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto reading = lika::asc85_biss::read(LIKA_ASC85_BISS_25_SC1, my_zero_bit, rx);
+ *     auto reading = lika::asc85_biss::read(LIKA_ASC85_BISS_25_SC1, my_zero_bit, rx);
  *     if (reading) {
  *         ... reading.position ...
  *     }

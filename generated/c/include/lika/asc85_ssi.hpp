@@ -5,7 +5,7 @@
  * Runtime 1.0. Spec asc85, content hash 41b41acf.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto reading = lika::asc85_ssi::read(LIKA_ASC85_SSI_25_GG1, rx);
+ *     auto reading = lika::asc85_ssi::read(LIKA_ASC85_SSI_25_GG1, rx);
  *     if (reading) {
  *         ... reading.position ...
  *     }

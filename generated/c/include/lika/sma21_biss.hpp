@@ -5,7 +5,7 @@
  * Runtime 1.0. Spec sma21, content hash a69649dc.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto reading = lika::sma21_biss::read(LIKA_SMA21_BISS_SC1_0050, rx);
+ *     auto reading = lika::sma21_biss::read(LIKA_SMA21_BISS_SC1_0050, rx);
  *     if (reading) {
  *         ... reading.position ...
  *     }

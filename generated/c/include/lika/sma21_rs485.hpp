@@ -5,7 +5,7 @@
  * Runtime 1.0. Spec sma21, content hash a69649dc.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto reading = lika::sma21_rs485::position_reply_position(LIKA_SMA21_RS485_JP1_0005, rx);
+ *     auto reading = lika::sma21_rs485::position_reply_position(LIKA_SMA21_RS485_JP1_0005, rx);
  *     if (reading) {
  *         ... reading.position ...
  *     }

@@ -5,7 +5,7 @@
  * Runtime 1.0. Spec sma21, content hash a69649dc.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto reading = lika::sma21_ssi::read(LIKA_SMA21_SSI_BG1_0001, rx);
+ *     auto reading = lika::sma21_ssi::read(LIKA_SMA21_SSI_BG1_0001, rx);
  *     if (reading) {
  *         ... reading.position ...
  *     }
