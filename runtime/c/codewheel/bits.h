@@ -230,8 +230,8 @@ static inline uint64_t cw_to_digits(
             number -= weight;
             digit++;
         }
-        const uint64_t code = cw_field(codes, digit * digit_bits, digit_bits);
-        digits |= code << ((digits_left - 1U) * digit_bits);
+        const uint32_t place = (digits_left - 1U) * digit_bits;
+        digits |= cw_field(codes, digit * digit_bits, digit_bits) << place;
     }
     return cw_with_field(word, low, bits, digits);
 }
