@@ -325,7 +325,7 @@ def about_run(device: Device, run: ProcedurePlan, read_state: str) -> Iterator[P
     *first_functions, last_function = (CALLS[call] for call in run.calls)
     functions = f"{', '.join(first_functions)} and {last_function}" if first_functions else last_function
     interface = device.interface(run.procedure.interface)
-    yield f"The procedure runs over {interface.title}. The transport needs {functions}."
+    yield f"The procedure uses {interface.title}. The transport needs {functions}."
     if read_state and run.changes_frames:
         yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 
