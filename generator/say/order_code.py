@@ -228,6 +228,9 @@ _CODING_IN_WORDS = {"binary": "binary", "gray": "Gray", "by_order_code": "binary
 #: Verb phrases for what a request does, by its purpose.
 PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
 
+#: What a T-format request asks for, by its purpose.
+_REQUESTED = {"capture": "data", "write": "a write", "read": "a read", "reset": "a reset"}
+
 
 def describe_interface(device: Device, interface: Interface) -> Iterator[Statement]:
     """Yield all statements about an interface except its title and its errata."""
@@ -403,9 +406,15 @@ def _channel_words(channels: DataChannels) -> str:
 
 def describe_data_id(request: DataId) -> Statement:
     """Return the control field of a T-format request, its purpose and its meaning, labelled with its data ID."""
-    meaning_text = f". {request.meaning}" if request.meaning else ""
+    if request.purpose == "capture" and request.meaning:
+        purpose_and_meaning = f", requests data: {request.meaning}"
+    elif request.meaning:
+        # The meaning is a sentence, such as "Write one byte to the EEPROM".
+        purpose_and_meaning = f". {request.meaning}"
+    else:
+        purpose_and_meaning = f", requests {_REQUESTED[request.purpose]}"
     return statement(
-        f"control field {request.control:02X}h, {request.purpose}{meaning_text}",
+        f"control field {request.control:02X}h{purpose_and_meaning}",
         label=f"Data ID {request.id:X}",
         source=request.source,
     )

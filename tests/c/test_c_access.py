@@ -303,6 +303,8 @@ HELPERS: Mapping[str, int] = {
     "cw_step_poll(0x60U, 0x80U, 0x80U).mask": 0x80,
     "cw_step_wait(5U).microseconds": 5,
     # The parity of even bits in bit 0, of odd bits in bit 1.
+    "cw_parity_64(UINT64_C(0x8000000000000000))": 1,
+    "cw_parity_64(UINT64_C(0x8000000000000001))": 0,
     "cw_parities(0x00000001U)": 1,
     "cw_parities(0x80000000U)": 2,
     "cw_parities(0x00000021U)": 3,

@@ -14,10 +14,10 @@ from codewheel.targets.c.files import generate
 
 pytestmark = pytest.mark.slow
 
-#: Functions of the runtime for users, and functions for Gray excess and BCD, which no family of the library uses.
+#: Functions of the runtime for users, and functions for Gray excess, BCD and long parities, which no family here uses.
 SHARED = {
     "angle": "electrical q31 q15 degrees radians millidegrees",
-    "bits": "from_gray_excess to_gray_excess from_digits to_digits parities",
+    "bits": "from_gray_excess to_gray_excess from_digits to_digits parities parity_64",
     "biss": "answer_decode master_init master_read master_write master_abort master_next master_next_late"
     " request_encode",
     "biss_slave": "slave_init slave_allow slave_give slave_stored slave_next",

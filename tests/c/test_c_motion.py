@@ -376,7 +376,7 @@ FAULTS = {
     "a silence without a limit": ("tracker.h", "== 0U) ? 0xFFFFFFFFU : config", "== 1U) ? 0xFFFFFFFFU : config"),
     "speed": ("tracker.h", "if (remainder >= elapsed_us)", "if (remainder > elapsed_us)"),
     "shift of an angle": ("angle.h", "up = 32U - bits", "up = 33U - bits"),
-    "bits of a position": ("angle.h", "if (bit > 32U)", "if (bit > 33U)"),
+    "bits of a position": ("angle.h", "if (bits_left > appended_zeros)", "if (bits_left > (appended_zeros + 1U))"),
     "nearest": ("angle.h", "+ 0x80000000U) >> 32U", ") >> 32U"),
     "half a turn": ("angle.h", "- 0x7FFFFFFF - 1", "- 0x7FFFFFFF"),
     "offset": ("angle.h", ") - offset", ") + offset"),

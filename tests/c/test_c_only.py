@@ -85,6 +85,7 @@ def test_it_takes_along_only_what_it_needs(
     included = {name for text in files.values() for name in re.findall(r'#include "(?:codewheel/)?(\w+\.hp*)"', text)}
     assert included <= {path.rpartition("/")[2] for path in files}
     assert [name for name in absent if f"`{name}`" in files["c/README.md"]] == []
+    assert ("An RS-485 procedure" in files["c/README.md"]) == any("_rs485.h" in path for path in files)
 
 
 @pytest.mark.slow

@@ -237,3 +237,10 @@ def test_texts_take_nothing_where_they_are_not_used(c_devices: tuple[Device, ...
         program = compile_c([*GCC, "-O0"], code, tmp_path, include, name)
         sizes[name] = remedy in program.read_bytes()
     assert sizes == {"without": False, "with": True}
+
+
+def test_unused_bits_are_selected_by_name(include: Path) -> None:
+    """A bare number in the condition of a verdict or report would not tell which field it is."""
+    texts = [path.read_text(encoding="ascii") for path in sorted(include.rglob("*.h"))]
+    assert any("(frame->unused & LIKA_AM36_BISS_UNUSED_ERROR) != 0U" in text for text in texts)
+    assert not [text for text in texts if "frame->unused & 0x" in text]

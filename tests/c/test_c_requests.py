@@ -108,7 +108,7 @@ def test_a_request_has_the_defaults_of_its_fields(tmp_path: Path) -> None:
     program = (tmp_path / "c" / "examples" / "mlx_spi.c").read_text(encoding="ascii")
     assert "/* Set reset, opcode yourself, because there is no default. */" in program
     header = (tmp_path / "c" / "include" / "test" / "mlx_spi.h").read_text(encoding="ascii")
-    assert "Set all members of a request, because those that an initial value leaves out are 0." in header
+    assert "Set all members, because those that an initial value leaves out are 0." in header
 
 
 def test_a_field_that_must_be_a_power_of_two_is_one(tmp_path: Path) -> None:

@@ -18,10 +18,11 @@ from codewheel.model import Device, Flag, number_to_bytes
 from codewheel.model.channels import channel_frame
 from codewheel.order_codes.reduction import for_codes
 from codewheel.targets import Library
+from codewheel.targets.c.comments import break_lines
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.files import generate
 from codewheel.targets.c.runtime_texts import runtime_headers
-from codewheel.targets.c.single_cuts import cut_biss_receiver
+from codewheel.targets.c.single_cuts import WordLength, cut_biss_receiver
 from exhaustive import mostly_exhaustive
 from rust_frames import numbers
 from test_c_codec import encoded_sample, samples, with_crc
@@ -205,7 +206,13 @@ def test_it_receives_in_only_one_way(packaged: tuple[Device, ...]) -> None:
     assert "_received_halves(" in biss
     assert "_received_bits(" not in biss
     assert "(received < 57U) ||" not in biss
-    long_word = cut_biss_receiver(runtime_headers()["receive.h"], bits=62, buffer_bytes=16)
+    # Registers change the length, which is never above 44 bits.
+    length_varies = single(by_name["am36"], "AMC3619/4096-I7")
+    assert "_received_bits(" not in length_varies
+    assert "(received < 57U) || (bits == 0U) || (bits > 56U)" in length_varies
+    assert "of at least 8 bytes works too" in length_varies
+    length = WordLength(most_bits=62, buffer_bytes=16, varies=False)
+    long_word = cut_biss_receiver(runtime_headers()["receive.h"], length)
     assert "(received < 57U)" not in long_word
     receiver = long_word.partition("cw_biss_receive_bits(\n")[2].partition("\n}\n")[0]
     assert "cw_received_bits(rx, first, bits)" in receiver
@@ -457,3 +464,31 @@ def test_an_spi_header_has_no_macro_for_functions_that_it_lacks(packaged: tuple[
             if interface == "spi":
                 # The numbers of requests are for cw_spi_exchange.
                 assert not re.search(r"^#define \w+_REQUEST_\w+ \d+U$", single(device, code), re.MULTILINE), code
+
+
+@pytest.mark.slow
+def test_comments_are_about_the_interface(packaged: tuple[Device, ...]) -> None:
+    """A reply over SPI or RS-485 has one length, and a request without data has no members to set."""
+    by_name = {device.name: device for device in packaged}
+    spi = single(by_name["as5047p"], "AS5047P")
+    assert "from a pointer to the bytes of one word, or" in spi
+    assert "Set all members" not in spi
+    rs485 = single(by_name["sma21"], "SMA21-JP1-0050")
+    assert "from a pointer to the bytes of one reply, or" in rs485
+    assert "Data ID 4: control field A2h, requests data: 24-bit position and error code" in rs485
+
+
+def test_a_macro_that_is_too_long_is_continued() -> None:
+    """The last line of a macro needs a backslash where it is broken."""
+    code = f"#define READ(rx) \\\n    {'read_position' * 3}((rx), {'SIZE_' * 12}BYTES, (position))\n"
+    first, *others, last = break_lines(code).splitlines()
+    assert others
+    assert all(line.endswith(" \\") and len(line) <= 100 for line in (first, *others))
+    assert not last.endswith("\\")
+
+
+@pytest.mark.slow
+def test_the_parity_of_a_long_word_is_one_call(packaged: tuple[Device, ...]) -> None:
+    by_name = {device.name: device for device in packaged}
+    text = single(by_name["icpvl"], "iC-PVL-40-B1LWE")
+    assert "_parity_64(word & UINT64_C(0xFFFFFFFFFFF)) != 0U" in text

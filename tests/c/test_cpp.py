@@ -260,3 +260,34 @@ def test_an_older_standard_is_named(include: Path, tmp_path: Path) -> None:
     status, output = compiled("g++ -std=c++14", '#include "lika/amm5_biss.hpp"\n', include, tmp_path)
     assert status != 0
     assert "codewheel/result.hpp needs C++17" in output
+
+
+#: Macros whose size of an array must not show as a cast in the line of the program that uses them.
+MACROS_ON_ARRAYS = """
+#include "lika/amm5_biss.h"
+#include "lika/amm5_rs485.h"
+#include "lika/amm5_ssi.h"
+
+bool read(uint64_t *position)
+{
+    static uint8_t biss[LIKA_AMM5_BISS_A21_65KSC1_RX_BYTES];
+    static const uint8_t ssi[2][LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES] = {};
+    static uint8_t reply[LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH];
+    cw_word word;
+    return LIKA_AMM5_BISS_RECEIVE(A21_65KSC1, biss, &word) == CW_OK
+        && LIKA_AMM5_BISS_READ(A21_65KSC1, biss, position) != CW_NOT_USABLE
+        && LIKA_AMM5_SSI_READ_TWICE(A23_65KBG1, ssi[0], ssi[1], 100U, position) != CW_NOT_USABLE
+        && LIKA_AMM5_RS485_READ(A23_65KJP1, reply, position) != CW_NOT_USABLE;
+}
+"""
+
+
+@pytest.mark.parametrize("command", mostly_exhaustive(("g++ -std=c++11", *COMPILERS), "g++ -std=c++11"))
+def test_a_program_gets_no_warning_about_casts_of_macros(command: str, include: Path, tmp_path: Path) -> None:
+    """The headers are those of a system, so only the lines of the program get warnings."""
+    require(command.split())
+    (tmp_path / "unit.cpp").write_text(MACROS_ON_ARRAYS, encoding="ascii")
+    warnings = [*WARNINGS.split(), "-Wold-style-cast"] + ["-Wuseless-cast"] * command.startswith("g++")
+    checked = [*command.split(), *warnings, "-isystem", str(include), "-fsyntax-only", str(tmp_path / "unit.cpp")]
+    completed = subprocess.run(checked, capture_output=True, text=True)
+    assert (completed.returncode, completed.stderr) == (0, "")

@@ -73,7 +73,7 @@ def without_nodiscard(code: str) -> str:
 
 
 #: Macros with arguments: a length at compile time, and a check that can be omitted.
-_WITH_ARGUMENTS = ("_RECEIVE", "_READ", "_READ_BYTES", "_READ_TWICE", "CW_ASSERT")
+_WITH_ARGUMENTS = ("_RECEIVE", "_READ", "_READ_BYTES", "_READ_TWICE", "CW_ASSERT", "CW_SIZE_OF")
 #: Macros that are keywords of the language.
 _WORDS = ("CW_CONSTEXPR", "CW_CONST", "CW_INLINE")
 
@@ -167,6 +167,7 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
             lines += _function(f"const {kind} *", function, "void", f"return &{name};")
     if "codewheel/bits.h" in paths:
         lines += _function("int", "CW_CONST", "void", "CW_CONST int value = 1;", "return value;")
+        lines += _function("size_t", "CW_SIZE_OF", "void", "uint8_t rx[4] = { 0U };", "return CW_SIZE_OF(rx, 4U);")
     for name in declarations.enumerators:
         lines += _function("int", name, "void", f"return {name} != 0;")
     for name in declarations.types:

@@ -98,6 +98,10 @@ void parity(void)
     unsigned value = (unsigned)nondet_word(), parities[2] = { 0, 0 };
     for (int i = 0; i < 32; i++) parities[i % 2] ^= (value >> i) & 1;
     __CPROVER_assert(cw_parity(value) == (parities[0] ^ parities[1]), "1 where the number of ones is odd");
+    unsigned long long word = nondet_word();
+    unsigned parity = 0;
+    for (int i = 0; i < 64; i++) parity ^= (unsigned)(word >> i) & 1;
+    __CPROVER_assert(cw_parity_64(word) == parity, "the same for 64 bits");
     __CPROVER_assert(cw_parities(value) == (parities[0] | (parities[1] << 1)), "that of even bits and of odd bits");
 }
 #ifdef POWER

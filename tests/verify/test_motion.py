@@ -141,7 +141,7 @@ def test_angles_of_any_number_of_steps(include: Path, tmp_path: Path) -> None:
 
 
 def test_a_wrong_angle_would_be_seen(include: Path, tmp_path: Path) -> None:
-    broken = planted(include, "angle.h", "if (rest >= steps) {", "if (rest > steps) {", tmp_path)
+    broken = planted(include, "angle.h", "if (remainder >= steps) {", "if (remainder > steps) {", tmp_path)
     assert wrong_angles(ANY_STEPS, broken, tmp_path) > 0
 
 

@@ -114,7 +114,7 @@ def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     if function.carrier is CoveredData.BITS:
         return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
     paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
-    if function.form is CrcMethod.XOR:
+    if function.form is CrcMethod.XOR and not any("XOR of the bytes" in fact for fact in facts):
         paragraphs.append("With this polynomial, the CRC of whole bytes is their XOR.")
     return paragraphs
 
@@ -185,6 +185,8 @@ def about_layout(device: Device, interface: Interface, struct: LayoutStruct) -> 
     for layout_statement in say_layout.describe_layout(device, interface, frame_layout):
         if layout_statement not in statements_elsewhere:
             paragraphs.append(HEADER_STYLE.sentence(layout_statement))
+    if frame_layout.sender == "master" and frame_layout.data_fields:
+        paragraphs.append("Set all members, because those that an initial value leaves out are 0.")
     return [*paragraphs, *field_table(struct), *map(HEADER_STYLE.sentence, errata)]
 
 
@@ -209,7 +211,8 @@ def about_unused(struct: LayoutStruct) -> str:
     bits_and_names: list[str] = []
     for field, low in struct.layout.unused:
         highest = low + field.widest - 1
-        bits_and_names.append(f"{bit_range(highest, low)} {field.name}")
+        bits = bit_range(highest, low)
+        bits_and_names.append(f"{'bit' if highest == low else 'bits'} {bits} {field.name}")
     listed_fields = HEADER_STYLE.phrase(statement(*list_parts(bits_and_names)))
     return f"Unused bits, each 1 if it differs from the manual: {listed_fields}."
 
@@ -322,7 +325,7 @@ def about_run(device: Device, run: ProcedurePlan, read_state: str) -> Iterator[P
     *first_functions, last_function = (CALLS[call] for call in run.calls)
     functions = f"{', '.join(first_functions)} and {last_function}" if first_functions else last_function
     interface = device.interface(run.procedure.interface)
-    yield f"{run.procedure.title}, over {interface.title}. The transport needs {functions}."
+    yield f"The procedure uses {interface.title}. The transport needs {functions}."
     if read_state and run.changes_frames:
         yield f"The frames depend on the bytes written, so call {read_state}() afterwards to update the variant."
 

@@ -249,12 +249,7 @@ class BitReader:
             combined = COperation("^", tuple(CCast(type_, number) for number in numbers))
         if mask:
             combined = masked(combined, mask)
-        if widest > 32:
-            # The parity of a number equals the parity of its halves XORed, and the runtime takes 32 bits.
-            lower_half = CCast("uint32_t", combined)
-            upper_half = CCast("uint32_t", shifted_right(combined, 32))
-            combined = COperation("^", (lower_half, upper_half))
-        return CCall("cw_parity", (combined,))
+        return CCall("cw_parity_64" if widest > 32 else "cw_parity", (combined,))
 
 
 def digits(number: object, field: Field, digit_run: Digits) -> CExpression:

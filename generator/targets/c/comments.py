@@ -212,9 +212,13 @@ def _fit_doxygen_comment(line: str) -> Iterator[str]:
 
 
 def break_lines(text: str) -> str:
-    """Return a C file with its long lines broken, except comments, macros and initializers, which stay unchanged."""
+    """Return a C file with its long lines broken, except comments, initializers and macros.
+
+    Comments and initializers stay unchanged. Of a macro, only its last line is broken, with a backslash at each break.
+    """
     lines: list[str] = []
     in_comment = False
+    in_macro = False
     for line in text.splitlines():
         in_comment = in_comment or line.lstrip().startswith("/*")
         # Initializers end in "};", and the lines of a macro in a backslash.
@@ -222,8 +226,10 @@ def break_lines(text: str) -> str:
             lines.append(line)
         else:
             continues_previous = bool(lines) and lines[-1].endswith(_CONTINUED_LINE)
-            lines += _broken_lines(line, continues_previous=continues_previous)
+            separator = " \\\n" if in_macro else "\n"
+            lines.append(separator.join(_broken_lines(line, continues_previous=continues_previous)))
         in_comment = in_comment and not line.endswith("*/")
+        in_macro = line.endswith("\\")
     return "".join(f"{line}\n" for line in lines)
 
 

@@ -64,7 +64,8 @@ class AllUnusedBits:
     bits: CExpression
 
 
-#: Masks of the odd and the even bits in the lower 32 bits of a word.
+#: Masks of the lower 32 bits of a word, and of the odd and the even bits in them.
+_LOWER_HALF = 0xFFFFFFFF
 _ODD_BITS, _EVEN_BITS = 0xAAAAAAAA, 0x55555555
 
 
@@ -134,7 +135,7 @@ class CDecoder:
         """
         masks = [self._word_parities[parity.field.name] for parity in self._checked_in_word]
         have_same_parity = len({parity.odd for parity in self._checked_in_word}) == 1
-        if len(masks) != 2 or not have_same_parity:
+        if len(masks) != 2 or not have_same_parity or max(masks) > _LOWER_HALF:
             return ()
         first_mask, second_mask = masks
         is_odd_then_even = first_mask & _EVEN_BITS == 0 and second_mask & _ODD_BITS == 0
@@ -225,9 +226,9 @@ class CDecoder:
     def _mask_in_word(self, parity: ParityIs) -> int:
         """Return the mask of a parity bit and all bits that it covers in the word, or 0 if one mask is not enough.
 
-        One mask is enough for a word without Gray code, if these bits are in its lower 32 bits, and are the same bits
-        for all order codes, contents of registers and answers of the user. It is not used for the parity of the
-        selector, which is compared with a constant instead.
+        One mask is enough for a word without Gray code, if these are the same bits for all order codes, contents of
+        registers and answers of the user. It is not used for the parity of the selector, which is compared with a
+        constant instead.
         """
         is_in_plain_word = self.plan.by_word and not self.plan.is_converted
         if not is_in_plain_word or parity.known_parity is not None:
@@ -240,8 +241,7 @@ class CDecoder:
         if not depends_on_order_code_alone or len(masks) > 1:
             return 0
         (mask,) = masks
-        is_in_lower_half = mask.bit_length() <= 32
-        return mask if is_in_lower_half else 0
+        return mask
 
     def _parameters_beyond_order_code(self) -> set[str]:
         """Return the names of the parameters that a register, or an answer of the user, can change."""
@@ -255,6 +255,8 @@ class CDecoder:
     def parity_in_word(self, parity: ParityIs) -> CExpression:
         """Return the parity of a parity bit in the word and all bits that it covers."""
         mask = self._word_parities[parity.field.name]
+        if mask > _LOWER_HALF:
+            return CCall("cw_parity_64", (masked(self.reader.word, mask),))
         return CCall("cw_parity", (masked(self.reader.lower(32), mask),))
 
     def parity_pair_of_word(self, parities: Sequence[ParityIs]) -> CExpression:

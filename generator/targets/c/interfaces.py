@@ -227,8 +227,6 @@ class InterfaceCode:
         for statement in statements:
             if statement not in self._stated_elsewhere:
                 yield HEADER_STYLE.sentence(statement)
-        if any(layout.sender == "master" and layout.data_fields for layout in interface.layouts):
-            yield "Set all members of a request, because those that an initial value leaves out are 0."
         yield from self._explain_receiving()
         path = f"interfaces.{interface.name}"
         layout_paths = [f"{path}.{layout.name}" for layout in interface.layouts]

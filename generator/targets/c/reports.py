@@ -36,7 +36,6 @@ from .names import (
     ParameterSpelling,
     c_name,
     join_operands,
-    masked,
     unsigned,
 )
 
@@ -70,8 +69,21 @@ class FrameReports:
         self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.codec.reserved)
 
     def names(self) -> Iterator[str]:
-        """Return the names of the functions that the frame has."""
-        return filter(None, (self.verdict, self.reports))
+        """Yield the names of the functions and macros that the frame has."""
+        yield from filter(None, (self.verdict, self.reports))
+        yield from (mask.name for mask in self.unused_masks)
+
+    @property
+    def unused_masks(self) -> Iterator[EnumConstant]:
+        """The bits of the member ``unused`` that belong to each reported field, unless it has all of them."""
+        for cause in (report_cause.by for report_cause in self.reporting.causes):
+            if isinstance(cause, Reserved) and cause.mask != self._mask_of_all_unused:
+                note = f"{cause.field.name} in the member unused"
+                yield EnumConstant(name=self._name_of_mask(cause), value=cause.mask, note=note)
+
+    def _name_of_mask(self, reserved: Reserved) -> str:
+        """Return the macro for the bits of an unused field, such as ``ACME_X_UNUSED_STATUS``."""
+        return f"{self.frame}_unused_{reserved.field.name}".upper()
 
     @property
     def mask_terms(self) -> Iterator[CExpression]:
@@ -173,11 +185,14 @@ class FrameReports:
         """Return the condition that a bit of these unused fields differs from the manual.
 
         The member ``unused`` has a 1 in each bit that differs. If the fields are all unused fields of the frame, the
-        condition is ``frame->unused != 0U``. Otherwise, the member is masked.
+        condition is ``frame->unused != 0U``. Otherwise, the member is masked with the macros of the fields.
         """
         # The masks have no common bits.
-        mask = sum(field.mask for field in reserved)
-        differing_bits = _UNUSED_MEMBER if mask == self._mask_of_all_unused else masked(_UNUSED_MEMBER, mask)
+        if sum(field.mask for field in reserved) == self._mask_of_all_unused:
+            differing_bits: CExpression = _UNUSED_MEMBER
+        else:
+            mask = join_operands("|", tuple(CName(self._name_of_mask(field)) for field in reserved))
+            differing_bits = COperation("&", (_UNUSED_MEMBER, mask))
         return COperation("!=", (differing_bits, CNumber(0)))
 
 

@@ -17,7 +17,7 @@ from typing import Annotated, TypedDict
 from ...model import Biss, Device, Manufacturer, Ssi
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
-from ...plan.frames import FrameSize, received_sizes
+from ...plan.frames import received_sizes
 from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
@@ -27,7 +27,7 @@ from .device import DeviceView, views_of
 from .names import StructPassing
 from .runtime_texts import runtime_headers, runtime_version
 from .single_comments import CommentAdapter, first_paragraph, first_sentence, without_example, wrap_text
-from .single_cuts import BYTES_LOADED_AT_ONCE, cut_biss_receiver, cut_ssi_receiver, loads_biss_at_once
+from .single_cuts import BYTES_LOADED_AT_ONCE, WordLength, cut_biss_receiver, cut_ssi_receiver
 from .single_usage import SingleUsage
 
 TEMPLATE = "single.h.jinja"
@@ -35,8 +35,6 @@ TEMPLATE = "single.h.jinja"
 _RECEIVING_HEADERS = ("bits.h", "receive.h", "receive_frame.h", "channels.h", "spi.h")
 #: The part of the runtime that all headers share.
 _SHARED_HEADER = "result.h"
-#: Macros of the runtime that mark functions and constants. Every header defines them alike.
-_MARKS = ("CW_CONSTEXPR", "CW_CONST")
 #: A part of the names of macros that only register access needs.
 _FOR_REGISTERS = "_CONTROL_"
 #: Parts of an interface in a spec that reading a position does not need.
@@ -119,12 +117,16 @@ class SingleCode:
 
     @property
     def marks(self) -> str:
-        """The definitions of the macros that mark functions and constants."""
+        """The definitions of the macros that mark functions and constants, and of the size of an array."""
         bits_header = runtime_headers()["bits.h"]
-        start = bits_header.index("/* With C++17")
-        lines = bits_header[start : bits_header.index("#endif\n", start)].splitlines(keepends=True)
-        # The first line is the comment. The definitions follow it, up to the first #endif.
-        return "".join(lines[1:]) + "#endif\n"
+        marks_and_size = bits_header[
+            bits_header.index("/* With C++17") : bits_header.index("#ifdef __cplusplus\nextern")
+        ]
+        # The first line is a comment on the standard. The definitions follow it.
+        _, _, definitions = marks_and_size.rstrip("\n").partition("\n")
+        if self.view.reading.frame is None:
+            definitions, _, _ = definitions.partition("\n\n")
+        return f"{definitions}\n"
 
     @property
     def body(self) -> str:
@@ -166,27 +168,31 @@ class SingleCode:
             self.declarations.insert(is_following.index(True), Declaration(commented.comment, code=""))
 
     def _runtime_header(self, name: str) -> str:
-        """Return a header of the runtime, without code for words of other lengths if all frames have one length."""
+        """Return a header of the runtime, without code for words of lengths that the frame with the position lacks."""
         text = runtime_headers()[name]
-        if name != "receive.h" or self._word_length is None:
+        length = self._word_length
+        if name != "receive.h" or length is None:
             return text
         match self.view.context.interface:
             case Biss():
-                return cut_biss_receiver(text, self._word_length.bits, self._word_length.bytes)
-            case Ssi():
-                return cut_ssi_receiver(text, self._word_length.bits)
+                return cut_biss_receiver(text, length)
+            case Ssi() if not length.varies:
+                return cut_ssi_receiver(text, length.most_bits)
             case _:
                 return text
 
     @cached_property
-    def _word_length(self) -> FrameSize | None:
-        """The length of the word that the macros receive, or None if it varies or if they receive no single word."""
+    def _word_length(self) -> WordLength | None:
+        """The length of the word that the macros receive, or None if they receive no single word."""
         frame, interface = self.view.reading.frame, self.view.context.interface
         if frame is None or frame.plan.in_bytes or frame.whole_frame is not None:
             return None
         sizes = [size for size in received_sizes(self.view.device, interface) if size.layout == frame.struct.layout]
-        has_one_length = len(sizes) == 1 and not sizes[0].depends_on_registers
-        return sizes[0] if has_one_length else None
+        if not sizes:
+            return None
+        varies = len(sizes) > 1 or sizes[0].depends_on_registers
+        most_bits = sizes[0].layout.widest if varies else sizes[0].bits
+        return WordLength(most_bits, buffer_bytes=sizes[0].bytes, varies=varies)
 
     def _titles_of_other_errata(self) -> Iterator[str]:
         """Yield the titles of the errata that are only about parts of the interface that this header does not have."""
@@ -197,8 +203,8 @@ class SingleCode:
 
     def _named_in_comment(self, text: str) -> str:
         """Return a text of a comment with the names of this header, and with the smallest size of its buffers."""
-        size, is_biss = self._word_length, isinstance(self.view.context.interface, Biss)
-        if size is not None and is_biss and loads_biss_at_once(size.bits, size.bytes):
+        is_biss = isinstance(self.view.context.interface, Biss)
+        if is_biss and self._word_length is not None and self._word_length.fits_one_load:
             smallest_size = f"of at least {BYTES_LOADED_AT_ONCE} bytes"
             text = text.replace("Any other size works too", f"Any other size {smallest_size} works too")
             text = text.replace("any number of bytes", f"{BYTES_LOADED_AT_ONCE} or more bytes")
@@ -430,10 +436,9 @@ def _on_one_line(guard: re.Match[str]) -> str:
 
 
 def _refilled_macro(c_code: str) -> str:
-    """Return a macro whose lines after the first are joined and broken again at the width of a header."""
+    """Return a macro whose lines after the first, if any, are joined and broken again at the width of a header."""
     first_line, *body = (line.removesuffix("\\").rstrip() for line in c_code.splitlines())
-    # A single further line cannot be merged.
-    if len(body) < 2:
+    if not body:
         return c_code
     joined_body = " ".join(line.strip() for line in body)
     # 2 characters are the space and the backslash at the end of a line.

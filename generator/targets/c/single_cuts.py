@@ -1,9 +1,10 @@
-"""Runtime code that a single header leaves out, because the length of its word is known."""
+"""Runtime code that a single header leaves out, because the highest length of its word is known."""
 
 from __future__ import annotations
 
 import re
 import textwrap
+from dataclasses import dataclass
 
 from .. import TargetError
 
@@ -12,26 +13,41 @@ BYTES_LOADED_AT_ONCE = 8
 #: Highest number of bits for which these bytes always contain the whole word and its stop bit.
 _MOST_BITS_LOADED_AT_ONCE = 56
 _RECEIVED_SLOWLY = "(received < 57U) || (bits == 0U) || (bits > 56U)"
-_REFUSAL_OF_SHORT_BUFFER = """\
-    if (received < 57U) { /* the loads below need 8 bytes */
+#: The comment is inside the braces, since a condition with a comment stays on lines of its own.
+_REFUSAL = """\
+    if ({condition}) {{ /* the loads below need 8 bytes */
         return CW_FAULT_LENGTH;
-    }
+    }}
 """
 
 
-def loads_biss_at_once(bits: int, buffer_bytes: int) -> bool:
-    """Return True if the receiver of a BiSS word needs only its fast way, which loads 8 bytes at once."""
-    return 0 < bits <= _MOST_BITS_LOADED_AT_ONCE and buffer_bytes >= BYTES_LOADED_AT_ONCE
+@dataclass(frozen=True, slots=True)
+class WordLength:
+    """The highest number of bits of a received word, and the bytes of its buffer.
+
+    ``varies`` is True if registers or answers of the user change the number of bits.
+    """
+
+    most_bits: int
+    buffer_bytes: int
+    varies: bool
+
+    @property
+    def fits_one_load(self) -> bool:
+        """True if the receiver of BiSS words needs only its fast way, which loads 8 bytes at once."""
+        return 0 < self.most_bits <= _MOST_BITS_LOADED_AT_ONCE and self.buffer_bytes >= BYTES_LOADED_AT_ONCE
 
 
-def cut_biss_receiver(runtime: str, bits: int, buffer_bytes: int) -> str:
+def cut_biss_receiver(runtime: str, length: WordLength) -> str:
     """Return the receiver of BiSS words with only one of its two ways, which depend on the length of the word.
 
-    The fast way refuses a buffer of less than 8 bytes, which the slow way would accept.
+    The fast way refuses a buffer of less than 8 bytes, which the slow way would accept. If the length varies, it also
+    refuses lengths that no word of the encoder has.
     """
-    if loads_biss_at_once(bits, buffer_bytes):
-        return _replace_block(runtime, _RECEIVED_SLOWLY, replacement=_REFUSAL_OF_SHORT_BUFFER)
-    if bits > _MOST_BITS_LOADED_AT_ONCE:
+    if length.fits_one_load:
+        condition = _RECEIVED_SLOWLY if length.varies else "received < 57U"
+        return _replace_block(runtime, _RECEIVED_SLOWLY, replacement=_REFUSAL.format(condition=condition))
+    if length.most_bits > _MOST_BITS_LOADED_AT_ONCE and not length.varies:
         slow_way = _body_of_block(runtime, _RECEIVED_SLOWLY)
         start = runtime.index(f"    if ({_RECEIVED_SLOWLY})")
         end = runtime.index("\n}\n", start)

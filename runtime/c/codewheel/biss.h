@@ -611,7 +611,10 @@ static inline bool cw_biss_master_byte(cw_biss_master *master, bool cds)
     }
     cw_biss_master_end_byte(master, value);
     /* Ignore the response to the last P: it concerns a register that was not requested. */
-    return (master->done == master->count) ? cw_biss_master_end(master, outcome) : false;
+    if (master->done == master->count) {
+        return cw_biss_master_end(master, outcome);
+    }
+    return false;
 }
 
 /**
@@ -782,7 +785,11 @@ static inline bool cw_biss_master_next_late(cw_biss_master *master, bool cds)
         break;
     case CW_BISS_PHASE_START:
         /* This is the response to P. */
-        cdm = cds ? cw_biss_master_end(master, CW_BISS_REFUSED) : cw_biss_late_data(master);
+        if (cds) {
+            cdm = cw_biss_master_end(master, CW_BISS_REFUSED);
+        } else {
+            cdm = cw_biss_late_data(master);
+        }
         break;
     case CW_BISS_PHASE_BYTE:
         cdm = cw_biss_late_byte(master, cds);

@@ -36,19 +36,19 @@ extern "C" {
  * Return whether two numbers differ by no more than a tolerance. The difference is taken the
  * shorter way around, since the lowest and the highest number are adjacent.
  *
- * @param number  the highest bits of one position
- * @param other  as many bits of the other position
+ * @param first  the highest bits of one position
+ * @param second  as many bits of the other position
  * @param bits  number of these bits, 1 to 64
  * @param tolerance  highest difference
  */
 CW_CONSTEXPR
 static inline bool cw_biss_positions_agree(
-    uint64_t number, uint64_t other, uint32_t bits, uint64_t tolerance)
+    uint64_t first, uint64_t second, uint32_t bits, uint64_t tolerance)
 {
     const uint32_t unused = 64U - bits;
     const uint64_t mask = UINT64_MAX >> unused;
-    const uint64_t up = (number - other) & mask;
-    const uint64_t down = (other - number) & mask;
+    const uint64_t up = (first - second) & mask;
+    const uint64_t down = (second - first) & mask;
     return (up <= tolerance) || (down <= tolerance);
 }
 

@@ -46,8 +46,8 @@ CW_CONSTEXPR
 static inline uint32_t cw_received_bit(const uint8_t *rx, size_t place)
 {
     const uint32_t byte = rx[place / 8U];
-    const size_t left = 7U - (place % 8U);
-    return (byte >> left) & 1U;
+    const size_t shift = 7U - (place % 8U);
+    return (byte >> shift) & 1U;
 }
 
 /** Marks functions that are about as short as a call to them. */

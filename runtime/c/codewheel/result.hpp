@@ -58,8 +58,8 @@ template <typename T>
 class [[nodiscard]] result {
 public:
     /** Keep the value if a C function returned CW_OK, otherwise keep the result. */
-    constexpr result(cw_result found, const T &value) noexcept
-        : value_(value), fault_(static_cast<codewheel::fault>(found))
+    constexpr result(cw_result returned, const T &value) noexcept
+        : value_(value), fault_(static_cast<codewheel::fault>(returned))
     {
     }
 

@@ -30,29 +30,29 @@ extern "C" {
 /** Return the position of the highest 1 in a nonzero number. */
 static inline uint32_t cw_angle_highest_bit(uint64_t number)
 {
-    uint64_t left = number;
+    uint64_t remaining = number;
     uint32_t bit = 0U;
-    if ((left >> 32U) != 0U) {
-        left >>= 32U;
+    if ((remaining >> 32U) != 0U) {
+        remaining >>= 32U;
         bit += 32U;
     }
-    if ((left >> 16U) != 0U) {
-        left >>= 16U;
+    if ((remaining >> 16U) != 0U) {
+        remaining >>= 16U;
         bit += 16U;
     }
-    if ((left >> 8U) != 0U) {
-        left >>= 8U;
+    if ((remaining >> 8U) != 0U) {
+        remaining >>= 8U;
         bit += 8U;
     }
-    if ((left >> 4U) != 0U) {
-        left >>= 4U;
+    if ((remaining >> 4U) != 0U) {
+        remaining >>= 4U;
         bit += 4U;
     }
-    if ((left >> 2U) != 0U) {
-        left >>= 2U;
+    if ((remaining >> 2U) != 0U) {
+        remaining >>= 2U;
         bit += 2U;
     }
-    return bit + (((left >> 1U) != 0U) ? 1U : 0U);
+    return bit + (((remaining >> 1U) != 0U) ? 1U : 0U);
 }
 
 /**
@@ -68,9 +68,11 @@ static inline uint32_t cw_angle_highest_bit(uint64_t number)
  */
 static inline uint32_t cw_angle(uint64_t position, uint64_t steps)
 {
-    uint64_t rest = 0U;
+    uint64_t remainder = 0U;
     uint32_t angle = 0U;
-    uint32_t bit;
+    const uint32_t position_bits = 64U;
+    const uint32_t appended_zeros = 32U;
+    uint32_t bits_left;
     if (steps == 0U) {
         return 0U;
     }
@@ -86,16 +88,16 @@ static inline uint32_t cw_angle(uint64_t position, uint64_t steps)
         }
         return (uint32_t)(shifted & UINT32_MAX);
     }
-    /* Long division of the position with 32 zeros appended. The quotient is the angle. */
-    for (bit = 96U; bit > 0U; bit--) {
-        rest <<= 1U;
-        if (bit > 32U) {
-            const uint32_t at = bit - 33U;
-            rest |= (position >> at) & 1U;
+    /* Long division of the position with zeros appended. The quotient is the angle. */
+    for (bits_left = position_bits + appended_zeros; bits_left > 0U; bits_left--) {
+        remainder <<= 1U;
+        if (bits_left > appended_zeros) {
+            const uint32_t position_bit = (bits_left - appended_zeros) - 1U;
+            remainder |= (position >> position_bit) & 1U;
         }
         angle <<= 1U;
-        if (rest >= steps) {
-            rest -= steps;
+        if (remainder >= steps) {
+            remainder -= steps;
             angle |= 1U;
         }
     }

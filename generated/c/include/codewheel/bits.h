@@ -26,6 +26,15 @@
 #define CW_CONST const /**< marks a constant, of use at compile time in C++17 */
 #endif
 
+/* The size of an array in bytes. A pointer, or an array of another size, does not compile. */
+#ifdef __cplusplus
+#define CW_SIZE_OF(array, bytes) \
+    (sizeof(array) + (0U * sizeof(&(array) - *static_cast<uint8_t (**)[bytes]>(nullptr))))
+#else
+#define CW_SIZE_OF(array, bytes) \
+    (sizeof(array) + (0U * sizeof(&(array) - (uint8_t (*)[bytes])&(array))))
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -210,17 +219,19 @@ static inline uint64_t cw_to_digits(
         return word;
     }
     /* The highest digit can have fewer bits. */
-    for (uint32_t left = ((bits + digit_bits) - 1U) / digit_bits; left > 0U; left--) {
+    const uint32_t count = ((bits + digit_bits) - 1U) / digit_bits;
+    for (uint32_t digits_left = count; digits_left > 0U; digits_left--) {
         uint64_t weight = 1U;
         uint32_t digit = 0U;
-        for (uint32_t lower = 1U; lower < left; lower++) {
+        for (uint32_t lower = 1U; lower < digits_left; lower++) {
             weight *= base;
         }
         while (((digit + 1U) < base) && (number >= weight)) {
             number -= weight;
             digit++;
         }
-        digits |= cw_field(codes, digit * digit_bits, digit_bits) << ((left - 1U) * digit_bits);
+        const uint32_t place = (digits_left - 1U) * digit_bits;
+        digits |= cw_field(codes, digit * digit_bits, digit_bits) << place;
     }
     return cw_with_field(word, low, bits, digits);
 }
@@ -234,6 +245,13 @@ static inline uint32_t cw_parity(uint32_t value)
     v ^= v >> 8U;
     v ^= v >> 4U;
     return (0x6996U >> (v & 0x0FU)) & 1U; /* bit n of 6996h is the parity of n */
+}
+
+/** Return 1 if the number of 1 bits is odd, 0 if it is even, for numbers of up to 64 bits. */
+CW_CONSTEXPR
+static inline uint32_t cw_parity_64(uint64_t value)
+{
+    return cw_parity((uint32_t)value ^ (uint32_t)(value >> 32U));
 }
 
 /** Return the parity of the even-numbered bits in bit 0, and of the odd-numbered bits in bit 1. */

@@ -77,27 +77,27 @@ static inline size_t cw_label_spaces(const char *label)
  */
 static inline bool cw_label_ends(const char *label)
 {
-    size_t at = cw_label_spaces(label);
+    size_t index = cw_label_spaces(label);
     char kind;
-    if ((label[at] == '\0') || (label[at] == '-')) {
+    if ((label[index] == '\0') || (label[index] == '-')) {
         return true;
     }
-    if (label[at] != '/') {
+    if (label[index] != '/') {
         return false;
     }
-    at += 1U + cw_label_spaces(&label[at + 1U]);
-    kind = cw_capital(label[at]);
+    index += 1U + cw_label_spaces(&label[index + 1U]);
+    kind = cw_capital(label[index]);
     if (kind != 'S') {
         return false;
     }
-    at += 1U + cw_label_spaces(&label[at + 1U]);
-    if (label[at] == '\0') {
+    index += 1U + cw_label_spaces(&label[index + 1U]);
+    if (label[index] == '\0') {
         return false;
     }
-    while (cw_is_letter_or_digit(label[at])) {
-        at += 1U + cw_label_spaces(&label[at + 1U]);
+    while (cw_is_letter_or_digit(label[index])) {
+        index += 1U + cw_label_spaces(&label[index + 1U]);
     }
-    return label[at] == '\0';
+    return label[index] == '\0';
 }
 
 /**
@@ -107,43 +107,43 @@ static inline bool cw_label_ends(const char *label)
  */
 static inline size_t cw_label_match(const char *label, const char *code)
 {
-    size_t at = 0U;
+    size_t matched = 0U;
     size_t index;
     for (index = 0U; code[index] != '\0'; index++) {
-        const char wanted = code[index];
-        if (wanted == ' ') {
+        const char pattern = code[index];
+        if (pattern == ' ') {
             continue;
         }
-        at += cw_label_spaces(&label[at]);
-        const char letter = label[at];
-        const bool digit = cw_is_digit(letter);
-        const bool either = cw_is_letter_or_digit(letter);
+        matched += cw_label_spaces(&label[matched]);
+        const char letter = label[matched];
+        const bool is_digit = cw_is_digit(letter);
+        const bool is_alphanumeric = cw_is_letter_or_digit(letter);
         bool fits;
-        switch (wanted) {
+        switch (pattern) {
         case '#':
         case '~':
-            fits = digit;
+            fits = is_digit;
             break;
         case '@':
-            fits = either && !digit;
+            fits = is_alphanumeric && !is_digit;
             break;
         case '%':
-            fits = either;
+            fits = is_alphanumeric;
             break;
         default:
-            fits = cw_capital(letter) == cw_capital(wanted);
+            fits = cw_capital(letter) == cw_capital(pattern);
             break;
         }
         if (fits) {
-            at++;
-        } else if (wanted != '~') {
+            matched++;
+        } else if (pattern != '~') {
             return 0U;
         } else {
             /* No digit: ~ allows that. */
         }
     }
-    at += cw_label_spaces(&label[at]);
-    return cw_label_ends(&label[at]) ? at : 0U;
+    matched += cw_label_spaces(&label[matched]);
+    return cw_label_ends(&label[matched]) ? matched : 0U;
 }
 
 /** A pattern for labels, the index of its order code, and the parts that it leaves open. */

@@ -462,9 +462,7 @@ static inline uint32_t ichaus_icmu_biss_reports(
  */
 #define ICHAUS_ICMU_BISS_RECEIVE(code, rx, word) \
     ichaus_icmu_biss_receive(ICHAUS_ICMU_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[ICHAUS_ICMU_BISS_##code##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, ICHAUS_ICMU_BISS_##code##_RX_BYTES), (word))
 
 /* -- reading a position ------------------------------------------------------------------------ */
 
@@ -476,9 +474,7 @@ static inline uint32_t ichaus_icmu_biss_reports(
  */
 #define ICHAUS_ICMU_BISS_READ(code, rx, position) \
     ichaus_icmu_biss_read(ICHAUS_ICMU_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[ICHAUS_ICMU_BISS_##code##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, ICHAUS_ICMU_BISS_##code##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define ICHAUS_ICMU_BISS_READ_BYTES(code, bytes, length, position) \
     ichaus_icmu_biss_read(ICHAUS_ICMU_BISS_##code, \

@@ -6,9 +6,9 @@
  * Runtime 1.0. Spec icmu, content hash affd6644.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto found = ichaus::icmu_biss::read(ICHAUS_ICMU_BISS_IC_MU_28_2, rx);
- *     if (found) {
- *         ... found.position ...
+ *     auto reading = ichaus::icmu_biss::read(ICHAUS_ICMU_BISS_IC_MU_28_2, rx);
+ *     if (reading) {
+ *         ... reading.position ...
  *     }
  *
  * The functions have the names of those in icmu_biss.h without ichaus_icmu_biss_. They work at
@@ -29,8 +29,8 @@ decode(
     const ::ichaus_icmu_biss &variant, cw_word word) noexcept
 {
     ::ichaus_icmu_biss_frame out{};
-    const cw_result found = ichaus_icmu_biss_decode(variant, word, &out);
-    return {found, out};
+    const cw_result outcome = ichaus_icmu_biss_decode(variant, word, &out);
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -58,9 +58,9 @@ read(
     const ::ichaus_icmu_biss &variant, codewheel::view rx) noexcept
 {
     cw_word word{};
-    const cw_result found = ichaus_icmu_biss_receive(variant, rx.data(), rx.size(), &word);
-    if (found != CW_OK) {
-        return static_cast<codewheel::fault>(found);
+    const cw_result outcome = ichaus_icmu_biss_receive(variant, rx.data(), rx.size(), &word);
+    if (outcome != CW_OK) {
+        return static_cast<codewheel::fault>(outcome);
     }
     return position(variant, word);
 }

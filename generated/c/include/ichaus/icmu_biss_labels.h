@@ -84,16 +84,16 @@ static inline const ichaus_icmu_biss_order_code *ichaus_icmu_biss_find_order_cod
     size_t index;
     size_t longest = 0U;
     const ichaus_icmu_biss_order_code *const codes = ichaus_icmu_biss_order_codes(&count);
-    const ichaus_icmu_biss_order_code *found = NULL;
+    const ichaus_icmu_biss_order_code *match = NULL;
     *unlisted = 0U;
     for (index = 0U; index < count; index++) {
         const size_t length = cw_label_match(label, codes[index].text);
         if (length > longest) {
             longest = length;
-            found = &codes[index];
+            match = &codes[index];
         }
     }
-    return found;
+    return match;
 }
 
 #ifdef __cplusplus

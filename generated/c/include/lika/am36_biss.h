@@ -291,6 +291,9 @@ typedef enum lika_am36_biss_report {
  * bit for the whole timeout (varies with the clock, at most 10 us).
  */
 
+#define LIKA_AM36_BISS_UNUSED_WARNING 0x01U /**< warning in the member unused */
+#define LIKA_AM36_BISS_UNUSED_ERROR 0x02U /**< error in the member unused */
+
 /**
  * single_cycle_data, sent by the encoder over BiSS C-mode: used_singleturn_bits +
  * used_multiturn_bits + 8 bits, most significant bit first [6.3 p.21, 6.3.1 p.21].
@@ -329,7 +332,7 @@ typedef struct lika_am36_biss_frame {
     uint32_t singleturn; /**< Position within one revolution. Unit: counts. */
     /** position consists of multiturn and singleturn, most significant part first. */
     uint64_t position;
-    /** Unused bits, each 1 if it differs from the manual: 0 warning and 1 error. */
+    /** Unused bits, each 1 if it differs from the manual: bit 0 warning and bit 1 error. */
     uint8_t unused;
 } lika_am36_biss_frame;
 
@@ -440,7 +443,7 @@ static inline cw_verdict lika_am36_biss_verdict(
     lika_am36_biss variant, const lika_am36_biss_frame *frame)
 {
     (void)variant;
-    if ((frame->unused & 0x02U) != 0U) {
+    if ((frame->unused & LIKA_AM36_BISS_UNUSED_ERROR) != 0U) {
         return CW_NOT_USABLE;
     }
     return CW_UNKNOWN;
@@ -491,8 +494,10 @@ static inline uint32_t lika_am36_biss_reports(
     lika_am36_biss variant, const lika_am36_biss_frame *frame)
 {
     (void)variant;
-    return (((frame->unused & 0x01U) != 0U) ? (uint32_t)LIKA_AM36_BISS_REPORT_WARNING : 0U) |
-        (((frame->unused & 0x02U) != 0U) ? (uint32_t)LIKA_AM36_BISS_REPORT_ERROR : 0U);
+    return (((frame->unused & LIKA_AM36_BISS_UNUSED_WARNING) != 0U) ?
+        (uint32_t)LIKA_AM36_BISS_REPORT_WARNING : 0U) |
+        (((frame->unused & LIKA_AM36_BISS_UNUSED_ERROR) != 0U) ?
+        (uint32_t)LIKA_AM36_BISS_REPORT_ERROR : 0U);
 }
 
 /**
@@ -503,9 +508,7 @@ static inline uint32_t lika_am36_biss_reports(
  */
 #define LIKA_AM36_BISS_RECEIVE(code, rx, word) \
     lika_am36_biss_receive(LIKA_AM36_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, LIKA_AM36_BISS_##code##_RX_BYTES), (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -562,9 +565,7 @@ static inline double lika_am36_biss_degrees(lika_am36_biss variant, uint64_t pos
  */
 #define LIKA_AM36_BISS_READ(code, rx, position) \
     lika_am36_biss_read(LIKA_AM36_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, LIKA_AM36_BISS_##code##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AM36_BISS_READ_BYTES(code, bytes, length, position) \
     lika_am36_biss_read(LIKA_AM36_BISS_##code, \

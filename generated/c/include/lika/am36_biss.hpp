@@ -5,9 +5,9 @@
  * Runtime 1.0. Spec am36, content hash d6265deb.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto found = lika::am36_biss::read(LIKA_AM36_BISS_AM3616_4096_I7, rx);
- *     if (found) {
- *         ... found.position ...
+ *     auto reading = lika::am36_biss::read(LIKA_AM36_BISS_AM3616_4096_I7, rx);
+ *     if (reading) {
+ *         ... reading.position ...
  *     }
  *
  * The functions have the names of those in am36_biss.h without lika_am36_biss_. They work at
@@ -28,8 +28,8 @@ decode(
     const ::lika_am36_biss &variant, cw_word word) noexcept
 {
     ::lika_am36_biss_frame out{};
-    const cw_result found = lika_am36_biss_decode(variant, word, &out);
-    return {found, out};
+    const cw_result outcome = lika_am36_biss_decode(variant, word, &out);
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -57,9 +57,9 @@ read(
     const ::lika_am36_biss &variant, codewheel::view rx) noexcept
 {
     cw_word word{};
-    const cw_result found = lika_am36_biss_receive(variant, rx.data(), rx.size(), &word);
-    if (found != CW_OK) {
-        return static_cast<codewheel::fault>(found);
+    const cw_result outcome = lika_am36_biss_receive(variant, rx.data(), rx.size(), &word);
+    if (outcome != CW_OK) {
+        return static_cast<codewheel::fault>(outcome);
     }
     return position(variant, word);
 }

@@ -54,8 +54,7 @@ static inline cw_result lika_am36_biss_set_configuration_steps(
  * Result: Preset function, output code and counting direction are set and saved.
  * After changing the counting direction, set the preset again. After a change of the output code,
  * the frames use the new code.
- * Set and save the configuration, over BiSS C-mode. The transport needs read_registers,
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_am36_biss_read_state() afterwards to update
  * the variant.
  *
@@ -131,8 +130,7 @@ static inline cw_result lika_am36_biss_set_preset_steps(
  * shift accordingly.
  * Erratum: The preset example writes one bit instead of the whole byte (resolved). Used: Register
  * 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
- * Set, save and activate a preset, over BiSS C-mode. The transport needs read_registers,
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
@@ -204,8 +202,7 @@ static inline cw_result lika_am36_biss_store_preset_steps(
  * or activate_preset activates the preset.
  * Erratum: The preset example writes one bit instead of the whole byte (resolved). Used: Register
  * 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
- * Set and save a preset without activating it, over BiSS C-mode. The transport needs
- * read_registers, write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
@@ -247,7 +244,7 @@ static inline const cw_step *lika_am36_biss_save_parameters_steps(size_t *count)
 /**
  * Save the parameters [6.5 p.24].
  * Result: New register values are saved.
- * Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_save_parameters(
@@ -281,8 +278,7 @@ static inline const cw_step *lika_am36_biss_activate_preset_steps(size_t *count)
  * Precondition: The "Enable preset" bit is 0 (enable), the factory default. The manual suggests
  * activating the preset with the shaft at a standstill.
  * Result: The position at the moment of the command becomes the preset value.
- * Save the parameters and activate the current preset, over BiSS C-mode. The transport needs
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_activate_preset(
@@ -322,8 +318,7 @@ static inline const cw_step *lika_am36_biss_restore_defaults_steps(size_t *count
  * registers and the frame use 65,536.
  * Erratum: The manual does not say when the length of the frame changes (open). Used: As soon as a
  * resolution is written, the position has the number of bits given by registers 56h and 57h.
- * Load and save the default parameters, over BiSS C-mode. The transport needs write_registers and
- * wait_us.
+ * The procedure uses BiSS C-mode. The transport needs write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_restore_defaults(
@@ -465,8 +460,7 @@ typedef struct lika_am36_biss_set_resolution_read {
  * set_resolution saves the resolution first, and only then writes and activates the preset.
  * Erratum: The manual does not say when a multi-byte value becomes active (open). Used: The bytes
  * are written in ascending address order, with no other access in between.
- * Change the resolution, then set and activate the preset again, over BiSS C-mode. The transport
- * needs read_registers, write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_am36_biss_read_state() afterwards to update
  * the variant.
  *
@@ -560,7 +554,7 @@ typedef struct lika_am36_biss_identify_read {
  * Read the identification of the encoder [6.5].
  * Result: AM36 and AMC36, in all resolutions, return the same values except in the last two
  * registers. Those two contain the current settings, not the values of the order code.
- * Read the identification of the encoder, over BiSS C-mode. The transport needs read_registers.
+ * The procedure uses BiSS C-mode. The transport needs read_registers.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_identify(

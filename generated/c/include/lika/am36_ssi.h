@@ -362,9 +362,7 @@ static inline cw_verdict lika_am36_ssi_read(
  */
 #define LIKA_AM36_SSI_RECEIVE(code, rx, word) \
     lika_am36_ssi_receive(LIKA_AM36_SSI_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, LIKA_AM36_SSI_##code##_RX_BYTES), (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -421,9 +419,7 @@ static inline double lika_am36_ssi_degrees(lika_am36_ssi variant, uint64_t posit
  */
 #define LIKA_AM36_SSI_READ(code, rx, position) \
     lika_am36_ssi_read(LIKA_AM36_SSI_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, LIKA_AM36_SSI_##code##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AM36_SSI_READ_BYTES(code, bytes, length, position) \
     lika_am36_ssi_read(LIKA_AM36_SSI_##code, \
@@ -456,8 +452,7 @@ static inline cw_verdict lika_am36_ssi_read_twice(
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_AM36_SSI_READ_TWICE(code, first, second, at_most, position) \
     lika_am36_ssi_read_twice(LIKA_AM36_SSI_##code, \
-        (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
-        (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(first))) + \
+        (first), (second), CW_SIZE_OF(first, LIKA_AM36_SSI_##code##_RX_BYTES) + \
         (0U * sizeof(&(first) - &(second))), \
         (at_most), (position))
 

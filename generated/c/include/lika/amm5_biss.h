@@ -498,9 +498,7 @@ static inline uint32_t lika_amm5_biss_reports(
  */
 #define LIKA_AMM5_BISS_RECEIVE(code, rx, word) \
     lika_amm5_biss_receive(LIKA_AMM5_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AMM5_BISS_##code##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, LIKA_AMM5_BISS_##code##_RX_BYTES), (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -556,9 +554,7 @@ static inline double lika_amm5_biss_degrees(lika_amm5_biss variant, uint64_t pos
  */
 #define LIKA_AMM5_BISS_READ(code, rx, position) \
     lika_amm5_biss_read(LIKA_AMM5_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AMM5_BISS_##code##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, LIKA_AMM5_BISS_##code##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AMM5_BISS_READ_BYTES(code, bytes, length, position) \
     lika_amm5_biss_read(LIKA_AMM5_BISS_##code, \

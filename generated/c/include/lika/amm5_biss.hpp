@@ -5,9 +5,9 @@
  * Runtime 1.0. Spec amm5, content hash 7f3c7ad8.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto found = lika::amm5_biss::read(LIKA_AMM5_BISS_A21_65KSC1, rx);
- *     if (found) {
- *         ... found.position ...
+ *     auto reading = lika::amm5_biss::read(LIKA_AMM5_BISS_A21_65KSC1, rx);
+ *     if (reading) {
+ *         ... reading.position ...
  *     }
  *
  * The functions have the names of those in amm5_biss.h without lika_amm5_biss_. They work at
@@ -28,8 +28,8 @@ decode(
     const ::lika_amm5_biss &variant, cw_word word) noexcept
 {
     ::lika_amm5_biss_frame out{};
-    const cw_result found = lika_amm5_biss_decode(variant, word, &out);
-    return {found, out};
+    const cw_result outcome = lika_amm5_biss_decode(variant, word, &out);
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -57,9 +57,9 @@ read(
     const ::lika_amm5_biss &variant, codewheel::view rx) noexcept
 {
     cw_word word{};
-    const cw_result found = lika_amm5_biss_receive(variant, rx.data(), rx.size(), &word);
-    if (found != CW_OK) {
-        return static_cast<codewheel::fault>(found);
+    const cw_result outcome = lika_amm5_biss_receive(variant, rx.data(), rx.size(), &word);
+    if (outcome != CW_OK) {
+        return static_cast<codewheel::fault>(outcome);
     }
     return position(variant, word);
 }

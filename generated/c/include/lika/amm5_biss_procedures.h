@@ -73,8 +73,7 @@ static inline cw_result lika_amm5_biss_set_preset_steps(
  * Precondition: The manual suggests setting the preset with the shaft at a standstill.
  * Result: The position at the moment of activation becomes the preset value. All other positions
  * shift accordingly.
- * Set, save and activate a preset, over BiSS C-mode. The transport needs read_registers,
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
@@ -145,8 +144,7 @@ static inline cw_result lika_amm5_biss_store_preset_steps(
 /**
  * Set and save a preset without activating it [6.4 p.35].
  * Result: The preset is saved. The position is the same as before.
- * Set and save a preset without activating it, over BiSS C-mode. The transport needs
- * read_registers, write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
@@ -188,7 +186,7 @@ static inline const cw_step *lika_amm5_biss_save_parameters_steps(size_t *count)
 /**
  * Save the parameters [6.4 p.39].
  * Result: New register values are saved.
- * Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_save_parameters(
@@ -221,7 +219,7 @@ static inline const cw_step *lika_amm5_biss_activate_preset_steps(size_t *count)
  * Activate the saved preset [6.4 p.39].
  * Precondition: The manual suggests activating the preset with the shaft at a standstill.
  * Result: The position at the moment of the command becomes the preset value.
- * Activate the saved preset, over BiSS C-mode. The transport needs write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_activate_preset(

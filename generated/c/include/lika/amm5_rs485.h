@@ -147,7 +147,6 @@ static inline uint32_t lika_amm5_rs485_revolutions(lika_amm5_rs485 variant)
  * the start value to 0.
  * Erratum: The printed CRC code expects the bits of each byte MSB first (resolved). Used: The CRC
  * is the XOR of all bytes before it, which is x^8 + 1 with input and output reflected.
- * With this polynomial, the CRC of whole bytes is their XOR.
  */
 CW_CONSTEXPR
 static inline uint8_t lika_amm5_rs485_crc_rs485_8(const uint8_t *bytes, size_t length)
@@ -255,7 +254,6 @@ typedef enum lika_amm5_rs485_report {
  * request [7.5 p.46].
  * Memory write, busy 1: A write is in progress. The request is invalid and not executed. Address:
  * as in the request. Data: 00h [7.5 p.46].
- * Set all members of a request, because those that an initial value leaves out are 0.
  * Erratum: The manual's error bits, LEDs and alarms do not match one to one (open). Used: Each bit,
  * LED and alarm is used as printed.
  * Erratum: The manual does not say what nonzero unused bits mean (open). Used: A reply with other
@@ -328,35 +326,36 @@ typedef enum lika_amm5_rs485_data_id {
 } lika_amm5_rs485_data_id;
 
 /* -- requests: the first byte of each one and of its reply ------------------------------------- */
-/** Data ID 0: control field 02h, capture. Singleturn position [7.3.1 p.42]. */
+/** Data ID 0: control field 02h, requests data: Singleturn position [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_SINGLETURN 0x02U
-/** Data ID 1: control field 8Ah, capture. Multiturn data [7.3.1 p.42]. */
+/** Data ID 1: control field 8Ah, requests data: Multiturn data [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_MULTITURN 0x8AU
 /**
- * Data ID 2: control field 92h, capture. Encoder ID, printed as the fixed value 23h [7.3.1 p.42].
+ * Data ID 2: control field 92h, requests data: Encoder ID, printed as the fixed value 23h [7.3.1
+ * p.42].
  */
 #define LIKA_AMM5_RS485_CONTROL_ENCODER_ID 0x92U
 /**
- * Data ID 3: control field 1Ah, capture. Singleturn, encoder ID, multiturn and alarms [7.3.1 p.42,
- * 7.4 p.43].
+ * Data ID 3: control field 1Ah, requests data: Singleturn, encoder ID, multiturn and alarms [7.3.1
+ * p.42, 7.4 p.43].
  */
 #define LIKA_AMM5_RS485_CONTROL_ALL_DATA 0x1AU
-/** Data ID 6: control field 32h, write. Write one byte to the EEPROM [7.3.1 p.42]. */
+/** Data ID 6: control field 32h. Write one byte to the EEPROM [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_EEPROM_WRITE 0x32U
-/** Data ID D: control field EAh, read. Read one byte from the EEPROM [7.3.1 p.42]. */
+/** Data ID D: control field EAh. Read one byte from the EEPROM [7.3.1 p.42]. */
 #define LIKA_AMM5_RS485_CONTROL_EEPROM_READ 0xEAU
 /**
- * Data ID 7: control field BAh, reset. Reset all errors. The reply contains the singleturn position
- * [7.3.1 p.42, 7.4.2 p.45].
+ * Data ID 7: control field BAh. Reset all errors. The reply contains the singleturn position [7.3.1
+ * p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_ERRORS 0xBAU
 /**
- * Data ID 8: control field C2h, reset. Reset singleturn and multiturn data to 0. The reply contains
- * the singleturn position [7.3.1 p.42, 7.4.2 p.45].
+ * Data ID 8: control field C2h. Reset singleturn and multiturn data to 0. The reply contains the
+ * singleturn position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_SINGLETURN_AND_MULTITURN 0xC2U
 /**
- * Data ID C: control field 62h, reset. Reset multiturn data and all errors. The reply contains the
+ * Data ID C: control field 62h. Reset multiturn data and all errors. The reply contains the
  * singleturn position [7.3.1 p.42, 7.4.2 p.45].
  */
 #define LIKA_AMM5_RS485_CONTROL_RESET_MULTITURN_AND_ERRORS 0x62U
@@ -369,6 +368,7 @@ typedef enum lika_amm5_rs485_data_id {
  * Its data_id is 0 (singleturn), 1 (multiturn), 2 (encoder_id), 3 (all_data), 7 (reset_errors), 8
  * (reset_singleturn_and_multiturn) or C (reset_multiturn_and_errors).
  * One byte, without a CRC.
+ * Set all members, because those that an initial value leaves out are 0.
  *   byte 0, bits 2:0  sync     Start of the frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id
  *   byte 0, bit 7     parity   Even parity of data_id.
@@ -409,6 +409,7 @@ static inline cw_result lika_amm5_rs485_data_request_encode(
  * In the manual: Master -> Encoder: CF ADF EDF CRC.
  * Its data_id is 6 (eeprom_write).
  * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
+ * Set all members, because those that an initial value leaves out are 0.
  *   byte 0, bits 2:0  sync      Start of the frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id   Data ID: Type of request, repeated in the reply.
  *   byte 0, bit 7     parity    Even parity of data_id.
@@ -466,6 +467,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_request_encode(
  * In the manual: Master -> Encoder: CF ADF CRC.
  * Its data_id is D (eeprom_read).
  * The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format.
+ * Set all members, because those that an initial value leaves out are 0.
  *   byte 0, bits 2:0  sync      Start of the frame, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id   Data ID: Type of request, repeated in the reply.
  *   byte 0, bit 7     parity    Even parity of data_id.
@@ -512,6 +514,11 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
 }
 
 #define LIKA_AMM5_RS485_SINGLETURN_REPLY_LENGTH 6U /**< bytes in the frame: singleturn reply */
+
+/** status_info in the member unused */
+#define LIKA_AMM5_RS485_SINGLETURN_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_AMM5_RS485_SINGLETURN_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * singleturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4
@@ -560,7 +567,10 @@ typedef struct lika_amm5_rs485_singleturn_reply {
      * with leading zeros.
      */
     uint32_t singleturn;
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_amm5_rs485_singleturn_reply;
 
@@ -643,11 +653,18 @@ static inline uint32_t lika_amm5_rs485_singleturn_reply_reports(
     (void)variant;
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
         (frame->status_other_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_AMM5_RS485_SINGLETURN_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_SINGLETURN_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 #define LIKA_AMM5_RS485_MULTITURN_REPLY_LENGTH 6U /**< bytes in the frame: multiturn reply */
+
+/** status_info in the member unused */
+#define LIKA_AMM5_RS485_MULTITURN_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_AMM5_RS485_MULTITURN_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * multiturn_reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
@@ -690,7 +707,10 @@ typedef struct lika_amm5_rs485_multiturn_reply {
      * leading zeros.
      */
     uint16_t multiturn;
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_amm5_rs485_multiturn_reply;
 
@@ -768,11 +788,18 @@ static inline uint32_t lika_amm5_rs485_multiturn_reply_reports(
     (void)variant;
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
         (frame->status_other_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_AMM5_RS485_MULTITURN_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_MULTITURN_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 #define LIKA_AMM5_RS485_ENCODER_ID_REPLY_LENGTH 4U /**< bytes in the frame: encoder ID reply */
+
+/** status_info in the member unused */
+#define LIKA_AMM5_RS485_ENCODER_ID_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_AMM5_RS485_ENCODER_ID_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * encoder_id_reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41, 7.4
@@ -815,7 +842,10 @@ typedef struct lika_amm5_rs485_encoder_id_reply {
      * helps to identify the encoder. The decoder also accepts other values.
      */
     uint8_t encoder_id;
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_amm5_rs485_encoder_id_reply;
 
@@ -874,11 +904,22 @@ static inline uint32_t lika_amm5_rs485_encoder_id_reply_reports(
     (void)variant;
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
         (frame->status_other_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_OTHER_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_AMM5_RS485_ENCODER_ID_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_ENCODER_ID_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 #define LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH 11U /**< bytes in the frame: complete reply */
+
+/** status_info in the member unused */
+#define LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_STATUS_ZERO 0xC0U
+/** alarm_zero_0 in the member unused */
+#define LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_ALARM_ZERO_0 0x100U
+/** alarm_zero_3_4 in the member unused */
+#define LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_ALARM_ZERO_3_4 0x1800U
 
 /**
  * complete_reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
@@ -973,8 +1014,8 @@ typedef struct lika_amm5_rs485_complete_reply {
     /** position consists of multiturn and singleturn, most significant part first. */
     uint64_t position;
     /**
-     * Unused bits, each 1 if it differs from the manual: 3:0 status_info, 7:6 status_zero, 8
-     * alarm_zero_0 and 12:11 alarm_zero_3_4.
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info, bits 7:6
+     * status_zero, bit 8 alarm_zero_0 and bits 12:11 alarm_zero_3_4.
      */
     uint16_t unused;
 } lika_amm5_rs485_complete_reply;
@@ -1122,10 +1163,14 @@ static inline uint32_t lika_amm5_rs485_complete_reply_reports(
         (uint32_t)LIKA_AMM5_RS485_REPORT_BATTERY_ALARM : 0U) |
         (((variant.multiturn_bits == 0U) && frame->battery_alarm) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_BATTERY_ALARM_UNEXPLAINED : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U) |
-        (((frame->unused & 0x100U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_ALARM_ZERO_0 : 0U) |
-        (((frame->unused & 0x1800U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_ALARM_ZERO_3_4 : 0U);
+        (((frame->unused & LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_ALARM_ZERO_0) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_ALARM_ZERO_0 : 0U) |
+        (((frame->unused & LIKA_AMM5_RS485_COMPLETE_REPLY_UNUSED_ALARM_ZERO_3_4) != 0U) ?
+        (uint32_t)LIKA_AMM5_RS485_REPORT_ALARM_ZERO_3_4 : 0U);
 }
 
 #define LIKA_AMM5_RS485_EEPROM_WRITE_REPLY_LENGTH 4U /**< bytes in the frame: EEPROM write reply */
@@ -1437,10 +1482,8 @@ static inline double lika_amm5_rs485_degrees(lika_amm5_rs485 variant, uint64_t p
  */
 #define LIKA_AMM5_RS485_READ(code, rx, position) \
     lika_amm5_rs485_complete_reply_position(LIKA_AMM5_RS485_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH])&(rx))), \
-        (position))
-/** Read a position from a pointer to any number of bytes, or from a constant array. */
+        (rx), CW_SIZE_OF(rx, LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH), (position))
+/** Read a position from a pointer to the bytes of one reply, or from a constant array. */
 #define LIKA_AMM5_RS485_READ_BYTES(code, bytes, length, position) \
     lika_amm5_rs485_complete_reply_position(LIKA_AMM5_RS485_##code, \
         (bytes), (length), (position))

@@ -5,9 +5,9 @@
  * Runtime 1.0. Spec amm5, content hash 7f3c7ad8.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto found = lika::amm5_rs485::complete_reply_position(LIKA_AMM5_RS485_A23_65KJP1, rx);
- *     if (found) {
- *         ... found.position ...
+ *     auto reading = lika::amm5_rs485::complete_reply_position(LIKA_AMM5_RS485_A23_65KJP1, rx);
+ *     if (reading) {
+ *         ... reading.position ...
  *     }
  *
  * The functions have the names of those in amm5_rs485.h without lika_amm5_rs485_. They work at
@@ -28,9 +28,9 @@ data_request_encode(
     const ::lika_amm5_rs485 &variant, const ::lika_amm5_rs485_data_request &in) noexcept
 {
     codewheel::buffer<1> out{};
-    const cw_result found =
+    const cw_result outcome =
         lika_amm5_rs485_data_request_encode(variant, &in, out.bytes, out.size());
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Encode 4 bytes, as lika_amm5_rs485_eeprom_write_request_encode does. */
@@ -40,9 +40,9 @@ eeprom_write_request_encode(
     const ::lika_amm5_rs485_eeprom_write_request &in) noexcept
 {
     codewheel::buffer<4> out{};
-    const cw_result found = lika_amm5_rs485_eeprom_write_request_encode(variant, eeprom_address,
+    const cw_result outcome = lika_amm5_rs485_eeprom_write_request_encode(variant, eeprom_address,
         &in, out.bytes, out.size());
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Encode 3 bytes, as lika_amm5_rs485_eeprom_read_request_encode does. */
@@ -52,9 +52,9 @@ eeprom_read_request_encode(
     const ::lika_amm5_rs485_eeprom_read_request &in) noexcept
 {
     codewheel::buffer<3> out{};
-    const cw_result found = lika_amm5_rs485_eeprom_read_request_encode(variant, eeprom_address, &in,
-        out.bytes, out.size());
-    return {found, out};
+    const cw_result outcome = lika_amm5_rs485_eeprom_read_request_encode(variant, eeprom_address,
+        &in, out.bytes, out.size());
+    return {outcome, out};
 }
 
 /** Decode 6 bytes, as lika_amm5_rs485_singleturn_reply_decode does. */
@@ -63,9 +63,9 @@ singleturn_reply_decode(
     const ::lika_amm5_rs485 &variant, codewheel::view bytes) noexcept
 {
     ::lika_amm5_rs485_singleturn_reply out{};
-    const cw_result found =
+    const cw_result outcome =
         lika_amm5_rs485_singleturn_reply_decode(variant, bytes.data(), bytes.size(), &out);
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -91,9 +91,9 @@ multiturn_reply_decode(
     const ::lika_amm5_rs485 &variant, codewheel::view bytes) noexcept
 {
     ::lika_amm5_rs485_multiturn_reply out{};
-    const cw_result found =
+    const cw_result outcome =
         lika_amm5_rs485_multiturn_reply_decode(variant, bytes.data(), bytes.size(), &out);
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -119,9 +119,9 @@ encoder_id_reply_decode(
     const ::lika_amm5_rs485 &variant, codewheel::view bytes) noexcept
 {
     ::lika_amm5_rs485_encoder_id_reply out{};
-    const cw_result found =
+    const cw_result outcome =
         lika_amm5_rs485_encoder_id_reply_decode(variant, bytes.data(), bytes.size(), &out);
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
@@ -138,9 +138,9 @@ complete_reply_decode(
     const ::lika_amm5_rs485 &variant, codewheel::view bytes) noexcept
 {
     ::lika_amm5_rs485_complete_reply out{};
-    const cw_result found =
+    const cw_result outcome =
         lika_amm5_rs485_complete_reply_decode(variant, bytes.data(), bytes.size(), &out);
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -175,9 +175,9 @@ eeprom_write_reply_decode(
     codewheel::view bytes) noexcept
 {
     ::lika_amm5_rs485_eeprom_write_reply out{};
-    const cw_result found = lika_amm5_rs485_eeprom_write_reply_decode(variant, eeprom_address,
+    const cw_result outcome = lika_amm5_rs485_eeprom_write_reply_decode(variant, eeprom_address,
         bytes.data(), bytes.size(), &out);
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
@@ -195,9 +195,9 @@ eeprom_read_reply_decode(
     codewheel::view bytes) noexcept
 {
     ::lika_amm5_rs485_eeprom_read_reply out{};
-    const cw_result found = lika_amm5_rs485_eeprom_read_reply_decode(variant, eeprom_address,
+    const cw_result outcome = lika_amm5_rs485_eeprom_read_reply_decode(variant, eeprom_address,
         bytes.data(), bytes.size(), &out);
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */

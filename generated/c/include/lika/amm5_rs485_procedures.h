@@ -53,7 +53,7 @@ static inline const cw_step *lika_amm5_rs485_reset_singleturn_and_multiturn_step
  * is sent in between.
  * Erratum: The manual calls a shaft turning at 300 rpm stopped (open). Used: The condition is
  * standstill, which the manual defines as 300 rpm or less.
- * Reset singleturn and multiturn data, over RS-485. The transport needs wait_us and send_request.
+ * The procedure uses RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_reset_singleturn_and_multiturn(
@@ -98,7 +98,7 @@ static inline const cw_step *lika_amm5_rs485_reset_multiturn_and_errors_steps(si
  * is sent in between.
  * Erratum: The manual calls a shaft turning at 300 rpm stopped (open). Used: The condition is
  * standstill, which the manual defines as 300 rpm or less.
- * Reset multiturn data and all errors, over RS-485. The transport needs wait_us and send_request.
+ * The procedure uses RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_reset_multiturn_and_errors(
@@ -140,7 +140,7 @@ static inline const cw_step *lika_amm5_rs485_reset_errors_steps(size_t *count)
  * is sent in between.
  * Erratum: The manual calls a shaft turning at 300 rpm stopped (open). Used: The condition is
  * standstill, which the manual defines as 300 rpm or less.
- * Reset all errors, over RS-485. The transport needs wait_us and send_request.
+ * The procedure uses RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_reset_errors(

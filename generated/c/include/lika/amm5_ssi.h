@@ -348,9 +348,7 @@ static inline cw_verdict lika_amm5_ssi_read(
  */
 #define LIKA_AMM5_SSI_RECEIVE(code, rx, word) \
     lika_amm5_ssi_receive(LIKA_AMM5_SSI_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, LIKA_AMM5_SSI_##code##_RX_BYTES), (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -407,9 +405,7 @@ static inline double lika_amm5_ssi_degrees(lika_amm5_ssi variant, uint64_t posit
  */
 #define LIKA_AMM5_SSI_READ(code, rx, position) \
     lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, LIKA_AMM5_SSI_##code##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_AMM5_SSI_READ_BYTES(code, bytes, length, position) \
     lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \
@@ -442,8 +438,7 @@ static inline cw_verdict lika_amm5_ssi_read_twice(
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_AMM5_SSI_READ_TWICE(code, first, second, at_most, position) \
     lika_amm5_ssi_read_twice(LIKA_AMM5_SSI_##code, \
-        (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
-        (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(first))) + \
+        (first), (second), CW_SIZE_OF(first, LIKA_AMM5_SSI_##code##_RX_BYTES) + \
         (0U * sizeof(&(first) - &(second))), \
         (at_most), (position))
 

@@ -503,9 +503,7 @@ static inline uint32_t lika_asc85_biss_reports(
 #define LIKA_ASC85_BISS_RECEIVE(code, zero_bit, rx, word) \
     lika_asc85_biss_receive(LIKA_ASC85_BISS_##code, \
         LIKA_ASC85_BISS_ZERO_BIT_##zero_bit, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_ASC85_BISS_##code##_##zero_bit##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, LIKA_ASC85_BISS_##code##_##zero_bit##_RX_BYTES), (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -563,9 +561,7 @@ static inline double lika_asc85_biss_degrees(lika_asc85_biss variant, uint64_t p
 #define LIKA_ASC85_BISS_READ(code, zero_bit, rx, position) \
     lika_asc85_biss_read(LIKA_ASC85_BISS_##code, \
         LIKA_ASC85_BISS_ZERO_BIT_##zero_bit, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_ASC85_BISS_##code##_##zero_bit##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, LIKA_ASC85_BISS_##code##_##zero_bit##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_ASC85_BISS_READ_BYTES(code, zero_bit, bytes, length, position) \
     lika_asc85_biss_read(LIKA_ASC85_BISS_##code, \

@@ -6,9 +6,9 @@
  * Runtime 1.0. Spec asc85, content hash a800fb79.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto found = lika::asc85_biss::read(LIKA_ASC85_BISS_25_SC1, my_zero_bit, rx);
- *     if (found) {
- *         ... found.position ...
+ *     auto reading = lika::asc85_biss::read(LIKA_ASC85_BISS_25_SC1, my_zero_bit, rx);
+ *     if (reading) {
+ *         ... reading.position ...
  *     }
  *
  * The functions have the names of those in asc85_biss.h without lika_asc85_biss_. They work at
@@ -29,8 +29,8 @@ decode(
     const ::lika_asc85_biss &variant, lika_asc85_biss_zero_bit zero_bit, cw_word word) noexcept
 {
     ::lika_asc85_biss_frame out{};
-    const cw_result found = lika_asc85_biss_decode(variant, zero_bit, word, &out);
-    return {found, out};
+    const cw_result outcome = lika_asc85_biss_decode(variant, zero_bit, word, &out);
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -59,9 +59,10 @@ read(
     codewheel::view rx) noexcept
 {
     cw_word word{};
-    const cw_result found = lika_asc85_biss_receive(variant, zero_bit, rx.data(), rx.size(), &word);
-    if (found != CW_OK) {
-        return static_cast<codewheel::fault>(found);
+    const cw_result outcome =
+        lika_asc85_biss_receive(variant, zero_bit, rx.data(), rx.size(), &word);
+    if (outcome != CW_OK) {
+        return static_cast<codewheel::fault>(outcome);
     }
     return position(variant, zero_bit, word);
 }

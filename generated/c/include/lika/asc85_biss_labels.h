@@ -66,27 +66,27 @@ static inline const lika_asc85_biss_order_code *lika_asc85_biss_find_order_code(
     size_t index;
     size_t longest = 0U;
     const lika_asc85_biss_order_code *const codes = lika_asc85_biss_order_codes(&count);
-    const lika_asc85_biss_order_code *found = NULL;
+    const lika_asc85_biss_order_code *match = NULL;
     *unlisted = 0U;
     for (index = 0U; index < count; index++) {
         const size_t length = cw_label_match(label, codes[index].text);
         if (length > longest) {
             longest = length;
-            found = &codes[index];
+            match = &codes[index];
         }
     }
-    if (found != NULL) {
-        return found;
+    if (match != NULL) {
+        return match;
     }
     for (index = 0U; index < (sizeof(patterns) / sizeof(patterns[0])); index++) {
         const size_t length = cw_label_match(label, patterns[index].pattern);
         if (length > longest) {
             longest = length;
-            found = &codes[patterns[index].code];
+            match = &codes[patterns[index].code];
             *unlisted = patterns[index].unlisted;
         }
     }
-    return found;
+    return match;
 }
 
 #ifdef __cplusplus

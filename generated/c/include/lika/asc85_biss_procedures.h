@@ -53,8 +53,7 @@ typedef struct lika_asc85_biss_request_position_read {
  * Result: The position register contains the requested position.
  * Erratum: The manual does not say how reading the position resets the errors (open). Used: Reading
  * the position register resets the messages.
- * Request and read new position data, over BiSS C-mode. The transport needs read_registers,
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_request_position(
@@ -111,8 +110,7 @@ typedef struct lika_asc85_biss_save_configuration_read {
  * The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
  * Erratum: The manual prints Internal data bus busy as bit 3 and as bit 2 (resolved). Used:
  * Internal data bus busy is bit 2.
- * Save the configuration, over BiSS C-mode. The transport needs read_registers, write_registers and
- * wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_save_configuration(
@@ -169,8 +167,7 @@ typedef struct lika_asc85_biss_read_absolute_data_read {
  * command and the error are described as printed.
  * Erratum: The manual prints Absolute data valid as bit 2 and as bit 1 (resolved). Used: Absolute
  * data valid is bit 1.
- * Read absolute data again, over BiSS C-mode. The transport needs read_registers, write_registers
- * and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_absolute_data(
@@ -230,8 +227,7 @@ typedef struct lika_asc85_biss_software_reset_read {
  * does not say that the bit goes to 0 first. If the CRC check of the configuration fails, the
  * interface restarts with the SSI protocol and does not respond to register accesses. Stop polling
  * after a while.
- * Reset the encoder, over BiSS C-mode. The transport needs read_registers, write_registers and
- * wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_software_reset(
@@ -283,8 +279,7 @@ typedef struct lika_asc85_biss_verify_configuration_read {
  * Result: Configuration error shows whether the configuration registers match their checksum.
  * Erratum: The manual prints Internal data bus busy as bit 3 and as bit 2 (resolved). Used:
  * Internal data bus busy is bit 2.
- * Verify the CRC of the configuration, over BiSS C-mode. The transport needs read_registers,
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_verify_configuration(
@@ -332,7 +327,7 @@ typedef struct lika_asc85_biss_simulate_error_read {
 /**
  * Simulate an error [6.4 p.27].
  * Result: The status "Error message" is forced to 1.
- * Simulate an error, over BiSS C-mode. The transport needs read_registers and write_registers.
+ * The procedure uses BiSS C-mode. The transport needs read_registers and write_registers.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_simulate_error(
@@ -380,8 +375,7 @@ typedef struct lika_asc85_biss_clear_simulated_error_read {
 /**
  * End the simulation of an error [6.4 p.27].
  * Result: The status "Error message" is forced to 0.
- * End the simulation of an error, over BiSS C-mode. The transport needs read_registers and
- * write_registers.
+ * The procedure uses BiSS C-mode. The transport needs read_registers and write_registers.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_clear_simulated_error(
@@ -442,7 +436,7 @@ typedef struct lika_asc85_biss_reset_errors_read {
  * Result: The messages are reset. Messages with a persistent cause appear again.
  * Erratum: The manual does not say how reading the position resets the errors (open). Used: Reading
  * the position register resets the messages.
- * Read and reset errors and warnings, over BiSS C-mode. The transport needs read_registers.
+ * The procedure uses BiSS C-mode. The transport needs read_registers.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_reset_errors(
@@ -515,7 +509,7 @@ typedef struct lika_asc85_biss_identify_read {
  * resolutions and supplies. Only the label shows the rest of the order code.
  * Erratum: All models have the same device ID, despite different data lengths (open). Used: The
  * device ID is used as printed.
- * Identify the encoder, over BiSS C-mode. The transport needs read_registers.
+ * The procedure uses BiSS C-mode. The transport needs read_registers.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_identify(

@@ -955,24 +955,24 @@ CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_identity(
     const cw_transport *transport, lika_asc85_biss_identity *out, cw_failure *failure)
 {
-    lika_asc85_biss_identity found;
+    lika_asc85_biss_identity identity;
     cw_result result;
-    result = cw_read(transport, LIKA_ASC85_BISS_REG_PROFILE_ID_ADDRESS, found.profile_id,
-        sizeof(found.profile_id), failure);
+    result = cw_read(transport, LIKA_ASC85_BISS_REG_PROFILE_ID_ADDRESS, identity.profile_id,
+        sizeof(identity.profile_id), failure);
     if (result != CW_OK) {
         return cw_failed_at(result, 0U, failure);
     }
-    result = cw_read(transport, LIKA_ASC85_BISS_REG_DEVICE_ID_ADDRESS, found.device_id,
-        sizeof(found.device_id), failure);
+    result = cw_read(transport, LIKA_ASC85_BISS_REG_DEVICE_ID_ADDRESS, identity.device_id,
+        sizeof(identity.device_id), failure);
     if (result != CW_OK) {
         return cw_failed_at(result, 1U, failure);
     }
-    result = cw_read(transport, LIKA_ASC85_BISS_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
-        sizeof(found.manufacturer_id), failure);
+    result = cw_read(transport, LIKA_ASC85_BISS_REG_MANUFACTURER_ID_ADDRESS,
+        identity.manufacturer_id, sizeof(identity.manufacturer_id), failure);
     if (result != CW_OK) {
         return cw_failed_at(result, 2U, failure);
     }
-    *out = found;
+    *out = identity;
     return CW_OK;
 }
 

@@ -355,9 +355,7 @@ static inline cw_verdict lika_asc85_ssi_read(
  */
 #define LIKA_ASC85_SSI_RECEIVE(code, rx, word) \
     lika_asc85_ssi_receive(LIKA_ASC85_SSI_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_ASC85_SSI_##code##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, LIKA_ASC85_SSI_##code##_RX_BYTES), (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -414,9 +412,7 @@ static inline double lika_asc85_ssi_degrees(lika_asc85_ssi variant, uint64_t pos
  */
 #define LIKA_ASC85_SSI_READ(code, rx, position) \
     lika_asc85_ssi_read(LIKA_ASC85_SSI_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_ASC85_SSI_##code##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, LIKA_ASC85_SSI_##code##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_ASC85_SSI_READ_BYTES(code, bytes, length, position) \
     lika_asc85_ssi_read(LIKA_ASC85_SSI_##code, \
@@ -449,8 +445,7 @@ static inline cw_verdict lika_asc85_ssi_read_twice(
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_ASC85_SSI_READ_TWICE(code, first, second, at_most, position) \
     lika_asc85_ssi_read_twice(LIKA_ASC85_SSI_##code, \
-        (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
-        (uint8_t (*)[LIKA_ASC85_SSI_##code##_RX_BYTES])&(first))) + \
+        (first), (second), CW_SIZE_OF(first, LIKA_ASC85_SSI_##code##_RX_BYTES) + \
         (0U * sizeof(&(first) - &(second))), \
         (at_most), (position))
 

@@ -5,9 +5,9 @@
  * Runtime 1.0. Spec asc85, content hash a800fb79.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto found = lika::asc85_ssi::read(LIKA_ASC85_SSI_25_GG1, rx);
- *     if (found) {
- *         ... found.position ...
+ *     auto reading = lika::asc85_ssi::read(LIKA_ASC85_SSI_25_GG1, rx);
+ *     if (reading) {
+ *         ... reading.position ...
  *     }
  *
  * The functions have the names of those in asc85_ssi.h without lika_asc85_ssi_. They work at
@@ -28,8 +28,8 @@ decode(
     const ::lika_asc85_ssi &variant, cw_word word) noexcept
 {
     ::lika_asc85_ssi_frame out{};
-    const cw_result found = lika_asc85_ssi_decode(variant, word, &out);
-    return {found, out};
+    const cw_result outcome = lika_asc85_ssi_decode(variant, word, &out);
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -57,9 +57,9 @@ read(
     const ::lika_asc85_ssi &variant, codewheel::view rx) noexcept
 {
     cw_word word{};
-    const cw_result found = lika_asc85_ssi_receive(variant, rx.data(), rx.size(), &word);
-    if (found != CW_OK) {
-        return static_cast<codewheel::fault>(found);
+    const cw_result outcome = lika_asc85_ssi_receive(variant, rx.data(), rx.size(), &word);
+    if (outcome != CW_OK) {
+        return static_cast<codewheel::fault>(outcome);
     }
     return position(variant, word);
 }

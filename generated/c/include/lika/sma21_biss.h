@@ -516,9 +516,7 @@ static inline uint32_t lika_sma21_biss_reports(
  */
 #define LIKA_SMA21_BISS_RECEIVE(code, rx, word) \
     lika_sma21_biss_receive(LIKA_SMA21_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_SMA21_BISS_##code##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, LIKA_SMA21_BISS_##code##_RX_BYTES), (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -578,9 +576,7 @@ static inline double lika_sma21_biss_millimetres(lika_sma21_biss variant, int64_
  */
 #define LIKA_SMA21_BISS_READ(code, rx, position) \
     lika_sma21_biss_read(LIKA_SMA21_BISS_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_SMA21_BISS_##code##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, LIKA_SMA21_BISS_##code##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_SMA21_BISS_READ_BYTES(code, bytes, length, position) \
     lika_sma21_biss_read(LIKA_SMA21_BISS_##code, \

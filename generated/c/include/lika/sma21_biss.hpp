@@ -5,9 +5,9 @@
  * Runtime 1.0. Spec sma21, content hash 9d530d43.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto found = lika::sma21_biss::read(LIKA_SMA21_BISS_SC1_0050, rx);
- *     if (found) {
- *         ... found.position ...
+ *     auto reading = lika::sma21_biss::read(LIKA_SMA21_BISS_SC1_0050, rx);
+ *     if (reading) {
+ *         ... reading.position ...
  *     }
  *
  * The functions have the names of those in sma21_biss.h without lika_sma21_biss_. They work at
@@ -28,8 +28,8 @@ decode(
     const ::lika_sma21_biss &variant, cw_word word) noexcept
 {
     ::lika_sma21_biss_frame out{};
-    const cw_result found = lika_sma21_biss_decode(variant, word, &out);
-    return {found, out};
+    const cw_result outcome = lika_sma21_biss_decode(variant, word, &out);
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -57,9 +57,9 @@ read(
     const ::lika_sma21_biss &variant, codewheel::view rx) noexcept
 {
     cw_word word{};
-    const cw_result found = lika_sma21_biss_receive(variant, rx.data(), rx.size(), &word);
-    if (found != CW_OK) {
-        return static_cast<codewheel::fault>(found);
+    const cw_result outcome = lika_sma21_biss_receive(variant, rx.data(), rx.size(), &word);
+    if (outcome != CW_OK) {
+        return static_cast<codewheel::fault>(outcome);
     }
     return position(variant, word);
 }

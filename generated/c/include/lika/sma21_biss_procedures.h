@@ -53,8 +53,7 @@ static inline cw_result lika_sma21_biss_set_configuration_steps(
 /**
  * Set and save the configuration [6.4 p.31, 6.6.1 p.35].
  * Result: The new configuration is active and saved.
- * Set and save the configuration, over BiSS C-mode. The transport needs read_registers,
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_sma21_biss_read_state() afterwards to update
  * the variant.
  *
@@ -128,8 +127,7 @@ static inline cw_result lika_sma21_biss_set_preset_steps(
  * select_preset first.
  * Result: The position at the moment of activation becomes the preset value. All other positions
  * shift accordingly.
- * Set, save and activate a preset, over BiSS C-mode. The transport needs read_registers,
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  *
  * @param transport Your bus access functions.
  * @param variant The order code.
@@ -184,8 +182,7 @@ static inline const cw_step *lika_sma21_biss_select_preset_steps(size_t *count)
 /**
  * Enable the function and select preset [6.4 p.30].
  * Result: The Preset / Offset register contains a preset.
- * Enable the function and select preset, over BiSS C-mode. The transport needs read_registers,
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_sma21_biss_read_state() afterwards to update
  * the variant.
  */
@@ -266,8 +263,7 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
  * nonzero bit there is rejected.
  * Erratum: The manual describes the offset both as a preset and as a shift (open). Used: All
  * transmitted values are shifted by the offset.
- * Select, set, save and activate an offset, over BiSS C-mode. The transport needs read_registers,
- * write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs read_registers, write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_sma21_biss_read_state() afterwards to update
  * the variant.
  *
@@ -312,7 +308,7 @@ static inline const cw_step *lika_sma21_biss_save_parameters_steps(size_t *count
 /**
  * Save the parameters [6.4 p.29].
  * Result: New register values are saved.
- * Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us.
+ * The procedure uses BiSS C-mode. The transport needs write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_save_parameters(
@@ -344,8 +340,7 @@ static inline const cw_step *lika_sma21_biss_restore_defaults_steps(size_t *coun
 /**
  * Load and save all default parameters [6.4 p.29].
  * Result: The default parameters are active and saved. All previously set parameters are lost.
- * Load and save all default parameters, over BiSS C-mode. The transport needs write_registers and
- * wait_us.
+ * The procedure uses BiSS C-mode. The transport needs write_registers and wait_us.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_restore_defaults(
@@ -404,7 +399,7 @@ typedef struct lika_sma21_biss_identify_read {
  * Result: Manufacturer, device, resolution and serial number are known. The supply is not.
  * Erratum: All models have the same device ID, despite different data lengths (open). Used: The
  * device ID is used as printed.
- * Identify the device, over BiSS C-mode. The transport needs read_registers.
+ * The procedure uses BiSS C-mode. The transport needs read_registers.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_identify(

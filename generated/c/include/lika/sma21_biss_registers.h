@@ -925,39 +925,39 @@ CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_identity(
     const cw_transport *transport, lika_sma21_biss_identity *out, cw_failure *failure)
 {
-    lika_sma21_biss_identity found;
+    lika_sma21_biss_identity identity;
     cw_result result;
-    result = cw_read(transport, LIKA_SMA21_BISS_REG_PROFILE_ID_ADDRESS, found.profile_id,
-        sizeof(found.profile_id), failure);
+    result = cw_read(transport, LIKA_SMA21_BISS_REG_PROFILE_ID_ADDRESS, identity.profile_id,
+        sizeof(identity.profile_id), failure);
     if (result != CW_OK) {
         return cw_failed_at(result, 0U, failure);
     }
     result = cw_read(transport, LIKA_SMA21_BISS_REG_ABSOLUTE_RESOLUTION_ADDRESS,
-        found.absolute_resolution, sizeof(found.absolute_resolution), failure);
+        identity.absolute_resolution, sizeof(identity.absolute_resolution), failure);
     if (result != CW_OK) {
         return cw_failed_at(result, 1U, failure);
     }
-    result = cw_read(transport, LIKA_SMA21_BISS_REG_DEVICE_TYPE_ADDRESS, found.device_type,
-        sizeof(found.device_type), failure);
+    result = cw_read(transport, LIKA_SMA21_BISS_REG_DEVICE_TYPE_ADDRESS, identity.device_type,
+        sizeof(identity.device_type), failure);
     if (result != CW_OK) {
         return cw_failed_at(result, 2U, failure);
     }
     result = cw_read(transport, LIKA_SMA21_BISS_REG_SINE_COSINE_RESOLUTION_ADDRESS,
-        found.sine_cosine_resolution, sizeof(found.sine_cosine_resolution), failure);
+        identity.sine_cosine_resolution, sizeof(identity.sine_cosine_resolution), failure);
     if (result != CW_OK) {
         return cw_failed_at(result, 3U, failure);
     }
-    result = cw_read(transport, LIKA_SMA21_BISS_REG_DEVICE_ID_ADDRESS, found.device_id,
-        sizeof(found.device_id), failure);
+    result = cw_read(transport, LIKA_SMA21_BISS_REG_DEVICE_ID_ADDRESS, identity.device_id,
+        sizeof(identity.device_id), failure);
     if (result != CW_OK) {
         return cw_failed_at(result, 4U, failure);
     }
-    result = cw_read(transport, LIKA_SMA21_BISS_REG_MANUFACTURER_ID_ADDRESS, found.manufacturer_id,
-        sizeof(found.manufacturer_id), failure);
+    result = cw_read(transport, LIKA_SMA21_BISS_REG_MANUFACTURER_ID_ADDRESS,
+        identity.manufacturer_id, sizeof(identity.manufacturer_id), failure);
     if (result != CW_OK) {
         return cw_failed_at(result, 5U, failure);
     }
-    *out = found;
+    *out = identity;
     return CW_OK;
 }
 

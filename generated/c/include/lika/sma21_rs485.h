@@ -117,7 +117,6 @@ static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0001 = { 1U, 24U }; /**< S
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
  * first. It equals the XOR of the bytes, so it does not detect swapped bytes. Both printed frames
  * are consistent with a start value of 0.
- * With this polynomial, the CRC of whole bytes is their XOR.
  */
 CW_CONSTEXPR
 static inline uint8_t lika_sma21_rs485_crc_rs485_8(const uint8_t *bytes, size_t length)
@@ -182,7 +181,6 @@ typedef enum lika_sma21_rs485_report {
  * byte of a number is sent first. Each reply of the encoder begins with the control field that it
  * received from the master. A request is not valid if its sync code, data ID, parity, delimiter or
  * length is wrong.
- * Set all members of a request, because those that an initial value leaves out are 0.
  * Erratum: The manual both rules out and describes zero setting over RS-485 (open). Used: Data ID F
  * is used as described in 7.3.1 and 7.3.3.2.
  * Erratum: The manual prints the control field's parity bit as part of the ID (resolved). Used: cc0
@@ -227,24 +225,25 @@ typedef enum lika_sma21_rs485_data_id {
 
 /* -- requests: the first byte of each one and of its reply ------------------------------------- */
 /**
- * Data ID 4: control field A2h, capture. 24-bit position and error code [7.3.1 p.38, 7.3.3 p.39].
+ * Data ID 4: control field A2h, requests data: 24-bit position and error code [7.3.1 p.38, 7.3.3
+ * p.39].
  */
 #define LIKA_SMA21_RS485_CONTROL_POSITION 0xA2U
-/** Data ID 5: control field 2Ah, capture. 48-bit position [7.3.1 p.38, 7.3.3 p.39]. */
+/** Data ID 5: control field 2Ah, requests data: 48-bit position [7.3.1 p.38, 7.3.3 p.39]. */
 #define LIKA_SMA21_RS485_CONTROL_WIDE_POSITION 0x2AU
 /**
- * Data ID A: control field 52h, capture. 24-bit position, encoder ID and error code [7.3.1 p.38,
- * 7.3.3 p.39].
+ * Data ID A: control field 52h, requests data: 24-bit position, encoder ID and error code [7.3.1
+ * p.38, 7.3.3 p.39].
  */
 #define LIKA_SMA21_RS485_CONTROL_IDENTIFICATION 0x52U
 /**
- * Data ID B: control field DAh, reset. Reset all errors. The reply carries the 24-bit position and
- * the error code [7.3.1 p.38, 7.3.3.2 p.41].
+ * Data ID B: control field DAh. Reset all errors. The reply carries the 24-bit position and the
+ * error code [7.3.1 p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_ERRORS 0xDAU
 /**
- * Data ID F: control field 7Ah, reset. Reset the position to 0. The reply carries the 24-bit
- * position and the error code [7.3.1 p.38, 7.3.3.2 p.41].
+ * Data ID F: control field 7Ah. Reset the position to 0. The reply carries the 24-bit position and
+ * the error code [7.3.1 p.38, 7.3.3.2 p.41].
  */
 #define LIKA_SMA21_RS485_CONTROL_RESET_POSITION 0x7AU
 
@@ -256,6 +255,7 @@ typedef enum lika_sma21_rs485_data_id {
  * Its data_id is 4 (position), 5 (wide_position), A (identification), B (reset_errors) or F
  * (reset_position).
  * One byte, without a CRC.
+ * Set all members, because those that an initial value leaves out are 0.
  *   byte 0, bits 2:0  sync     SC: Sync code, binary 010. Always 2.
  *   byte 0, bits 6:3  data_id
  *   byte 0, bit 7     parity   cc4. Even parity of data_id.
@@ -287,6 +287,11 @@ static inline cw_result lika_sma21_rs485_data_request_encode(
 }
 
 #define LIKA_SMA21_RS485_POSITION_REPLY_LENGTH 7U /**< bytes in the frame: position reply */
+
+/** status_info in the member unused */
+#define LIKA_SMA21_RS485_POSITION_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_SMA21_RS485_POSITION_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * position_reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
@@ -377,7 +382,10 @@ typedef struct lika_sma21_rs485_position_reply {
     bool low_amplitude_error;
     bool signal_strength_alarm; /**< Signal on the strength alarm: Not implemented. */
     bool temperature_alarm; /**< Temperature alarm: Not implemented. */
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_sma21_rs485_position_reply;
 
@@ -524,12 +532,19 @@ static inline uint32_t lika_sma21_rs485_position_reply_reports(
         (frame->signal_strength_alarm ?
         (uint32_t)LIKA_SMA21_RS485_REPORT_SIGNAL_STRENGTH_ALARM : 0U) |
         (frame->temperature_alarm ? (uint32_t)LIKA_SMA21_RS485_REPORT_TEMPERATURE_ALARM : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_SMA21_RS485_POSITION_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_SMA21_RS485_POSITION_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 /** bytes in the frame: wide position reply */
 #define LIKA_SMA21_RS485_WIDE_POSITION_REPLY_LENGTH 9U
+
+/** status_info in the member unused */
+#define LIKA_SMA21_RS485_WIDE_POSITION_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_SMA21_RS485_WIDE_POSITION_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * wide_position_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3
@@ -583,7 +598,10 @@ typedef struct lika_sma21_rs485_wide_position_reply {
      * counts. Signed, in two's complement.
      */
     int64_t position;
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_sma21_rs485_wide_position_reply;
 
@@ -679,12 +697,19 @@ static inline uint32_t lika_sma21_rs485_wide_position_reply_reports(
     (void)variant;
     return (frame->status_alarm ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ALARM : 0U) |
         (frame->status_error ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ERROR : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_SMA21_RS485_WIDE_POSITION_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_SMA21_RS485_WIDE_POSITION_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 /** bytes in the frame: identification reply */
 #define LIKA_SMA21_RS485_IDENTIFICATION_REPLY_LENGTH 9U
+
+/** status_info in the member unused */
+#define LIKA_SMA21_RS485_IDENTIFICATION_REPLY_UNUSED_STATUS_INFO 0x0FU
+/** status_zero in the member unused */
+#define LIKA_SMA21_RS485_IDENTIFICATION_REPLY_UNUSED_STATUS_ZERO 0xC0U
 
 /**
  * identification_reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3
@@ -775,7 +800,10 @@ typedef struct lika_sma21_rs485_identification_reply {
     bool low_amplitude_error;
     bool signal_strength_alarm; /**< Signal on the strength alarm: Not implemented. */
     bool temperature_alarm; /**< Temperature alarm: Not implemented. */
-    /** Unused bits, each 1 if it differs from the manual: 3:0 status_info and 7:6 status_zero. */
+    /**
+     * Unused bits, each 1 if it differs from the manual: bits 3:0 status_info and bits 7:6
+     * status_zero.
+     */
     uint8_t unused;
 } lika_sma21_rs485_identification_reply;
 
@@ -922,8 +950,10 @@ static inline uint32_t lika_sma21_rs485_identification_reply_reports(
         (frame->signal_strength_alarm ?
         (uint32_t)LIKA_SMA21_RS485_REPORT_SIGNAL_STRENGTH_ALARM : 0U) |
         (frame->temperature_alarm ? (uint32_t)LIKA_SMA21_RS485_REPORT_TEMPERATURE_ALARM : 0U) |
-        (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
-        (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
+        (((frame->unused & LIKA_SMA21_RS485_IDENTIFICATION_REPLY_UNUSED_STATUS_INFO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_INFO : 0U) |
+        (((frame->unused & LIKA_SMA21_RS485_IDENTIFICATION_REPLY_UNUSED_STATUS_ZERO) != 0U) ?
+        (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ZERO : 0U);
 }
 
 /** Frames of this interface. */
@@ -1074,10 +1104,8 @@ static inline double lika_sma21_rs485_millimetres(lika_sma21_rs485 variant, int6
  */
 #define LIKA_SMA21_RS485_READ(code, rx, position) \
     lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_SMA21_RS485_POSITION_REPLY_LENGTH])&(rx))), \
-        (position))
-/** Read a position from a pointer to any number of bytes, or from a constant array. */
+        (rx), CW_SIZE_OF(rx, LIKA_SMA21_RS485_POSITION_REPLY_LENGTH), (position))
+/** Read a position from a pointer to the bytes of one reply, or from a constant array. */
 #define LIKA_SMA21_RS485_READ_BYTES(code, bytes, length, position) \
     lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \
         (bytes), (length), (position))

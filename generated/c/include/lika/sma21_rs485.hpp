@@ -5,9 +5,9 @@
  * Runtime 1.0. Spec sma21, content hash 9d530d43.
  * This file is yours: use it, change it and pass it on as you like.
  *
- *     const auto found = lika::sma21_rs485::position_reply_position(LIKA_SMA21_RS485_JP1_0005, rx);
- *     if (found) {
- *         ... found.position ...
+ *     auto reading = lika::sma21_rs485::position_reply_position(LIKA_SMA21_RS485_JP1_0005, rx);
+ *     if (reading) {
+ *         ... reading.position ...
  *     }
  *
  * The functions have the names of those in sma21_rs485.h without lika_sma21_rs485_. They work at
@@ -28,9 +28,9 @@ data_request_encode(
     const ::lika_sma21_rs485 &variant, const ::lika_sma21_rs485_data_request &in) noexcept
 {
     codewheel::buffer<1> out{};
-    const cw_result found =
+    const cw_result outcome =
         lika_sma21_rs485_data_request_encode(variant, &in, out.bytes, out.size());
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Decode 7 bytes, as lika_sma21_rs485_position_reply_decode does. */
@@ -39,9 +39,9 @@ position_reply_decode(
     const ::lika_sma21_rs485 &variant, codewheel::view bytes) noexcept
 {
     ::lika_sma21_rs485_position_reply out{};
-    const cw_result found =
+    const cw_result outcome =
         lika_sma21_rs485_position_reply_decode(variant, bytes.data(), bytes.size(), &out);
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -76,9 +76,9 @@ wide_position_reply_decode(
     const ::lika_sma21_rs485 &variant, codewheel::view bytes) noexcept
 {
     ::lika_sma21_rs485_wide_position_reply out{};
-    const cw_result found =
+    const cw_result outcome =
         lika_sma21_rs485_wide_position_reply_decode(variant, bytes.data(), bytes.size(), &out);
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */
@@ -113,9 +113,9 @@ identification_reply_decode(
     const ::lika_sma21_rs485 &variant, codewheel::view bytes) noexcept
 {
     ::lika_sma21_rs485_identification_reply out{};
-    const cw_result found =
+    const cw_result outcome =
         lika_sma21_rs485_identification_reply_decode(variant, bytes.data(), bytes.size(), &out);
-    return {found, out};
+    return {outcome, out};
 }
 
 /** Return the verdict on the position of a valid frame. */

@@ -51,16 +51,16 @@ static inline const lika_sma21_rs485_order_code *lika_sma21_rs485_find_order_cod
     size_t index;
     size_t longest = 0U;
     const lika_sma21_rs485_order_code *const codes = lika_sma21_rs485_order_codes(&count);
-    const lika_sma21_rs485_order_code *found = NULL;
+    const lika_sma21_rs485_order_code *match = NULL;
     *unlisted = 0U;
     for (index = 0U; index < count; index++) {
         const size_t length = cw_label_match(label, codes[index].text);
         if (length > longest) {
             longest = length;
-            found = &codes[index];
+            match = &codes[index];
         }
     }
-    return found;
+    return match;
 }
 
 #ifdef __cplusplus

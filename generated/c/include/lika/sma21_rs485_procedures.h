@@ -46,7 +46,7 @@ static inline const cw_step *lika_sma21_rs485_reset_errors_steps(size_t *count)
  * is sent in between.
  * Erratum: The manual does not say how long a reset over RS-485 takes (open). Used: The generated
  * files specify no wait time.
- * Reset all errors, over RS-485. The transport needs wait_us and send_request.
+ * The procedure uses RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_rs485_reset_errors(
@@ -87,7 +87,7 @@ static inline const cw_step *lika_sma21_rs485_reset_position_steps(size_t *count
  * is sent in between.
  * Erratum: The manual does not say how long a reset over RS-485 takes (open). Used: The generated
  * files specify no wait time.
- * Reset the position to 0, over RS-485. The transport needs wait_us and send_request.
+ * The procedure uses RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_rs485_reset_position(

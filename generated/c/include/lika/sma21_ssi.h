@@ -407,9 +407,7 @@ static inline uint32_t lika_sma21_ssi_reports(
  */
 #define LIKA_SMA21_SSI_RECEIVE(code, rx, word) \
     lika_sma21_ssi_receive(LIKA_SMA21_SSI_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_SMA21_SSI_##code##_RX_BYTES])&(rx))), \
-        (word))
+        (rx), CW_SIZE_OF(rx, LIKA_SMA21_SSI_##code##_RX_BYTES), (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -463,9 +461,7 @@ static inline double lika_sma21_ssi_millimetres(lika_sma21_ssi variant, int64_t 
  */
 #define LIKA_SMA21_SSI_READ(code, rx, position) \
     lika_sma21_ssi_read(LIKA_SMA21_SSI_##code, \
-        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_SMA21_SSI_##code##_RX_BYTES])&(rx))), \
-        (position))
+        (rx), CW_SIZE_OF(rx, LIKA_SMA21_SSI_##code##_RX_BYTES), (position))
 /** Read a position from a pointer to any number of bytes, or from a constant array. */
 #define LIKA_SMA21_SSI_READ_BYTES(code, bytes, length, position) \
     lika_sma21_ssi_read(LIKA_SMA21_SSI_##code, \
@@ -498,8 +494,7 @@ static inline cw_verdict lika_sma21_ssi_read_twice(
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_SMA21_SSI_READ_TWICE(code, first, second, at_most, position) \
     lika_sma21_ssi_read_twice(LIKA_SMA21_SSI_##code, \
-        (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
-        (uint8_t (*)[LIKA_SMA21_SSI_##code##_RX_BYTES])&(first))) + \
+        (first), (second), CW_SIZE_OF(first, LIKA_SMA21_SSI_##code##_RX_BYTES) + \
         (0U * sizeof(&(first) - &(second))), \
         (at_most), (position))
 
