@@ -20,7 +20,7 @@ device: modbus
 manufacturer: test
 title: Encoder over MODBUS RTU
 movement: rotary
-evidence: {grade: uncorroborated, documents: {manual: p.6}}
+evidence: {grade: uncorroborated, documents: {manual: p.3 and p.6}}
 manual: {title: Manual, revision: "1", language: en}
 parameters: {}
 order_code:
