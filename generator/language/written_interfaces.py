@@ -118,7 +118,8 @@ class WrittenRs485Exchange(WrittenPart):
     "RS-485 with requests and replies. Give either data_ids or exchanges. data_ids: frames like "
     "those of Tamagawa's T-format, whose first byte is a control field with one of up to 32 data "
     "IDs. exchanges: any other requests with their replies, such as an address, a command and a "
-    "checksum. Modbus, EnDat, Nikon's A-format and register banks are not supported."
+    "checksum. So are requests and replies of MODBUS RTU, if each has a fixed length. EnDat, Nikon's A-format and "
+    "register banks are not supported."
 )
 class WrittenRs485(WrittenPart):
     source: SourceText = key("")

@@ -841,7 +841,7 @@ function tryMistakesInBytes(decoded) {
     const { crc } = placedLayout;
     if (crc && crc.width !== 8) return [];
     const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
-    const typedFrame = { number: numberOf(layout.order, data), bits: 8 * data.length, exact: true };
+    const typedFrame = { number: numberOfFrame(layout, data), bits: 8 * data.length, exact: true };
     return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),
       ...(crc ? [] : tryOtherOrderCodes(placedLayout, typedFrame)), ...tryMovedBytes(placedLayout, crc, data)];
   });
@@ -863,7 +863,7 @@ const withCrcOverBytes = (hypothesis, bytes) => (
 /** Try the frame as sent with another CRC. */
 function tryOtherByteCrcs(placedLayout, crc, data) {
   const asSent = withCrcOverBytes(
-    createHypothesisAsSent(placedLayout, crc, numberOf(placedLayout.layout.order, data)), data);
+    createHypothesisAsSent(placedLayout, crc, numberOfFrame(placedLayout.layout, data)), data);
   const text = TABLE.texts.first_byte_left_out;
   return [
     ...(crc.byte_others ?? []).map(([kind, crcText, otherCrc]) => (
@@ -880,7 +880,7 @@ function tryMovedBytes(placedLayout, crc, data) {
   const byteCount = placedLayout.bits / 8;
   const assumeFrame = (kind, text, bytes, template = text) => {
     const hypothesis = createFrameHypothesis(
-      placedLayout, crc, kind, text, numberOf(placedLayout.layout.order, bytes), { template });
+      placedLayout, crc, kind, text, numberOfFrame(placedLayout.layout, bytes), { template });
     return crc ? withCrcOverBytes(hypothesis, bytes) : hypothesis;
   };
   const extraBytes = data.length - byteCount;
@@ -907,9 +907,9 @@ function tryMovedBytes(placedLayout, crc, data) {
 
 /** The possible first bytes of a frame, if that byte only has the selector, constants, parity and usual values. */
 function findPossibleFirstBytes(placedLayout) {
-  const { order, selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
+  const { selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
   const byteCount = placedLayout.bits / 8;
-  const firstByteMask = numberOf(order, [0xFF, ...Array(byteCount - 1).fill(0)]);
+  const firstByteMask = numberOfFrame(placedLayout.layout, [0xFF, ...Array(byteCount - 1).fill(0)]);
   const fieldsInFirstByte = placedLayout.fields.filter(
     ({ low, width }) => extractBits(firstByteMask >> BigInt(low), 0, width));
   const selectorFields = fieldsInFirstByte.filter(({ name }) => name === selector);
@@ -927,7 +927,7 @@ function findPossibleFirstBytes(placedLayout) {
     for (const parityField of parityFields) {
       number = insertField(number, parityField, computeParityOf(placedLayout, parityField, number));
     }
-    return bytesOf(order, number, byteCount)[0];
+    return bytesOfFrame(placedLayout.layout, number, byteCount)[0];
   });
 }
 
@@ -974,7 +974,7 @@ function splitIntoFrames(placedLayouts, bytes) {
       const isShorter = followingFrames
         && !(fewestFramesFrom.get(firstByte)?.length <= followingFrames.length + 1);
       const evidence = isShorter
-        ? countExpectedBits(placedLayout, numberOf(placedLayout.layout.order, frameBytes)) : 0;
+        ? countExpectedBits(placedLayout, numberOfFrame(placedLayout.layout, frameBytes)) : 0;
       if (evidence && !decodeBytes(placedLayout, frameBytes).problems.length) {
         fewestFramesFrom.set(firstByte, [{ placedLayout, bytes: frameBytes, evidence }, ...followingFrames]);
       }
@@ -1000,7 +1000,7 @@ function createWholeFramesHypothesis(frames, receivedBytes, totalEvidence) {
     kind, text, template, placedLayout: lastFrame.placedLayout, otherBitsRequired: totalEvidence,
     parts: frames.map((frame, index) => [titles[index], formatBytes(frame.bytes)]),
     coveredData: joinBytes(receivedBytes), coveredBits: 8 * receivedBytes.length,
-    number: isCertainReply ? numberOf(lastFrame.placedLayout.layout.order, lastFrame.bytes) : undefined,
+    number: isCertainReply ? numberOfFrame(lastFrame.placedLayout.layout, lastFrame.bytes) : undefined,
   });
 }
 

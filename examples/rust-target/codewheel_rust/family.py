@@ -184,6 +184,9 @@ class Family:
         if struct.codec.digit_codings:
             problem = f"'{layout.name}' has digits that are sent separately, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-digits", place, problem))
+        if struct.codec.by_word and layout.exchanged_bytes:
+            problem = f"'{layout.name}' has two byte orders, which this target reads only at fixed places"
+            self._wide.append(TargetProblem(self.device, "rust-byte-order", place, problem))
         return struct
 
 
