@@ -61,7 +61,8 @@ class WrittenSsi(WrittenPart):
     )
     signals: Prose = key("Electrical standard of the signals.", default="")
     cable_lengths: tuple[LocatedPart[CableLength], ...] = key(
-        "Highest clock frequency by cable length. A row that applies to some order codes has the key 'only'.",
+        "Highest clock frequency by cable length, as in [{shorter_than_m: 50, at_most_hz: 400000}, "
+        "{shorter_than_m: 100, at_most_hz: 300000}]. A row that applies to some order codes has the key 'only'.",
         least=0,
         default=(),
     )
