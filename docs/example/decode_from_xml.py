@@ -18,7 +18,7 @@ parameters = {entry.get("name"): int(entry.text, 0) for entry in order_code.iter
 
 
 def number(expression):  # a sum of numbers and parameters, such as 48 - singleturn_bits
-    terms = re.findall(r"([+-]?) ?([a-z0-9_]+)", expression)
+    terms = re.findall(r"([+-]?) ?([a-z0-9_*^]+)", expression)
     return sum((-1 if sign == "-" else 1) * int(parameters.get(term, term)) for sign, term in terms)
 
 

@@ -71,7 +71,7 @@ def modbus_replies() -> Iterator[Case]:
 
 def other_replies() -> Iterator[Case]:
     random_ = random.Random(62)
-    for code, turns_bits in (("BO8", 8), ("BO11", 11)):
+    for code, turns_bits in (("BO8", 8), ("BO10", 10)):
         for _ in range(1500):
             position = random_.getrandbits(24)
             temperature = random_.randrange(-(1 << 15), 1 << 15)

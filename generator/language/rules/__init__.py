@@ -34,6 +34,7 @@ from . import (
     sources,
     stale_texts,
     step_agreement,
+    sums,
     table_agreement,
     values,
     words,
@@ -65,7 +66,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
     position_verdicts.check_verdicts_by_answer,
     check_expressions,
     parameters.check_parameter_cycle,
-    parameters.check_long_sums,
+    sums.check_long_sums,
     order_code.check_order_code_pattern,
 )
 
