@@ -49,7 +49,7 @@ def test_c_returns_the_limit_and_says_that_it_is_allowed(tmp_path: Path) -> None
     device = load_made("cables")
     include = write(tmp_path, (device,))
     header = (include / "test" / "cables_ssi.h").read_text(encoding="utf-8")
-    assert "frequency in hertz that the clock must not exceed with a cable" in " ".join(header.replace("*", "").split())
+    assert "frequency in hertz up to which the clock may go with a cable" in " ".join(header.replace("*", "").split())
     (tmp_path / "limits.c").write_text(PROGRAM, encoding="utf-8")
     warnings = ("-Wall", "-Wextra", "-Werror")
     subprocess.run([*GCC, *warnings, f"-I{include}", "limits.c", "-o", "limits"], cwd=tmp_path, check=True)
