@@ -17,6 +17,8 @@ from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import to_xml
 from codewheel.model import number_from_bytes, number_to_bytes
 from codewheel.reference import codec
+from codewheel.virtual import VirtualEncoder
+from codewheel.virtual.rs485_line import Rs485Line
 from five_engines import ENGINES, NOT_USABLE, SPECS, USABLE, Case, Import, MadeEncoder, load_made, named
 
 pytestmark = pytest.mark.slow
@@ -178,3 +180,16 @@ def test_the_example_script_reads_it_from_the_xml(
     monkeypatch.setattr(sys, "argv", [str(script), *arguments])
     run_path(str(script))
     assert {f"first {0xAE41}", f"crc {0xAD49}"} <= set(capsys.readouterr().out.splitlines())
+
+
+def test_the_virtual_encoder_answers_a_public_request() -> None:
+    """The reply repeats the address, and its CRC is sent low byte first."""
+    specs = [SPECS / "modbus.yaml", SPECS / "manufacturer.yaml"]
+    line = Rs485Line(VirtualEncoder("MBR", 6120, specs=specs))
+    line.receive(bytes.fromhex("01 03 00 00 00 0A CD C5"))
+    assert line.send() == b""
+    line = Rs485Line(VirtualEncoder("MBR", 6120, specs=specs))
+    line.receive(bytes.fromhex("01 03 00 00 00 0A C5 CD"))
+    reply = line.send()
+    assert reply[:7] == bytes.fromhex("01 03 12 00 00 17 E8")
+    assert reply[-2:] == modbus_crc(reply[:-2])
