@@ -239,7 +239,7 @@ def _cable_clocks(reading: SpecReading, interface: Ssi) -> Iterator[ComparedFact
             key=("cable", "ssi", length),
             value=_value_by_code(reading, interface.name, rows_with_texts),
             description=f"clock for a cable shorter than {length} m",
-            place=("interfaces", interface.name, "cable_lengths", index),
+            place=("interfaces", interface.name, "cable_lengths", index, rows[0].limit_key),
         )
 
 
