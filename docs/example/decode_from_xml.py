@@ -18,7 +18,7 @@ parameters = {entry.get("name"): int(entry.text, 0) for entry in order_code.iter
 
 
 def number(expression):  # a sum of numbers and parameters, such as 48 - singleturn_bits
-    terms = re.findall(r"([+-]?) ?([a-z0-9_]+)", expression)
+    terms = re.findall(r"([+-]?) ?([a-z0-9_*^]+)", expression)
     return sum((-1 if sign == "-" else 1) * int(parameters.get(term, term)) for sign, term in terms)
 
 
@@ -37,6 +37,8 @@ for field in [field for field in fields if not number(field.get("width"))]:
 speaks, found = {}, set()
 for field in layout.iterfind("d:fields/d:field", ns):
     value = bits >> number(field.get("low")) & (1 << number(field.get("width"))) - 1
+    if field.get("byte_order"):  # not that of the layout
+        value = int.from_bytes(value.to_bytes(number(field.get("width")) // 8, "little"), "big")
     said = "not as in the manual" if value != int(field.get("unused", value)) else ""
     if field.get("active"):  # a flag
         said = "active" if value == (field.get("active") == "high") else "not active"
@@ -62,11 +64,9 @@ def makes(field):  # The manual does not explain a flag for order codes with the
 worth = {makes(item) for item in speaks.values() if not {*item.get("sums_up", "").split()} & {*speaks}}
 flags = "d:fields/d:field[@kind='flag' and not(@makes_position='usable') and not(string(@only_while))]"
 values = "d:fields/d:field/d:values/d:value[string(@makes_position) and not(@makes_position='usable')]"
-tells = combinations or layout.xpath(f"{flags} | {values}", namespaces=ns)
-worth.add("usable" if tells else "unknown")
-verdict = next(word for word in ("not_usable", "unknown", "usable_with_warning", "usable") if word in worth)
+worth.add("usable" if combinations or layout.xpath(f"{flags} | {values}", namespaces=ns) else "unknown")
 position = {*root.xpath("//d:measurement/@of", namespaces=ns)}
 joins = root.xpath("//d:layout[@interface=$kind]/d:join/d:join", namespaces=ns, kind=layout.get("interface"))
 position |= {part for join in joins if join.get("name") in position for part in join.get("fields").split()}
 if layout.get("from") == "encoder" and position & {field.get("name") for field in fields}:
-    print("verdict:", verdict)
+    print("verdict:", min(worth, key=["not_usable", "unknown", "usable_with_warning", "usable"].index))

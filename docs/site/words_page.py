@@ -79,6 +79,12 @@ WORDS = (
         _any_of("clock.only", "timeout.only"),
         ("0b57bd23e", "fd701d2d7"),
     ),
+    Word("`byte_order` of a field", _any_of("field.byte_order"), ("b7bb7ba52", "9f89605e4")),
+    Word(
+        "`at_most_hz`: an inclusive clock limit by cable length",
+        _any_of("ssi.cable_lengths.at_most_hz"),
+        ("85386d1b7", "56437877e"),
+    ),
     Word("`excess`: Gray excess", _any_of("layout.gray.excess"), ("080d1a243",)),
     Word(
         "`channels`: several in one BiSS frame",

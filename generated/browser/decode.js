@@ -144,6 +144,17 @@
     return order === "little" ? lowFirst : lowFirst.reverse();
   }
 
+  /** Return the bytes of a frame with those of each field that has its own byte order in reverse order. */
+  function exchangeBytes({ exchanged = [] }, bytes) {
+    return exchanged.reduce((orderedBytes, [start, stop]) => [
+      ...orderedBytes.slice(0, start), ...orderedBytes.slice(start, stop).reverse(), ...orderedBytes.slice(stop)], bytes);
+  }
+
+  /** Return the number that the bytes of a frame or register form in the byte order of its layout. */
+  const numberOfFrame = (layout, bytes) => numberOf(layout.order, exchangeBytes(layout, bytes));
+  /** Return the ``byteCount`` bytes of a frame or register in the order in which they are sent. */
+  const bytesOfFrame = (layout, number, byteCount) => exchangeBytes(layout, bytesOf(layout.order, number, byteCount));
+
   /** Return the parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
   function computeParity(number, places, { odd, mask }) {
     const countedBits = mask ? toBigInt(mask) : -1n;
@@ -254,7 +265,7 @@
     if (8 * bytes.length !== placedLayout.bits) {
       return createLengthError(placedLayout, countWithNoun(placedLayout.bits / 8, "byte"), bytes.length);
     }
-    return decode(placedLayout, numberOf(placedLayout.layout.order, bytes));
+    return decode(placedLayout, numberOfFrame(placedLayout.layout, bytes));
   }
 
   /** Return the number of a frame with digits and Gray code converted to binary, less the Gray excess. */
@@ -393,7 +404,7 @@
     const { width } = findCrcField(placedLayout);
     const [low, bitCount] = placeOfCoveredBits(placedLayout);
     if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), bitCount);
-    return crcOfBytes(crc, bytesOf(placedLayout.layout.order, number, placedLayout.bits / 8).slice(0, -width / 8));
+    return crcOfBytes(crc, bytesOfFrame(placedLayout.layout, number, placedLayout.bits / 8).slice(0, -width / 8));
   }
 
   /** Return a list with the problem if the bits at the place of a check are wrong, otherwise an empty list. */
@@ -614,7 +625,7 @@
   function bytesFor(placedLayout, values, limits) {
     const number = encode(placedLayout, values);
     refuseOutsideLimits(placedLayout, number, limits);
-    return formatBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
+    return formatBytes(bytesOfFrame(placedLayout.layout, number, placedLayout.layout.length));
   }
 
   /**
@@ -1092,19 +1103,48 @@
     throw new LineError("a parity bit is even or odd; write parity=even or parity=odd");
   }
 
-  /** Parse a CRC: its width, its polynomial, and if they are there, its start value and whether it is inverted. */
+  /** Words for the order of the bytes, with its name in the table. */
+  const BYTE_ORDER_WORDS = { low_byte_first: "little", high_byte_first: "big" };
+  /** Words for a CRC over bytes, and all words after the numbers of a CRC. */
+  const CRC_BYTES_WORDS = ["reflected", ...Object.keys(BYTE_ORDER_WORDS)];
+  const CRC_WORDS = ["inverted", "plain", ...CRC_BYTES_WORDS];
+  const CRC_WORDS_TEXT = ":inverted, :plain, :reflected, :low_byte_first or :high_byte_first";
+
+  /** Check the words after the numbers of a CRC: the interface and the width must allow each, and together. */
+  function checkCrcWords(words, width, interface_) {
+    for (const word of words) {
+      if (words.filter((other) => other === word).length > 1) {
+        throw new LineError(`'${word}' is written twice; remove one of them`);
+      }
+      if (CRC_BYTES_WORDS.includes(word) && interface_ !== "rs485") {
+        throw new LineError(`'${word}' is only for a CRC over RS-485, which consists of bytes; remove it`);
+      }
+      if (word in BYTE_ORDER_WORDS && width <= 8) {
+        throw new LineError(`the CRC is one byte, so it has no byte order; remove '${word}'`);
+      }
+    }
+    for (const [firstWord, secondWord] of [["inverted", "plain"], Object.keys(BYTE_ORDER_WORDS)]) {
+      if (words.includes(firstWord) && words.includes(secondWord)) {
+        throw new LineError(`'${firstWord}' and '${secondWord}' exclude each other; remove one of them`);
+      }
+    }
+  }
+
+  /** Parse a CRC: its width, its polynomial, and if they are there, its start value and words such as "inverted". */
   function parseCrc(values, interface_) {
     if (values.length < 2) {
       throw new LineError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
     }
     const width = parseWidth("crc", values[0], 32n);
     const crcNumbers = values.slice(1);
-    let isInverted = interface_ === "biss";
-    if (["inverted", "plain"].includes(crcNumbers.at(-1))) isInverted = crcNumbers.pop() === "inverted";
+    const words = [];
+    while (CRC_WORDS.includes(crcNumbers.at(-1))) words.push(crcNumbers.pop());
+    checkCrcWords(words, width, interface_);
+    const isInverted = words.includes("inverted") || (interface_ === "biss" && !words.includes("plain"));
     const polynomialOffset = "crc=".length + values[0].length + 1;
     if (crcNumbers.length < 1 || crcNumbers.length > 2) {
       throw new LineError(
-        "write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", polynomialOffset);
+        `write crc=BITS:POLYNOMIAL:START, and after it ${CRC_WORDS_TEXT} if needed`, polynomialOffset);
     }
     const poly = parseLineNumber(crcNumbers[0]);
     if (poly === null || !(poly & ONE) || poly > ones(width + 1)) {
@@ -1117,7 +1157,10 @@
       throw new LineError(`${quoteText(crcNumbers[1])} is not a start value; write at most ${hex(ones(width))}`,
         polynomialOffset + crcNumbers[0].length + 1);
     }
-    return { kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted };
+    return {
+      kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted,
+      isReflected: words.includes("reflected"), order: BYTE_ORDER_WORDS[words.find((word) => word in BYTE_ORDER_WORDS)],
+    };
   }
 
   // -- options
@@ -1405,7 +1448,7 @@
     let bitOffset = 0;
     for (const field of fields) {
       const isWide = field.bits > 8 && !isFiller(field);
-      if (interface_ === "rs485" && isWide && !options.order) {
+      if (interface_ === "rs485" && isWide && !options.order && !field.order) {
         problems.push([field.column,
           `the byte order of '${field.name}' is not known; write rs485,low_byte_first: or high_byte_first`]);
       }
@@ -1584,9 +1627,9 @@
   }
 
   /** Build the parameters of a CRC, and of similar CRCs that may be used by mistake. */
-  function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
+  function buildCrcRecord({ bits: width, poly, init, isInverted, isReflected }, isOverBytes) {
     const parametersWith = (changes) => omitEmpty(Object.fromEntries(Object.entries({
-      width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
+      width: BigInt(width), poly, init, refin: BigInt(isReflected), refout: BigInt(isReflected), xorout: isInverted ? ones(width) : 0n, ...changes,
     }).map(([name, number]) => [name, toTableNumber(number)])));
     const ownParameters = parametersWith({});
     const otherXorout = isInverted ? 0n : ones(width);
@@ -1631,7 +1674,8 @@
     return TABLE.byte_polynomials.flatMap((polynomial) => {
       const poly = toBigInt(polynomial) & 0xFFn;
       const text = `the polynomial is ${hex(toBigInt(polynomial))}`;
-      return [["other_polynomial", `${text}, most significant bit first`, parametersWith({ poly })],
+      return [["other_polynomial", `${text}, most significant bit first`,
+        parametersWith({ poly, refin: 0n, refout: 0n })],
         ["other_polynomial", `${text}, least significant bit first`, parametersWith({ poly, refin: ONE, refout: ONE })]];
     });
   }
@@ -1653,6 +1697,13 @@
     };
   }
 
+  /** List the place of the CRC in the bytes of a frame if its bytes have another order than the frame. */
+  function listExchangedBytes({ options, fields }) {
+    const { kind, bits: width, order } = fields.at(-1);
+    const byteCount = sumFieldBits(fields) / 8;
+    return kind === "crc" && order && order !== (options.order ?? "big") ? [[byteCount - width / 8, byteCount]] : [];
+  }
+
   /** Build the frame from the encoder. Its fields, checks and reports are records, which ``lineFamily`` numbers. */
   function buildEncoderFrame(line) {
     const { interface: interface_, options, fields } = line;
@@ -1671,6 +1722,7 @@
       name, bits: sumFieldBits(fields),
       ...omitEmpty({
         order: interface_ === "rs485" ? options.order ?? "big" : "",
+        exchanged: listExchangedBytes(line),
         joins,
         speaks: decidingFlags.map((flag) => ({ verdict: flag.verdict, flag: flag.name })),
         gray: options.isGray ? { ...omitEmpty({ low: lowestGrayBit }), width: sumFieldBits(grayFields) } : {},
@@ -3495,7 +3547,7 @@
       const { crc } = placedLayout;
       if (crc && crc.width !== 8) return [];
       const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
-      const typedFrame = { number: numberOf(layout.order, data), bits: 8 * data.length, exact: true };
+      const typedFrame = { number: numberOfFrame(layout, data), bits: 8 * data.length, exact: true };
       return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),
         ...(crc ? [] : tryOtherOrderCodes(placedLayout, typedFrame)), ...tryMovedBytes(placedLayout, crc, data)];
     });
@@ -3517,7 +3569,7 @@
   /** Try the frame as sent with another CRC. */
   function tryOtherByteCrcs(placedLayout, crc, data) {
     const asSent = withCrcOverBytes(
-      createHypothesisAsSent(placedLayout, crc, numberOf(placedLayout.layout.order, data)), data);
+      createHypothesisAsSent(placedLayout, crc, numberOfFrame(placedLayout.layout, data)), data);
     const text = TABLE.texts.first_byte_left_out;
     return [
       ...(crc.byte_others ?? []).map(([kind, crcText, otherCrc]) => (
@@ -3533,8 +3585,8 @@
     const { texts } = TABLE;
     const byteCount = placedLayout.bits / 8;
     const assumeFrame = (kind, text, bytes, template = text, assumedBits = 0) => {
-      const hypothesis = createFrameHypothesis(placedLayout, crc, kind, text,
-        numberOf(placedLayout.layout.order, bytes), { template });
+      const hypothesis = createFrameHypothesis(
+        placedLayout, crc, kind, text, numberOfFrame(placedLayout.layout, bytes), { template });
       hypothesis.otherBitsRequired -= assumedBits;
       return crc ? withCrcOverBytes(hypothesis, bytes) : hypothesis;
     };
@@ -3565,11 +3617,11 @@
   }
 
   /** Return the mask of the first byte in the number of a frame. */
-  const firstByteMaskOf = ({ layout, bits }) => numberOf(layout.order, [0xFF, ...Array(bits / 8 - 1).fill(0)]);
+  const firstByteMaskOf = ({ layout, bits }) => numberOfFrame(layout, [0xFF, ...Array(bits / 8 - 1).fill(0)]);
 
   /** The possible first bytes of a frame, if that byte only has the selector, constants, parity and usual values. */
   function findPossibleFirstBytes(placedLayout) {
-    const { order, selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
+    const { selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
     const byteCount = placedLayout.bits / 8;
     const fieldsInFirstByte = placedLayout.fields.filter(
       ({ low, width }) => extractBits(firstByteMaskOf(placedLayout) >> BigInt(low), 0, width));
@@ -3588,7 +3640,7 @@
       for (const parityField of parityFields) {
         number = insertField(number, parityField, computeParityOf(placedLayout, parityField, number));
       }
-      return bytesOf(order, number, byteCount)[0];
+      return bytesOfFrame(placedLayout.layout, number, byteCount)[0];
     });
   }
 
@@ -3652,7 +3704,7 @@
         const isShorter = followingFrames
           && !(fewestFramesFrom.get(firstByte)?.length <= followingFrames.length + 1);
         const evidence = isShorter
-          ? countExpectedBits(placedLayout, numberOf(placedLayout.layout.order, frameBytes)) : 0;
+          ? countExpectedBits(placedLayout, numberOfFrame(placedLayout.layout, frameBytes)) : 0;
         if (evidence && !decodeBytes(placedLayout, frameBytes).problems.length) {
           fewestFramesFrom.set(firstByte, [{ placedLayout, bytes: frameBytes, evidence }, ...followingFrames]);
         }
@@ -3677,10 +3729,10 @@
     return createHypothesis({
       kind, text, template, placedLayout: lastFrame.placedLayout, otherBitsRequired: totalEvidence,
       likelihood: frames.reduce((product, { placedLayout, bytes }) => (
-        product * computeLikelihood(placedLayout, numberOf(placedLayout.layout.order, bytes))), 1),
+        product * computeLikelihood(placedLayout, numberOfFrame(placedLayout.layout, bytes))), 1),
       parts: frames.map((frame, index) => [titles[index], formatBytes(frame.bytes)]),
       coveredData: joinBytes(receivedBytes), coveredBits: 8 * receivedBytes.length,
-      number: isCertainReply ? numberOf(lastFrame.placedLayout.layout.order, lastFrame.bytes) : undefined,
+      number: isCertainReply ? numberOfFrame(lastFrame.placedLayout.layout, lastFrame.bytes) : undefined,
     });
   }
 
@@ -4296,8 +4348,11 @@
       createPart("span", "bits", partBits), createPart("span", "name", name.replaceAll("_", "-")))));
 
   /** Return the index from 0, in the order sent, of the byte that has a bit of the frame's number. */
-  const byteIndexOf = (placedLayout, bit) => (
-    placedLayout.layout.order === "little" ? bit >> 3 : placedLayout.bits / 8 - 1 - (bit >> 3));
+  function byteIndexOf({ layout, bits }, bit) {
+    const index = layout.order === "little" ? bit >> 3 : bits / 8 - 1 - (bit >> 3);
+    const place = layout.exchanged?.find(([start, stop]) => index >= start && index < stop);
+    return place ? place[0] + place[1] - 1 - index : index;
+  }
   /** Name a bit of a frame: by its byte if the frame is in bytes, and otherwise by its place in the word. */
   const nameBit = (placedLayout, bit) => (
     placedLayout.layout.order ? `bit ${bit % 8} of byte ${byteIndexOf(placedLayout, bit)}` : `bit ${bit}`);

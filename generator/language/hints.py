@@ -8,7 +8,6 @@ from collections.abc import Collection, Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from ..model.expressions import Expression, ExpressionError
 from .problems import nearest_choice
 
 #: Base unit and power of ten of each unit.
@@ -54,9 +53,6 @@ POLYNOMIAL = re.compile(r"(?:x(?:\s*\^\s*[0-9]+)?|1)(?:\s*\+\s*(?:x(?:\s*\^\s*[0
 _BARE_HEX_DIGITS = re.compile(r"[0-9][0-9A-Fa-f]*|[0-9A-F]{2,}")
 #: ``4C 69 6B``.
 _HEX_BYTES = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2})*")
-#: A number, or a power of two with a number, before or after ``*``.
-_NUMBER_OR_POWER = r"\b(?:2\s*\^\s*)?(?:0x[0-9A-Fa-f]+|[0-9]+)\b"
-_FACTOR_OF_PRODUCT = re.compile(rf"{_NUMBER_OR_POWER}(?=\s*\*)|(?:(?<=\*)|(?<=\* )){_NUMBER_OR_POWER}(?!\s*\^)")
 #: ``1 << bits`` or ``(1 << bits)``.
 _SHIFTED_ONE = re.compile(r"\(?1\s*<<\s*(\w+)\)?")
 #: Keys of other tools, each with the keys that may have the same meaning here.
@@ -171,23 +167,6 @@ def expression_hint(expression_text: str) -> str:
     """Return a hint on what to write instead of powers such as ``2**n`` and ``1 << n``. Empty if there are none."""
     corrected = _SHIFTED_ONE.sub(r"2^\1", expression_text.replace("**", "^"))
     return f"; write {corrected}" if corrected != expression_text else ""
-
-
-def product_hint(expression_text: str) -> str:
-    """Return a hint on what to write instead of a product with a number, such as ``2^bits * 256``.
-
-    The hint is empty if there is no such product, or if the expression would still be invalid.
-    """
-    number = _FACTOR_OF_PRODUCT.search(expression_text)
-    if number is None:
-        return ""
-    text_before, text_after = expression_text[: number.start()], expression_text[number.end() :]
-    corrected = f"{text_before}factor{text_after}"
-    try:
-        Expression.parse(corrected)
-    except ExpressionError:
-        return ""
-    return f"; write {corrected} with the parameter 'factor: {{meaning: ..., equals: {number[0]}}}'"
 
 
 def value_hint(key: str, wrong_value: Any, schema: Mapping[str, Any]) -> str:

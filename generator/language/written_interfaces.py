@@ -61,7 +61,8 @@ class WrittenSsi(WrittenPart):
     )
     signals: Prose = key("Electrical standard of the signals.", default="")
     cable_lengths: tuple[LocatedPart[CableLength], ...] = key(
-        "Highest clock frequency by cable length. A row that applies to some order codes has the key 'only'.",
+        "Highest clock frequency by cable length, as in [{shorter_than_m: 50, at_most_hz: 400000}, "
+        "{shorter_than_m: 100, at_most_hz: 300000}]. A row that applies to some order codes has the key 'only'.",
         least=0,
         default=(),
     )
@@ -118,7 +119,8 @@ class WrittenRs485Exchange(WrittenPart):
     "RS-485 with requests and replies. Give either data_ids or exchanges. data_ids: frames like "
     "those of Tamagawa's T-format, whose first byte is a control field with one of up to 32 data "
     "IDs. exchanges: any other requests with their replies, such as an address, a command and a "
-    "checksum. Modbus, EnDat, Nikon's A-format and register banks are not supported."
+    "checksum. So are requests and replies of MODBUS RTU, if each has a fixed length. EnDat, Nikon's A-format and "
+    "register banks are not supported."
 )
 class WrittenRs485(WrittenPart):
     source: SourceText = key("")

@@ -214,6 +214,13 @@ class WrittenField(WrittenPart):
         default="",
         allowed_in=(NUMBER,),
     )
+    byte_order: Literal["", "low_byte_first", "high_byte_first"] = key(
+        "In a frame of bytes over RS-485: byte order of this field, if it differs from that of the layout. In MODBUS, "
+        "only the CRC is sent low byte first: {name: crc, crc: modbus, byte_order: low_byte_first}. The field fills "
+        "two or more whole bytes in every order code.",
+        default="",
+        allowed_in=(NUMBER, "values", "constant", "digits", "crc"),
+    )
     implemented: bool = key("False if this encoder does not implement the field. Default: true.", default=True)
     reserved: Literal["", "maker"] = key("Write 'maker' if only the manufacturer may use this.", default="")
     explained_by: tuple[RegisterBit, ...] = key(

@@ -86,14 +86,11 @@ def _parts_of_line(recording: RecordedFrames, layout: FoundLayout) -> _Parts:
 
 
 def _usual_crc_text(interface: str, crc: FoundCrc | None) -> str:
-    """Return a CRC as it is written in a line, in its most usual form, or an empty string without a CRC.
-
-    CRC-16/MODBUS becomes a number, because a line cannot describe it.
-    """
+    """Return a CRC as it is written in a line, in its most usual form, or an empty string without a CRC."""
     if crc is None:
         return ""
     if crc.is_modbus:
-        return f"crc_modbus={crc.width}"
+        return f"crc={crc.width}:{crc.polynomial:#x}:0xffff:reflected:low_byte_first"
     most_usual_form = crc.forms[0]
     return _crc_text(interface, crc, most_usual_form)
 
@@ -216,7 +213,6 @@ def _describe_certainty(recording: RecordedFrames, layout: FoundLayout) -> Itera
     elif crc.is_modbus:
         chance = f"by coincidence, one of 2^{crc.evidence} recordings"
         yield f"CRC-16/MODBUS, low byte first, fits all {len(recording.frames)} frames ({chance})"
-        yield "a line cannot describe this CRC, so it is a number here, which 'decode' does not check"
     else:
         unlisted = "" if crc.is_known else ", which is not in the list of known ones"
         chance = f"by coincidence, one of 2^{crc.evidence} recordings"

@@ -19,7 +19,7 @@ from .frames import MOST_FRAMES, RecordedFrames
 _LEAST_EVIDENCE = 4
 #: Smallest and largest width of a CRC whose polynomial is not in the list of known ones.
 _NARROWEST_CRC, _WIDEST_CRC = 3, 32
-#: The CRC of Modbus RTU, whose low byte is sent first. A line cannot describe a CRC with reversed bits.
+#: The CRC of MODBUS RTU, whose low byte is sent first.
 _MODBUS = Crc(name="modbus", width=16, poly=0x8005, init=0xFFFF, refin=True, refout=True, xorout=0, source=())
 #: Fewest bits of evidence for a polynomial that is not in the list.
 _UNLISTED_EVIDENCE = 24

@@ -247,7 +247,7 @@ def _check_decoded(
     if problems:
         hint = ""
         if decoded.crc is not None and not decoded.crc.ok:
-            hint = _suggest_byte_order(decoded) if decoded.crc.has_exchanged_bytes else ""
+            hint = _suggest_byte_order(device, decoded) if decoded.crc.has_exchanged_bytes else ""
             hint = hint or _suggest_start(device, decoded.crc.name)
         for problem in problems:
             yield _data_path(example), problem.message + hint
@@ -256,13 +256,17 @@ def _check_decoded(
     yield from differences or _check_encoding(device, decoded, example)
 
 
-def _suggest_byte_order(decoded: DecodedFrame) -> str:
-    """Return what to write in a layout of bytes if the bytes of its CRC are exchanged, or "" for other layouts."""
-    if decoded.layout is None or not decoded.layout.layout.in_bytes:
+def _suggest_byte_order(device: Device, decoded: DecodedFrame) -> str:
+    """Return what to write at the CRC of a frame of bytes if its bytes are exchanged, or "" for other frames."""
+    crc_field = decoded.layout.crc_field if decoded.layout is not None else None
+    if decoded.layout is None or crc_field is None or crc_field.field.byte_order:
         return ""
-    is_high_first = decoded.layout.layout.byte_order == "high_byte_first"
-    byte_order = "low_byte_first" if is_high_first else "high_byte_first"
-    return f"; write 'byte_order: {byte_order}', and describe each byte of other numbers as a field, with 'join'"
+    layout = decoded.layout.layout
+    interface = next(interface for interface, sent_layout in device.layouts() if sent_layout is layout)
+    if interface.carried_as == "bits":
+        return ""
+    byte_order = "low_byte_first" if layout.byte_order == "high_byte_first" else "high_byte_first"
+    return f"; write 'byte_order: {byte_order}' in the field '{crc_field.name}'"
 
 
 def _suggest_start(device: Device, crc_name: str) -> str:

@@ -295,8 +295,9 @@ def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice,
     """Return the bits of a field in each byte of a frame of ``length`` bytes, beginning with its lowest bits.
 
     In a frame of 3 bytes, 10 bits from bit 4 are 4 bits in the last byte, from its bit 4, and 6 bits in the byte before
-    it. If ``low_first`` is true, byte 0 contains the lowest bits of the frame, and otherwise the last byte. The result
-    is empty if the place or width of the field depends on the order code.
+    it. If ``low_first`` is true, byte 0 contains the lowest bits of the frame, and otherwise the last byte. A field
+    with a byte order of its own has its bytes in reverse order. The result is empty if the place or width of the field
+    depends on the order code.
     """
     width = field.width.constant if field.width.is_constant else 0
     # A padded field occupies its container: the bits of the field and zeros above them.
@@ -314,6 +315,10 @@ def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice,
         mask = (1 << bits_in_byte) - 1
         bit_slices.append(BitSlice(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
         bits_done += bits_in_byte
+    if field.byte_order:
+        bytes_of_field = [bit_slice.byte for bit_slice in bit_slices]
+        exchanged_bytes = zip(bit_slices, reversed(bytes_of_field), strict=True)
+        return tuple(replace(bit_slice, byte=byte) for bit_slice, byte in exchanged_bytes)
     return tuple(bit_slices)
 
 

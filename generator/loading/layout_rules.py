@@ -26,6 +26,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
+from .byte_orders import check_byte_orders
 from .crc_rules import check_crc, check_one_crc
 from .fields import LayoutSite
 from .gaps import values_text
@@ -233,6 +234,7 @@ def check_layout(layout: Layout, site: LayoutSite, low_byte_first: bool) -> bool
     _check_length(layout, site)
     for field in layout.fields:
         _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
+    check_byte_orders(layout, site)
     check_one_crc(layout, site)
     _check_selected_values(layout, site)
     if layout.unused and "unused" in layout.member_names:

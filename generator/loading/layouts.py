@@ -15,6 +15,7 @@ from ..model import INTERFACES, Constant, Field, Join, Layout, LayoutRange
 from ..model.expressions import Expression
 from ..model.kinds import WIDEST
 from ..model.record import dataclass
+from .byte_orders import with_byte_orders
 from .fields import (
     LayoutContext,
     LayoutSite,
@@ -83,6 +84,7 @@ def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) ->
     if byte_order == "high_byte_first" and is_frame and INTERFACES[site.interface].carried_as == "bits":
         # The interface sends bits, but the frame is carried as bytes, so zeros fill its first byte.
         fields, bits = in_whole_bytes(fields, bits)
+    fields = with_byte_orders(fields, byte_order)
     if byte_order:
         length = site.widest(bits) // 8
         fields = [replace(field, bit_slices=bit_slices_of(field, length, low_first)) for field in fields]

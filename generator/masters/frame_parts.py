@@ -362,17 +362,19 @@ _BISS_CLOCKS = (
 class CableRow:
     """A row of a table that gives the highest clock by cable length.
 
-    ``metres`` and ``hz`` are upper limits, which are exclusive if ``is_below`` is true.
+    ``metres`` and ``hz`` are upper limits. The length is exclusive if ``is_shorter`` is true, and the clock if
+    ``is_below`` is true.
     """
 
     metres: int
     hz: int
     is_below: bool
+    is_shorter: bool
 
     @property
     def cable(self) -> str:
         """The range of cable lengths, such as ``shorter than 50 m``."""
-        limit_words = "shorter than" if self.is_below else "up to"
+        limit_words = "shorter than" if self.is_shorter else "up to"
         return f"{limit_words} {self.metres} m"
 
     @property
@@ -388,9 +390,7 @@ class CableRow:
 
     def includes(self, metres: int) -> bool:
         """Return whether the row applies to this cable length."""
-        if self.is_below:
-            return metres < self.metres
-        return metres <= self.metres
+        return metres < self.metres or (metres == self.metres and not self.is_shorter)
 
 
 @dataclass(frozen=True, slots=True)
@@ -428,7 +428,10 @@ class CableTable:
 def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:
     """Return the rows of the manual's table that apply to an order code, or all rows if ``code`` is empty."""
     lengths = facts_for_code(interface.cable_lengths, code) if code else interface.cable_lengths
-    return [CableRow(metres=length.shorter_than_m, hz=length.below_hz, is_below=True) for length in lengths]
+    return [
+        CableRow(metres=length.shorter_than_m, hz=length.limit_hz, is_below=length.is_exclusive, is_shorter=True)
+        for length in lengths
+    ]
 
 
 def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
@@ -445,7 +448,7 @@ def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableT
             errata_names = [erratum.name for erratum in errata if path in erratum.affects]
             return CableTable(rows=tuple(rows), origin=_ORIGIN_MANUAL, errata=tuple(errata_names))
         case Biss():
-            rows = [CableRow(metres=metres, hz=hz, is_below=False) for metres, hz in _BISS_CLOCKS]
+            rows = [CableRow(metres=metres, hz=hz, is_below=False, is_shorter=False) for metres, hz in _BISS_CLOCKS]
             return CableTable(rows=tuple(rows), origin=_ORIGIN_PUBLIC, errata=())
         case _:
             assert_never(interface)

@@ -96,11 +96,41 @@ class Timeout:
     source: Sources = source_key()
 
 
+#: Keys of the clock limit in a row of the table of cable lengths.
+CABLE_LIMITS = ("below_hz", "at_most_hz")
+
+
 @part("One row of the table.", data="Highest clock frequency by cable length.")
 class CableLength:
-    """Clock limit in Hz, exclusive, for cables shorter than a length in metres."""
+    """Clock limit in Hz for cables shorter than a length in metres: ``below_hz`` (exclusive) or ``at_most_hz``."""
 
     shorter_than_m: int = key("Cable length in metres, exclusive upper bound.", minimum=1)
-    below_hz: int = key("Clock in Hz, exclusive upper bound.", minimum=1)
+    below_hz: int | None = key("Clock in Hz, exclusive upper bound.", minimum=1, default=None)
+    at_most_hz: int | None = key(
+        "Clock in Hz, inclusive upper bound.",
+        writing="All rows of a table have either this key or below_hz.",
+        minimum=1,
+        default=None,
+    )
     only: Phrase = only_key(default="")
     source: Sources = source_key(default=())
+
+    @property
+    def is_exclusive(self) -> bool:
+        """True if the clock must be below the limit, not equal to it."""
+        return self.at_most_hz is None
+
+    @property
+    def limit_key(self) -> str:
+        """Key of the limit: ``at_most_hz`` or, by default, ``below_hz``."""
+        return "below_hz" if self.is_exclusive else "at_most_hz"
+
+    @property
+    def limit_hz(self) -> int:
+        """The limit as the manual prints it, or 0 if the row of a spec with problems has none."""
+        return self.at_most_hz or self.below_hz or 0
+
+    @property
+    def limit_words(self) -> str:
+        """Words in front of the limit: ``below`` or ``at most``."""
+        return "below" if self.is_exclusive else "at most"

@@ -1,6 +1,6 @@
 """Integers that depend on parameters: ``24``, ``2^position_bits - 1``, ``spare_bits * offset``.
 
-The spec language allows a sum of terms. A term is a number, or a product of parameters and powers of two of parameters.
+The spec language allows a sum of terms. A term is a product of numbers, parameters and powers of two of parameters.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ _OPERATOR_PATTERN = re.compile(r"[-+*]")
 
 #: Limit far above the widths, positions and limits of any encoder. It prevents huge numbers in a hostile spec.
 LARGEST_EXPONENT = 128
+#: Largest number in a product. It is far above the counts of any encoder.
+LARGEST_MULTIPLE = 1 << 32
 #: Most characters of a number. It is more than 2^128 has, and fewer than Python refuses to convert.
 _MOST_DIGITS = 100
 
@@ -43,7 +45,7 @@ class Factor:
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """``multiple`` times the product of one or more factors. In a spec, ``bits + bits`` is a multiple of 2."""
+    """``multiple`` times the product of one or more factors, as in ``2 * bits`` or ``bits + bits``."""
 
     multiple: int
     factors: tuple[Factor, ...]
@@ -74,8 +76,8 @@ class Expression:
         """Parse an expression from a spec.
 
         Raises:
-            ExpressionError: The text is not a sum of numbers, parameters and powers of two, a product contains a
-                number, or the exponent of a power is too large.
+            ExpressionError: The text is not a sum of numbers, parameters and powers of two, or the number in a product
+                or the exponent of a power is too large.
         """
         if isinstance(text, int):
             return cls(text)
@@ -241,18 +243,18 @@ def _parse_factor(match: re.Match[str]) -> Expression:
 
 
 def _multiply(product: Expression, factor: Expression) -> Expression:
-    """Return the product of a term so far and another factor. At the beginning of a term, the product so far is 1.
+    """Return the product of a term so far and another factor. Both are a number, or have exactly one term.
 
     Raises:
-        ExpressionError: A factor is a number. A 1 at the beginning of a term is accepted.
+        ExpressionError: The number in the product is too large.
     """
-    if product == Expression(1):
-        return factor
-    if product.is_constant or factor.is_constant:
-        raise ExpressionError("a product can contain only parameters and powers of two of parameters, not numbers")
-    # Both have exactly one term.
-    all_factors = (*product.terms[0].factors, *factor.terms[0].factors)
-    return Expression(constant=0, terms=(Term(multiple=1, factors=all_factors),))
+    new_product = product * factor
+    numbers = [abs(new_product.constant) if product.is_constant and factor.is_constant else 0]
+    numbers += [abs(term.multiple) for term in new_product.terms]
+    is_product = product != Expression(1)
+    if is_product and max(numbers) > LARGEST_MULTIPLE:
+        raise ExpressionError(f"{max(numbers)} in a product is larger than {LARGEST_MULTIPLE}")
+    return new_product
 
 
 def _value_of_factor(factor: Factor, parameters: Mapping[str, int]) -> int:

@@ -140,7 +140,8 @@ class Field:
     """A field at bits ``low`` to ``low + width - 1``, converted to a value according to ``kind``.
 
     If the field is padded, it fills ``container`` bits together with its padding, from its lowest bit. ``bit_slices``
-    is empty unless the layout is transmitted as bytes and the container is at a fixed position.
+    is empty unless the layout is transmitted as bytes and the container is at a fixed position. ``byte_order`` is the
+    order of its bytes if it differs from that of the layout, otherwise empty.
     """
 
     name: str
@@ -153,6 +154,7 @@ class Field:
     group: str = ""
     container: int = 0
     bit_slices: tuple[BitSlice, ...] = ()
+    byte_order: str = ""
     equals: Expression | int | str | None = None
     implemented: bool = True
     reserved: str = ""

@@ -202,6 +202,32 @@ class Layout:
         """True if the CRC at the end covers whole bytes, and not the bits of a frame of bits in bytes."""
         return self.in_bytes and all(field.widest % 8 == 0 for field in self.crc_fields)
 
+    @cached_property
+    def exchanged_bytes(self) -> tuple[tuple[int, int], ...]:
+        """First byte of each field with a byte order of its own, and the byte after it, in sending order."""
+        spans: list[tuple[int, int]] = []
+        for exchanged_field in self.fields:
+            if exchanged_field.byte_order:
+                byte_indices = [bit_slice.byte for bit_slice in exchanged_field.bit_slices]
+                spans.append((min(byte_indices), max(byte_indices) + 1))
+        return tuple(spans)
+
+    @property
+    def lowest_bits_of_bytes(self) -> list[int]:
+        """Lowest bit of each byte in the number that the frame forms, in sending order."""
+        lowest_bits = list(range(0, self.widest, 8))
+        if self.byte_order != "low_byte_first":
+            lowest_bits.reverse()
+        for start, stop in self.exchanged_bytes:
+            lowest_bits[start:stop] = reversed(lowest_bits[start:stop])
+        return lowest_bits
+
+    def exchange_bytes(self, data: bytes) -> bytes:
+        """Return a frame with the bytes of each field that has a byte order of its own in reverse order."""
+        for start, stop in self.exchanged_bytes:
+            data = data[:start] + data[start:stop][::-1] + data[stop:]
+        return data
+
     @property
     def is_converted(self) -> bool:
         """True if some bits are not binary numbers: those in Gray code, and digits that are sent separately."""
@@ -399,13 +425,15 @@ def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
 
 
 def number_from_bytes(layout: Layout, data: bytes) -> int:
-    """Return the bytes of a frame or register as one number, read in the byte order of the layout."""
-    return int.from_bytes(data, "little" if layout.byte_order == "low_byte_first" else "big")
+    """Return the bytes of a frame or register as one number, read in the byte order of the layout and its fields."""
+    ordered_data = layout.exchange_bytes(data)
+    return int.from_bytes(ordered_data, "little" if layout.byte_order == "low_byte_first" else "big")
 
 
 def number_to_bytes(layout: Layout, number: int, bits: int) -> bytes:
     """Return a number of ``bits`` bits as the bytes of a frame or register, in the byte order of the layout."""
-    return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")
+    data = number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")
+    return layout.exchange_bytes(data)
 
 
 class Fault(Enum):

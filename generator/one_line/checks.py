@@ -155,7 +155,8 @@ def _problems_of_byte_order(options: LineOptions, fields: Sequence[LineField], i
     bits_before_field = 0
     for field in fields:
         has_several_bytes = field.bits > 8 and not isinstance(field, FillerField)
-        if interface == "rs485" and has_several_bytes and not options.byte_order:
+        has_own_order = isinstance(field, CrcField) and field.byte_order != ""
+        if interface == "rs485" and has_several_bytes and not (options.byte_order or has_own_order):
             message = f"the byte order of '{field.name}' is not known; write rs485,low_byte_first: or high_byte_first"
             yield LineProblem(field.column, message)
         if is_low_byte_first_spi and has_several_bytes and isinstance(field, NumberField):

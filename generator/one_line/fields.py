@@ -18,6 +18,12 @@ _FIELD_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _NUMBER_TEXT = re.compile(r"0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19}")
 #: Names of fields with a special meaning.
 _KNOWN_NAMES = (POSITION, IN_TURN, TURNS, "error", "warning", "zero", "unused", "parity", "crc")
+#: Words for the order of the bytes, and words for a CRC over bytes.
+BYTE_ORDERS = ("low_byte_first", "high_byte_first")
+BYTES_WORDS = ("reflected", *BYTE_ORDERS)
+#: Words after the numbers of a CRC.
+_CRC_WORDS = ("inverted", "plain", *BYTES_WORDS)
+_CRC_WORDS_TEXT = ":inverted, :plain, :reflected, :low_byte_first or :high_byte_first"
 #: How to write other fields.
 _FIELD_FORMS = "NAME=BITS for a number, NAME=low or NAME=high for a flag"
 
@@ -165,9 +171,10 @@ def _read_parity(values: Sequence[str], column: int) -> ParityField:
 
 
 def _read_crc(values: Sequence[str], column: int, interface: str) -> CrcField:
-    """Create a CRC from its values: width, polynomial, and optionally the start value and ``inverted`` or ``plain``.
+    """Create a CRC from its values: width, polynomial, and optionally the start value, and words such as ``inverted``.
 
-    By default, the start value is 0, and the CRC is inverted only over BiSS.
+    By default, the start value is 0, and the CRC is inverted only over BiSS. Only over RS-485, the CRC can be
+    ``reflected``, and have a byte order of its own.
 
     Raises:
         FieldError: The values are missing or wrong.
@@ -176,12 +183,15 @@ def _read_crc(values: Sequence[str], column: int, interface: str) -> CrcField:
         raise FieldError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43")
     width_text, *polynomial_and_start = values
     bits = _read_width("crc", width_text, _WIDEST_CRC)
-    is_inverted = interface == "biss"
-    if polynomial_and_start[-1] in ("inverted", "plain"):
-        is_inverted = polynomial_and_start.pop() == "inverted"
+    words: list[str] = []
+    while polynomial_and_start and polynomial_and_start[-1] in _CRC_WORDS:
+        words.append(polynomial_and_start.pop())
+    _check_crc_words(words, bits, interface)
+    is_inverted = "inverted" in words or (interface == "biss" and "plain" not in words)
+    byte_orders = [word for word in words if word in BYTE_ORDERS]
     offset = len("crc=") + len(width_text) + 1  # after "crc=width:"
     if len(polynomial_and_start) not in (1, 2):
-        raise FieldError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", offset)
+        raise FieldError(f"write crc=BITS:POLYNOMIAL:START, and after it {_CRC_WORDS_TEXT} if needed", offset)
     polynomial_text, *start_texts = polynomial_and_start
     poly = _read_polynomial(polynomial_text, bits, offset)
     init = number_in(start_texts[0]) if start_texts else 0
@@ -189,7 +199,34 @@ def _read_crc(values: Sequence[str], column: int, interface: str) -> CrcField:
     if init is None or init > highest:
         offset += len(polynomial_text) + 1
         raise FieldError(f"{quoted(start_texts[0])} is not a start value; write at most {highest:#x}", offset)
-    return CrcField(name="crc", bits=bits, column=column, poly=poly, init=init, is_inverted=is_inverted)
+    return CrcField(
+        name="crc",
+        bits=bits,
+        column=column,
+        poly=poly,
+        init=init,
+        is_inverted=is_inverted,
+        is_reflected="reflected" in words,
+        byte_order=byte_orders[0] if byte_orders else "",
+    )
+
+
+def _check_crc_words(words: Sequence[str], bits: int, interface: str) -> None:
+    """Check the words after the numbers of a CRC.
+
+    Raises:
+        FieldError: The interface or the width does not allow a word, or two words exclude each other.
+    """
+    for word in words:
+        if words.count(word) > 1:
+            raise FieldError(f"'{word}' is written twice; remove one of them")
+        if word in BYTES_WORDS and interface != "rs485":
+            raise FieldError(f"'{word}' is only for a CRC over RS-485, which consists of bytes; remove it")
+        if word in BYTE_ORDERS and bits <= 8:
+            raise FieldError(f"the CRC is one byte, so it has no byte order; remove '{word}'")
+    for first_word, second_word in (("inverted", "plain"), BYTE_ORDERS):
+        if first_word in words and second_word in words:
+            raise FieldError(f"'{first_word}' and '{second_word}' exclude each other; remove one of them")
 
 
 def _read_polynomial(polynomial_text: str, bits: int, offset: int) -> int:

@@ -69,7 +69,11 @@ class ParityField:
 
 @dataclass(frozen=True, slots=True)
 class CrcField:
-    """A CRC over everything sent before it. ``poly`` has no top bit."""
+    """A CRC over everything sent before it. ``poly`` has no top bit.
+
+    ``is_reflected`` is true if it processes each byte from its lowest bit. ``byte_order`` is the order of its bytes, or
+    empty if they have the order of the frame.
+    """
 
     name: str
     bits: int
@@ -77,6 +81,8 @@ class CrcField:
     poly: int
     init: int
     is_inverted: bool
+    is_reflected: bool = False
+    byte_order: str = ""
 
 
 LineField = NumberField | FlagField | FillerField | ParityField | CrcField

@@ -130,7 +130,8 @@ def _write_crc(line: EncoderLine) -> Iterator[str]:
             xorout = all_ones if field.is_inverted else 0
             numbers = f"width: {field.bits}, poly: {field.poly:#x}, init: {field.init:#x}"
             yield "crcs:"
-            bit_order = "refin: false, refout: false"
+            is_reflected = "true" if field.is_reflected else "false"
+            bit_order = f"refin: {is_reflected}, refout: {is_reflected}"
             yield f"  - {{name: {_CRC_NAME}, {numbers}, {bit_order}, xorout: {xorout:#x}, source: {_SOURCE_LINE}}}"
             yield ""
 
@@ -366,7 +367,8 @@ def _write_field(field: LineField, name: str, line: EncoderLine, parity_fields: 
         case ParityField():
             yield f"name: {name}, parity_of: [{', '.join(parity_fields)}], parity: {field.kind}"
         case CrcField():
-            yield f"name: {name}, crc: {_CRC_NAME}"
+            byte_order = f", byte_order: {field.byte_order}" if field.byte_order else ""
+            yield f"name: {name}, crc: {_CRC_NAME}{byte_order}"
 
 
 def _keys_of_number(field: NumberField) -> str:

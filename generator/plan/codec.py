@@ -136,11 +136,12 @@ class LayoutPlan:
         return any(not answered_names.issuperset(expression.parameters) for expression in expressions)
 
     @property
-    def from_low(self) -> range:
-        """Indices of the bytes in the frame, least significant byte first: 0, 1, 2 if the low byte is sent first."""
-        indices = range(self.length)
-        is_low_first = self.layout.byte_order == "low_byte_first"
-        return indices if is_low_first else indices[::-1]
+    def from_low(self) -> Sequence[int]:
+        """Indices of the bytes in the frame, least significant byte first: 0, 1, 2 if the low byte is sent first.
+
+        A field with a byte order of its own has its bytes in reverse order.
+        """
+        return sorted(range(self.length), key=self.layout.lowest_bits_of_bytes.__getitem__)
 
     def faults(self) -> tuple[Fault, ...]:
         """Return the kinds of errors that a decoder of this layout can report, in the order of ``Fault``."""

@@ -172,6 +172,8 @@ class DescribedReportCause:
 class Description:
     """A frame or register. ``length`` is 0 and ``order`` is empty if it is not sent as bytes.
 
+    ``exchanged_bytes`` has the first byte of each field with a byte order of its own, and the byte after it.
+
     ``columns`` and ``fields`` contain all fields, in the order of the layout. ``fixed`` contains the constant bits that
     are not all 0. ``otherwise`` is the verdict if no cause applies, or None without a position. If ``judging_bits`` is
     not None, the verdict is at best UNKNOWN for order codes where it is 0.
@@ -180,6 +182,7 @@ class Description:
     bits: Expression
     length: int
     order: str
+    exchanged_bytes: tuple[tuple[int, int], ...]
     columns: tuple[Column, ...]
     joins: tuple[Join, ...]
     unused: tuple[Unused, ...]
@@ -208,6 +211,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
         bits=layout.bits,
         length=layout_plan.length if layout_plan.in_bytes else 0,
         order=_byte_order(layout_plan),
+        exchanged_bytes=layout_plan.layout.exchanged_bytes,
         columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
         joins=tuple(_describe_join(whole) for whole in layout_plan.joined_numbers),
         unused=tuple(_describe_reserved_bits(reserved) for reserved in layout_plan.reserved),

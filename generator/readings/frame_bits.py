@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 
 from ..language.document import Path
 from ..language.problems import join_words
@@ -177,7 +178,12 @@ def _word_case(
     for placed_field in placed_layout.fields:
         place = owner.reading.field_place(owner.place, placed_field.field)
         description = f"{bits(placed_field.high, placed_field.low)} of {owner.description}"
-        bits_by_number[placed_field.low : placed_field.high + 1] = _yield_bits(placed_field, placed_layout, place)
+        bits_of_field = list(_yield_bits(placed_field, placed_layout, place))
+        if placed_field.field.byte_order:
+            # The bits are compared as they are sent, in the byte order of the frame.
+            bytes_of_field = [bits_of_field[low : low + 8] for low in range(0, placed_field.width, 8)]
+            bits_of_field = list(chain.from_iterable(reversed(bytes_of_field)))
+        bits_by_number[placed_field.low : placed_field.high + 1] = bits_of_field
         subject = FactSubject(owner.reading, key=(), place=place, description=description, interface=owner.interface)
         facts = properties(subject, placed_field, parameters, register)
         properties_by_low_and_width[placed_field.low, placed_field.width] = {fact.key: fact for fact in facts}

@@ -233,13 +233,13 @@ def _cable_clocks(reading: SpecReading, interface: Ssi) -> Iterator[ComparedFact
         first_index_by_length.setdefault(cable.shorter_than_m, index)
     for length, index in first_index_by_length.items():
         rows = [row for row in interface.cable_lengths if row.shorter_than_m == length]
-        rows_with_texts = [(row, f"below {row.below_hz} Hz") for row in rows]
+        rows_with_texts = [(row, f"{row.limit_words} {row.limit_hz} Hz") for row in rows]
         yield ComparedFact(
             fact_class=FactClass.CLOCK,
             key=("cable", "ssi", length),
             value=_value_by_code(reading, interface.name, rows_with_texts),
             description=f"clock for a cable shorter than {length} m",
-            place=("interfaces", interface.name, "cable_lengths", index, "below_hz"),
+            place=("interfaces", interface.name, "cable_lengths", index, rows[0].limit_key),
         )
 
 

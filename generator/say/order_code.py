@@ -270,8 +270,9 @@ def _label_and_content(device: Device, fact: Fact) -> tuple[str, TextPart]:
     match fact:
         case Clock():
             return "Clock", f"{clock_words(fact)}{_only_with(fact)}"
-        case CableLength(shorter_than_m=metres, below_hz=clock_hz):
-            return "Clock", f"below {hertz(clock_hz)} with cables shorter than {metres} m{_only_with(fact)}"
+        case CableLength(shorter_than_m=metres):
+            limit = f"{fact.limit_words} {hertz(fact.limit_hz)}"
+            return "Clock", f"{limit} with cables shorter than {metres} m{_only_with(fact)}"
         case BankSelect(register):
             return "Bank select", reference_to_register(device, register)
         case Network():

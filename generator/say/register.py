@@ -217,6 +217,8 @@ def rules(device: Device, field: Field) -> Iterator[Statement]:
         yield statement(formula(scale), label=f"In {scale.unit}", source=scale.source)
     yield from _rules_of_kind(device, field)
     yield from _code_rule(field)
+    if field.byte_order:
+        yield statement(f"Sent {field.byte_order.replace('_', ' ')}")
     if field.container:
         width_text = f"{field.width.constant} bits, right-aligned" if field.width.is_constant else "Right-aligned"
         yield statement(f"{width_text} in {field.container} bits, with leading zeros")

@@ -104,7 +104,7 @@ function decodeBytes(placedLayout, bytes) {
   if (8 * bytes.length !== placedLayout.bits) {
     return createLengthError(placedLayout, countWithNoun(placedLayout.bits / 8, "byte"), bytes.length);
   }
-  return decode(placedLayout, numberOf(placedLayout.layout.order, bytes));
+  return decode(placedLayout, numberOfFrame(placedLayout.layout, bytes));
 }
 
 /** Return the number of a frame with digits and Gray code converted to binary, less the Gray excess. */
@@ -243,7 +243,7 @@ function computeCrc(crc, placedLayout, number) {
   const { width } = findCrcField(placedLayout);
   const [low, bitCount] = placeOfCoveredBits(placedLayout);
   if (!placedLayout.layout.order || width % 8) return crcOfBits(crc, number >> BigInt(low), bitCount);
-  return crcOfBytes(crc, bytesOf(placedLayout.layout.order, number, placedLayout.bits / 8).slice(0, -width / 8));
+  return crcOfBytes(crc, bytesOfFrame(placedLayout.layout, number, placedLayout.bits / 8).slice(0, -width / 8));
 }
 
 /** Return a list with the problem if the bits at the place of a check are wrong, otherwise an empty list. */
@@ -464,5 +464,5 @@ function highestNumber(placedLayout, limits) {
 function bytesFor(placedLayout, values, limits) {
   const number = encode(placedLayout, values);
   refuseOutsideLimits(placedLayout, number, limits);
-  return formatBytes(bytesOf(placedLayout.layout.order, number, placedLayout.layout.length));
+  return formatBytes(bytesOfFrame(placedLayout.layout, number, placedLayout.layout.length));
 }

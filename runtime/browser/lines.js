@@ -128,19 +128,48 @@ function parseParity(values) {
   throw new LineError("a parity bit is even or odd; write parity=even or parity=odd");
 }
 
-/** Parse a CRC: its width, its polynomial, and if they are there, its start value and whether it is inverted. */
+/** Words for the order of the bytes, with its name in the table. */
+const BYTE_ORDER_WORDS = { low_byte_first: "little", high_byte_first: "big" };
+/** Words for a CRC over bytes, and all words after the numbers of a CRC. */
+const CRC_BYTES_WORDS = ["reflected", ...Object.keys(BYTE_ORDER_WORDS)];
+const CRC_WORDS = ["inverted", "plain", ...CRC_BYTES_WORDS];
+const CRC_WORDS_TEXT = ":inverted, :plain, :reflected, :low_byte_first or :high_byte_first";
+
+/** Check the words after the numbers of a CRC: the interface and the width must allow each, and together. */
+function checkCrcWords(words, width, interface_) {
+  for (const word of words) {
+    if (words.filter((other) => other === word).length > 1) {
+      throw new LineError(`'${word}' is written twice; remove one of them`);
+    }
+    if (CRC_BYTES_WORDS.includes(word) && interface_ !== "rs485") {
+      throw new LineError(`'${word}' is only for a CRC over RS-485, which consists of bytes; remove it`);
+    }
+    if (word in BYTE_ORDER_WORDS && width <= 8) {
+      throw new LineError(`the CRC is one byte, so it has no byte order; remove '${word}'`);
+    }
+  }
+  for (const [firstWord, secondWord] of [["inverted", "plain"], Object.keys(BYTE_ORDER_WORDS)]) {
+    if (words.includes(firstWord) && words.includes(secondWord)) {
+      throw new LineError(`'${firstWord}' and '${secondWord}' exclude each other; remove one of them`);
+    }
+  }
+}
+
+/** Parse a CRC: its width, its polynomial, and if they are there, its start value and words such as "inverted". */
 function parseCrc(values, interface_) {
   if (values.length < 2) {
     throw new LineError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43");
   }
   const width = parseWidth("crc", values[0], 32n);
   const crcNumbers = values.slice(1);
-  let isInverted = interface_ === "biss";
-  if (["inverted", "plain"].includes(crcNumbers.at(-1))) isInverted = crcNumbers.pop() === "inverted";
+  const words = [];
+  while (CRC_WORDS.includes(crcNumbers.at(-1))) words.push(crcNumbers.pop());
+  checkCrcWords(words, width, interface_);
+  const isInverted = words.includes("inverted") || (interface_ === "biss" && !words.includes("plain"));
   const polynomialOffset = "crc=".length + values[0].length + 1;
   if (crcNumbers.length < 1 || crcNumbers.length > 2) {
     throw new LineError(
-      "write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", polynomialOffset);
+      `write crc=BITS:POLYNOMIAL:START, and after it ${CRC_WORDS_TEXT} if needed`, polynomialOffset);
   }
   const poly = parseLineNumber(crcNumbers[0]);
   if (poly === null || !(poly & ONE) || poly > ones(width + 1)) {
@@ -153,7 +182,10 @@ function parseCrc(values, interface_) {
     throw new LineError(`${quoteText(crcNumbers[1])} is not a start value; write at most ${hex(ones(width))}`,
       polynomialOffset + crcNumbers[0].length + 1);
   }
-  return { kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted };
+  return {
+    kind: "crc", name: "crc", bits: width, poly: poly & ones(width), init, isInverted,
+    isReflected: words.includes("reflected"), order: BYTE_ORDER_WORDS[words.find((word) => word in BYTE_ORDER_WORDS)],
+  };
 }
 
 // -- options
@@ -441,7 +473,7 @@ function checkByteOrder(options, fields, interface_) {
   let bitOffset = 0;
   for (const field of fields) {
     const isWide = field.bits > 8 && !isFiller(field);
-    if (interface_ === "rs485" && isWide && !options.order) {
+    if (interface_ === "rs485" && isWide && !options.order && !field.order) {
       problems.push([field.column,
         `the byte order of '${field.name}' is not known; write rs485,low_byte_first: or high_byte_first`]);
     }
@@ -620,9 +652,9 @@ function buildMeasure({ fields, options }, joins) {
 }
 
 /** Build the parameters of a CRC, and of similar CRCs that may be used by mistake. */
-function buildCrcRecord({ bits: width, poly, init, isInverted }, isOverBytes) {
+function buildCrcRecord({ bits: width, poly, init, isInverted, isReflected }, isOverBytes) {
   const parametersWith = (changes) => omitEmpty(Object.fromEntries(Object.entries({
-    width: BigInt(width), poly, init, refin: 0n, refout: 0n, xorout: isInverted ? ones(width) : 0n, ...changes,
+    width: BigInt(width), poly, init, refin: BigInt(isReflected), refout: BigInt(isReflected), xorout: isInverted ? ones(width) : 0n, ...changes,
   }).map(([name, number]) => [name, toTableNumber(number)])));
   const ownParameters = parametersWith({});
   const otherXorout = isInverted ? 0n : ones(width);
@@ -667,7 +699,8 @@ function buildOtherBytePolynomials(parametersWith) {
   return TABLE.byte_polynomials.flatMap((polynomial) => {
     const poly = toBigInt(polynomial) & 0xFFn;
     const text = `the polynomial is ${hex(toBigInt(polynomial))}`;
-    return [["other_polynomial", `${text}, most significant bit first`, parametersWith({ poly })],
+    return [["other_polynomial", `${text}, most significant bit first`,
+      parametersWith({ poly, refin: 0n, refout: 0n })],
       ["other_polynomial", `${text}, least significant bit first`, parametersWith({ poly, refin: ONE, refout: ONE })]];
   });
 }
@@ -689,6 +722,13 @@ function buildRequestFrame(options) {
   };
 }
 
+/** List the place of the CRC in the bytes of a frame if its bytes have another order than the frame. */
+function listExchangedBytes({ options, fields }) {
+  const { kind, bits: width, order } = fields.at(-1);
+  const byteCount = sumFieldBits(fields) / 8;
+  return kind === "crc" && order && order !== (options.order ?? "big") ? [[byteCount - width / 8, byteCount]] : [];
+}
+
 /** Build the frame from the encoder. Its fields, checks and reports are records, which ``lineFamily`` numbers. */
 function buildEncoderFrame(line) {
   const { interface: interface_, options, fields } = line;
@@ -707,6 +747,7 @@ function buildEncoderFrame(line) {
     name, bits: sumFieldBits(fields),
     ...omitEmpty({
       order: interface_ === "rs485" ? options.order ?? "big" : "",
+      exchanged: listExchangedBytes(line),
       joins,
       speaks: decidingFlags.map((flag) => ({ verdict: flag.verdict, flag: flag.name })),
       gray: options.isGray ? { ...omitEmpty({ low: lowestGrayBit }), width: sumFieldBits(grayFields) } : {},

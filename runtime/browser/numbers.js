@@ -139,6 +139,17 @@ function bytesOf(order, number, byteCount) {
   return order === "little" ? lowFirst : lowFirst.reverse();
 }
 
+/** Return the bytes of a frame with those of each field that has its own byte order in reverse order. */
+function exchangeBytes({ exchanged = [] }, bytes) {
+  return exchanged.reduce((orderedBytes, [start, stop]) => [
+    ...orderedBytes.slice(0, start), ...orderedBytes.slice(start, stop).reverse(), ...orderedBytes.slice(stop)], bytes);
+}
+
+/** Return the number that the bytes of a frame or register form in the byte order of its layout. */
+const numberOfFrame = (layout, bytes) => numberOf(layout.order, exchangeBytes(layout, bytes));
+/** Return the ``byteCount`` bytes of a frame or register in the order in which they are sent. */
+const bytesOfFrame = (layout, number, byteCount) => exchangeBytes(layout, bytesOf(layout.order, number, byteCount));
+
 /** Return the parity of the bits of a number at these places, or of those bits at each place that are in the mask. */
 function computeParity(number, places, { odd, mask }) {
   const countedBits = mask ? toBigInt(mask) : -1n;

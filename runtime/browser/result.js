@@ -256,8 +256,11 @@ const drawParts = (parts) => createPart("div", "drawing", parts.map(([name, part
     createPart("span", "bits", partBits), createPart("span", "name", name.replaceAll("_", "-")))));
 
 /** Return the index from 0, in the order sent, of the byte that has a bit of the frame's number. */
-const byteIndexOf = (placedLayout, bit) => (
-  placedLayout.layout.order === "little" ? bit >> 3 : placedLayout.bits / 8 - 1 - (bit >> 3));
+function byteIndexOf({ layout, bits }, bit) {
+  const index = layout.order === "little" ? bit >> 3 : bits / 8 - 1 - (bit >> 3);
+  const place = layout.exchanged?.find(([start, stop]) => index >= start && index < stop);
+  return place ? place[0] + place[1] - 1 - index : index;
+}
 /** Name a bit of a frame: by its byte if the frame is in bytes, and otherwise by its place in the word. */
 const nameBit = (placedLayout, bit) => (
   placedLayout.layout.order ? `bit ${bit % 8} of byte ${byteIndexOf(placedLayout, bit)}` : `bit ${bit}`);

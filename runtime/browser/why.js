@@ -879,7 +879,7 @@ function tryMistakesInBytes(decoded) {
     const { crc } = placedLayout;
     if (crc && crc.width !== 8) return [];
     const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
-    const typedFrame = { number: numberOf(layout.order, data), bits: 8 * data.length, exact: true };
+    const typedFrame = { number: numberOfFrame(layout, data), bits: 8 * data.length, exact: true };
     return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),
       ...(crc ? [] : tryOtherOrderCodes(placedLayout, typedFrame)), ...tryMovedBytes(placedLayout, crc, data)];
   });
@@ -901,7 +901,7 @@ const withCrcOverBytes = (hypothesis, bytes) => (
 /** Try the frame as sent with another CRC. */
 function tryOtherByteCrcs(placedLayout, crc, data) {
   const asSent = withCrcOverBytes(
-    createHypothesisAsSent(placedLayout, crc, numberOf(placedLayout.layout.order, data)), data);
+    createHypothesisAsSent(placedLayout, crc, numberOfFrame(placedLayout.layout, data)), data);
   const text = TABLE.texts.first_byte_left_out;
   return [
     ...(crc.byte_others ?? []).map(([kind, crcText, otherCrc]) => (
@@ -917,8 +917,8 @@ function tryMovedBytes(placedLayout, crc, data) {
   const { texts } = TABLE;
   const byteCount = placedLayout.bits / 8;
   const assumeFrame = (kind, text, bytes, template = text, assumedBits = 0) => {
-    const hypothesis = createFrameHypothesis(placedLayout, crc, kind, text,
-      numberOf(placedLayout.layout.order, bytes), { template });
+    const hypothesis = createFrameHypothesis(
+      placedLayout, crc, kind, text, numberOfFrame(placedLayout.layout, bytes), { template });
     hypothesis.otherBitsRequired -= assumedBits;
     return crc ? withCrcOverBytes(hypothesis, bytes) : hypothesis;
   };
@@ -949,11 +949,11 @@ function tryMovedBytes(placedLayout, crc, data) {
 }
 
 /** Return the mask of the first byte in the number of a frame. */
-const firstByteMaskOf = ({ layout, bits }) => numberOf(layout.order, [0xFF, ...Array(bits / 8 - 1).fill(0)]);
+const firstByteMaskOf = ({ layout, bits }) => numberOfFrame(layout, [0xFF, ...Array(bits / 8 - 1).fill(0)]);
 
 /** The possible first bytes of a frame, if that byte only has the selector, constants, parity and usual values. */
 function findPossibleFirstBytes(placedLayout) {
-  const { order, selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
+  const { selector, selects: selectorValues = [], usual = [] } = placedLayout.layout;
   const byteCount = placedLayout.bits / 8;
   const fieldsInFirstByte = placedLayout.fields.filter(
     ({ low, width }) => extractBits(firstByteMaskOf(placedLayout) >> BigInt(low), 0, width));
@@ -972,7 +972,7 @@ function findPossibleFirstBytes(placedLayout) {
     for (const parityField of parityFields) {
       number = insertField(number, parityField, computeParityOf(placedLayout, parityField, number));
     }
-    return bytesOf(order, number, byteCount)[0];
+    return bytesOfFrame(placedLayout.layout, number, byteCount)[0];
   });
 }
 
@@ -1036,7 +1036,7 @@ function splitIntoFrames(placedLayouts, bytes) {
       const isShorter = followingFrames
         && !(fewestFramesFrom.get(firstByte)?.length <= followingFrames.length + 1);
       const evidence = isShorter
-        ? countExpectedBits(placedLayout, numberOf(placedLayout.layout.order, frameBytes)) : 0;
+        ? countExpectedBits(placedLayout, numberOfFrame(placedLayout.layout, frameBytes)) : 0;
       if (evidence && !decodeBytes(placedLayout, frameBytes).problems.length) {
         fewestFramesFrom.set(firstByte, [{ placedLayout, bytes: frameBytes, evidence }, ...followingFrames]);
       }
@@ -1061,10 +1061,10 @@ function createWholeFramesHypothesis(frames, receivedBytes, totalEvidence) {
   return createHypothesis({
     kind, text, template, placedLayout: lastFrame.placedLayout, otherBitsRequired: totalEvidence,
     likelihood: frames.reduce((product, { placedLayout, bytes }) => (
-      product * computeLikelihood(placedLayout, numberOf(placedLayout.layout.order, bytes))), 1),
+      product * computeLikelihood(placedLayout, numberOfFrame(placedLayout.layout, bytes))), 1),
     parts: frames.map((frame, index) => [titles[index], formatBytes(frame.bytes)]),
     coveredData: joinBytes(receivedBytes), coveredBits: 8 * receivedBytes.length,
-    number: isCertainReply ? numberOf(lastFrame.placedLayout.layout.order, lastFrame.bytes) : undefined,
+    number: isCertainReply ? numberOfFrame(lastFrame.placedLayout.layout, lastFrame.bytes) : undefined,
   });
 }
 

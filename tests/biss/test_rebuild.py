@@ -273,8 +273,10 @@ def public() -> dict[str, Device]:
     """Return encoders with codes for widths, RS-485 requests, verdicts on values, or facts by order code."""
     made_up = SPECS.parent / "check" / "ok_model"
     by_code = [made_up / "facts_by_code.yaml", made_up / "manufacturer.yaml"]
-    loaded, _ = load_library([*(ENCODERS / name for name in ("ichaus", "cui")), SPECS / "signs.yaml", *by_code])
-    names = ("icmhm", "amt21", "signs", "facts_by_code")
+    loaded, _ = load_library(
+        [*(ENCODERS / name for name in ("ichaus", "cui")), SPECS / "signs.yaml", SPECS / "modbus.yaml", *by_code]
+    )
+    names = ("icmhm", "amt21", "signs", "modbus", "facts_by_code")
     return {device.name: device for device in loaded if device.name in names}
 
 

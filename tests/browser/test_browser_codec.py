@@ -38,7 +38,9 @@ pytestmark = pytest.mark.slow
 MADE_UP = ("specs/words", "specs/bits22", "c/specs/shapes", "c/specs/words", "c/specs/reserved", "c/specs/crcs")
 MADE_UP += (
     "specs/gray",
+    "specs/byte_orders",
     "specs/lowfirst",
+    "specs/modbus",
     "specs/ring",
     "specs/ring_split",
     "specs/ring_turns",

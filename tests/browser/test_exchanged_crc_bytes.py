@@ -88,8 +88,10 @@ def test_check_says_what_to_write(tmp_path: Path, capsys: pytest.CaptureFixture[
     files = write(tmp_path, SPEC + EXAMPLE)
     assert main(["check", *map(str, files)]) == 1
     printed = capsys.readouterr().out
-    assert "expected CRC 0xbc4, got 0xc40b, which is this CRC with its bytes exchanged" in printed
-    assert "write 'byte_order: low_byte_first', and describe each byte of other numbers as a field" in printed
+    assert "expected CRC 0xbc4, got 0xc40b, which is this CRC with its bytes exchanged" in " ".join(printed.split())
+    assert "write 'byte_order: low_byte_first' in the field 'crc'" in printed
+    text = (SPEC + EXAMPLE).replace("crc: modbus}", "crc: modbus, byte_order: low_byte_first}")
+    assert main(["check", *map(str, write(tmp_path, text))]) == 0
 
 
 def test_decode_says_that_they_are_exchanged(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

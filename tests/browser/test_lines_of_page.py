@@ -38,6 +38,7 @@ FIELDS = [
     ),
     *("zero=3", "unused=2", "zero=1", "unused=5", "parity=even", "parity=odd", "temp=8:signed", "head=4:0xa", "life=6"),
     *("crc=6:0x43", "crc=8:0x7:0xff:inverted", "crc=16:0x190d9:plain", "crc=8:0x101", "crc=32:0x80000001", "crc=5:5:7"),
+    *("crc=16:0x8005:0xffff:reflected:low_byte_first", "crc=32:0x4c11db7:high_byte_first:reflected:inverted"),
     *("id=8", "Pos_X=5", "head_2=53:0x10000000000001", "n__m=3", "status=8"),
 ]
 OPTIONS = [

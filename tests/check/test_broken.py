@@ -22,7 +22,7 @@ RULES_WITH_BROKEN_SPECS = """
     alignment-mismatch
     also-written alternative-default alternative-use argument-not-written argument-register
     bad-expression bad-key bad-pattern bad-source bank-not-selected biss-protocol
-    byte-order-missing cable-order cited-place clock-range column-units combination contact-interface
+    byte-order-missing cable-limit cable-order cited-place clock-range column-units combination contact-interface
     contact-kind contact-numbers contact-wire
     crc-impossible data-id-frames date default-mismatch description-file device-name
     duplicate-address duplicate-key duplicate-name error-usable evidence-grade example-shape

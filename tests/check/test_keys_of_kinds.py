@@ -56,6 +56,11 @@ OWNERS: Mapping[str, tuple[tuple[str, ...], Any, str]] = {
     "makes_position": (("active", "unused"), "usable", "'makes_position' is only for flags; to make "),
     "others": (("values",), "reserved", "'others' names the values that 'values' does not list; "),
     "crc_of": (("crc",), ["data"], "'crc_of' is only for CRCs; to make "),
+    "byte_order": (
+        (NUMBER, "values", "constant", "digits", "crc"),
+        "low_byte_first",
+        "'byte_order' is only for numbers, named values, constants and CRCs; ",
+    ),
     "parity": (("parity_of",), "odd", "'parity' is only for parity bits; to make "),
     "over": (("parity_of",), "odd_bits", "'over' is only for parity bits; to make "),
     "equals": ((NUMBER, "values", "text"), "1", "'equals' is only for numbers, text and named values; "),

@@ -98,6 +98,11 @@ UNUSED = {
         ("field.digit_code", "field.digit_code.bcd"),
         "positions in BCD over SSI. No public document of such an encoder is at hand",
     ),
+    **dict.fromkeys(
+        ("field.byte_order", "field.byte_order.low_byte_first", "field.byte_order.high_byte_first"),
+        "the CRC of MODBUS RTU, whose encoders have only documents of sellers. Shown on a spec for tests",
+    ),
+    "ssi.cable_lengths.at_most_hz": "the highest clock, of linear encoders without a public document",
     "layout.gray.excess": "360 or 720 counts per turn, which so far only encoders with parallel outputs have",
     "values.makes_position.usable": "one of three verdicts",
     "code_value.meaning_differs": "the answer to a finding in words that is wrong",

@@ -55,7 +55,7 @@ class MadeEncoder:
     """A made-up encoder, with the members of each layout's struct in C.
 
     ``reserved`` are the reserved fields, with the bits that the spec documents, by layout. Layouts called ``reply``
-    have four bytes, lowest first. All others are words.
+    have bytes, and their case has the number with the first byte lowest. All others are words.
     """
 
     device: Device
@@ -119,7 +119,7 @@ def by_code(cases: Sequence[Case]) -> Iterator[tuple[str, list[Case]]]:
 
 
 def frame_of(case: Case) -> int | bytes:
-    return case.number.to_bytes(4, "little") if case.layout == "reply" else case.number
+    return case.number.to_bytes(case.bits // 8, "little") if case.layout == "reply" else case.number
 
 
 def with_result(
@@ -132,7 +132,11 @@ def decode_by_reference(encoder: MadeEncoder, cases: Sequence[Case], *_: object)
     names = {case.layout: tuple(case.values) for case in cases if case.values is not None}
     for case in cases:
         variant, layout = encoder.placed(case.code, case.layout)
-        decoded = codec.decode(encoder.device, layout, case.number)
+        frame = frame_of(case)
+        if isinstance(frame, bytes):
+            decoded = codec.decode_placed(encoder.device, layout, frame)
+        else:
+            decoded = codec.decode(encoder.device, layout, frame)
         if decoded.problems:
             yield with_result(case, decoded.problems[0].fault.value)
             continue
@@ -168,9 +172,10 @@ def decode_in_columns(made: MadeEncoder, cases: Sequence[Case], import_generated
     names = next(tuple(case.values) for case in cases if case.values is not None)
     for code, group in by_code(cases):
         encoder: Any = package.lookup(code)
-        frames: Any = np.array([case.number for case in group], np.uint64)
         if group[0].layout == "reply":
-            frames = np.array([list(case.number.to_bytes(4, "little")) for case in group], np.uint8)
+            frames: Any = np.array([list(case.number.to_bytes(case.bits // 8, "little")) for case in group], np.uint8)
+        else:
+            frames = np.array([case.number for case in group], np.uint64)
         table = encoder.decode_many(frames)
         faults = [FAULTS[str(fault)] for fault in table.fault.tolist()]
         columns = {name: table[name].tolist() for name in names}
@@ -197,9 +202,8 @@ def decode_in_c(made: MadeEncoder, cases: Sequence[Case], _: Import, folder: Pat
     view = next(view for view in by_interface(made.device) if view.interfaces[0].name == interface)
     names = {1 << report.number: report.name for report in reports_of(view)}
     member_names = made.members[cases[0].layout]
-    texts = [
-        case.number.to_bytes(4, "little").hex() if case.layout == "reply" else f"{case.number:X}" for case in cases
-    ]
+    frames = [frame_of(case) for case in cases]
+    texts = [frame.hex() if isinstance(frame, bytes) else f"{frame:X}" for frame in frames]
     decoded = run([f"{case.code} decode {case.layout} {text}" for case, text in zip(cases, texts, strict=True)])
     valid = [(case, text, row[2:]) for case, text, row in zip(cases, texts, decoded, strict=True) if row[0] == "0"]
     encoded = run([f"{case.code} encode {case.layout} {row}" for case, _, row in valid])

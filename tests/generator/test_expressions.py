@@ -63,11 +63,31 @@ def test_unknown_parameters_are_named() -> None:
         Expression.parse("a + b").value({"a": 1})
 
 
-@pytest.mark.parametrize("text", ["a * 2", "2 * a", "2^3 * a", "b + a * 1"])
-def test_a_product_has_no_numbers(text: str) -> None:
-    with pytest.raises(
-        ExpressionError, match="a product can contain only parameters and powers of two of parameters, not numbers"
-    ):
+@pytest.mark.parametrize(
+    ("text", "rendered"),
+    [
+        ("a * 2", "2 * a"),
+        ("24 - 2 * a", "24 - 2 * a"),
+        ("2^3 * a * b - 0x10", "8 * a * b - 16"),
+        ("b + a * 1", "b + a"),
+        ("3 * 2^a - 3 * 4", "3 * 2^a - 12"),
+        ("-2 * a + a", "-a"),
+        ("0 * a + b", "b"),
+    ],
+)
+def test_what_is_rendered_can_be_written(text: str, rendered: str) -> None:
+    """A product with a number is a sum of equal terms, so ``show`` prints what a spec can contain."""
+    expression = Expression.parse(text)
+    assert expression.render() == rendered
+    assert Expression.parse(rendered) == expression
+    values = {"a": 5, "b": 7}
+    assert expression.value(values) == eval(text.replace("^", "**"), {}, values)
+
+
+@pytest.mark.parametrize("text", ["4294967297 * a", "2^32 * 2 * a", "2^33 * a", "65536 * 65537 + a", "2^100 * 2^100"])
+def test_a_huge_number_in_a_product_is_refused(text: str) -> None:
+    assert Expression.parse("4294967296 * a").value({"a": 1}) == 1 << 32
+    with pytest.raises(ExpressionError, match="in a product is larger than 4294967296"):
         Expression.parse(text)
 
 

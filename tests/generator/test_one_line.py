@@ -111,6 +111,19 @@ def test_public_rs485_frame() -> None:
 # -- arithmetic
 
 
+def test_a_public_reply_of_modbus() -> None:
+    """Only the CRC is sent low byte first. The reply with three registers is in many descriptions of MODBUS."""
+    line = "rs485,high_byte_first:address=8,function=8:3,length=8:6,first=16,second=16,third=16,"
+    crc_text = "crc=16:0x8005:0xffff:reflected:low_byte_first"
+    frame = decoded(line + crc_text, "11 03 06 AE 41 56 52 43 40 49 AD")
+    assert not frame.problems
+    assert [frame.values[name] for name in ("address", "first", "third")] == [0x11, 0xAE41, 0x4340]
+    exchanged = decoded(line + crc_text.replace("low", "high"), "11 03 06 AE 41 56 52 43 40 AD 49")
+    assert not exchanged.problems
+    (problem,) = decoded(line + crc_text, "11 03 06 AE 41 56 52 43 40 AD 49").problems
+    assert "with its bytes exchanged" in problem.message
+
+
 @pytest.mark.parametrize("turns", [0, 1, 4095, 1234])
 def test_gray_code_over_the_whole_position(turns: int) -> None:
     position = turns << 13 | 5678

@@ -47,7 +47,25 @@ WRONG = {
         (24, "'0x44' is not a polynomial of 6 bits; write an odd number of at most 0x7f, with or without its top bit")
     ],
     "biss:position=12,crc=6:0x43:0x40": [(29, "'0x40' is not a start value; write at most 0x3f")],
-    "biss:position=12,crc=6:0x43:0:0": [(24, "write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it")],
+    "biss:position=12,crc=6:0x43:0:0": [
+        (24, "write crc=BITS:POLYNOMIAL:START, and after it :inverted, :plain, :reflected, :low_byte_first or")
+    ],
+    "ssi:position=12,crc=8:0x107:reflected": [
+        (17, "'reflected' is only for a CRC over RS-485, which consists of bytes; remove it")
+    ],
+    "spi:position=16,crc=16:0x8005:low_byte_first": [
+        (17, "'low_byte_first' is only for a CRC over RS-485, which consists of bytes; remove it")
+    ],
+    "rs485:position=8,crc=8:0x107:0:low_byte_first": [
+        (18, "the CRC is one byte, so it has no byte order; remove 'low_byte_first'")
+    ],
+    "biss:position=12,crc=6:0x43:plain:plain": [(18, "'plain' is written twice; remove one of them")],
+    "biss:position=12,crc=6:0x43:plain:inverted": [
+        (18, "'inverted' and 'plain' exclude each other; remove one of them")
+    ],
+    "rs485:position=8,crc=16:0x8005:low_byte_first:high_byte_first": [
+        (18, "'low_byte_first' and 'high_byte_first' exclude each other; remove one of them")
+    ],
     "biss:crc=6:0x43,position=12": [(6, "the CRC must be the last field; move it to the end")],
     "ssi:a=3,position=4,a=1": [(20, "a second field has the name 'a'; rename one of them")],
     "ssi:position=4,singleturn=3": [

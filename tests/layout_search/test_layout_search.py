@@ -253,15 +253,16 @@ def modbus_crc(data: bytes) -> bytes:
 
 
 def test_the_crc_of_modbus(run: Run) -> None:
-    """Replies with one register, from a unit at address 1. A line cannot describe the CRC, so it is a number."""
+    """Replies with one register, from a unit at address 1."""
     assert modbus_crc(b"123456789") == bytes.fromhex("37 4B"), "the check value of this CRC"
     replies = [bytes([1, 3, 2]) + position.to_bytes(2, "big") for position in (0x1234, 0x1250, 0x1299, 0x2001, 0x2F00)]
     frames = [(reply + modbus_crc(reply)).hex(" ") for reply in replies]
     _, out, _ = run("find", "rs485", *frames)
-    assert "\n1. rs485,high_byte_first:position=40,crc_modbus=16\n" in out
-    assert "or rs485,high_byte_first:unused=24,position=16,crc_modbus=16\n" in out
+    assert "\n1. rs485,high_byte_first:position=40,crc=16:0x18005:0xffff:reflected:low_byte_first\n" in out
+    line = "rs485,high_byte_first:unused=24,position=16,crc=16:0x18005:0xffff:reflected:low_byte_first"
+    assert line in out.replace("\n", "").replace(" ", "")
     assert "CRC-16/MODBUS, low byte first, fits all 5 frames" in " ".join(out.split())
-    code, decoded, _ = run("decode", "rs485,high_byte_first:unused=24,position=16,crc_modbus=16", frames[0])
+    code, decoded, _ = run("decode", line, frames[0])
     assert (code, "4660" in decoded) == (0, True)
     # One wrong CRC, and it is not a CRC of all frames.
     _, out, _ = run("find", "rs485", *frames[:4], "01 03 02 2F 00 00 00")

@@ -62,7 +62,7 @@ def test_a_list_of_clocks(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFixture[str]) -> None:
     ssi = data_with_settings(capsys, "AMM5A21/65KBG1", "beckhoff_el5042")
-    assert ssi["record"]["cable_lengths"][0] == {"metres": 50, "hz": 400_000, "is_below": True}
+    assert ssi["record"]["cable_lengths"][0] == {"metres": 50, "hz": 400_000, "is_below": True, "is_shorter": True}
     assert ssi["record"]["cable_errata"] == ["ssi_cable_400_m", "ssi_cable_50_m"]
     note = ssi["settings"]["Clock Frequency, EL5042 and EP7041-4032"]["note"]
     assert (

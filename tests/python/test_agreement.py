@@ -56,10 +56,12 @@ MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "
 MADE_UP |= dict.fromkeys(
     (
         "banks",
+        "byte_orders",
         "gray",
         "gray_excess",
         "gray_parity",
         "lowfirst",
+        "modbus",
         "ring",
         "ring_split",
         "ring_turns",

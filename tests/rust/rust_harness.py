@@ -37,14 +37,15 @@ PACKAGE = ROOT / "examples" / "rust-target"
 
 #: Specs that are not for this target.
 OTHERS = ("digits", "long_crc", "lowfirst", "gray_parity", "options", "crc_options", "icpvl", "long_names", "switched")
+OTHERS += ("byte_orders",)
 
 
 def _specs() -> Iterator[str]:
     """Yield the specs of the families that the target can express.
 
     It cannot express a CRC that is not whole bytes at the end of a frame in bytes, a parity bit over Gray code, digits
-    that are sent separately, or a flag that some order codes lack. The words of ``lowfirst`` have 64 bits, so no number
-    is too long for them.
+    that are sent separately, two byte orders in a frame whose fields move, or a flag that some order codes lack. The
+    words of ``lowfirst`` have 64 bits, so no number is too long for them.
     """
     for folder in ("specs/ichaus", "specs/lika", "tests/specs", "tests/c/specs", "tests/rust/specs", "docs/example"):
         for path in sorted((ROOT / folder).rglob("*.yaml")):

@@ -177,13 +177,13 @@ class Family:
         struct = Struct(layout, pascal(interface), codec, crcs, types)
         for problem in struct.width_problems():
             self._wide.append(TargetProblem(self.device, "rust-size", place, f"{problem}. Rust allows at most {WORD}"))
-        if struct.codec.parity_covers_converted or layout.has_optional_flags:
-            part = "a flag that order codes lack" if layout.has_optional_flags else "a parity bit over Gray code"
+        parity = "a parity bit over Gray code" if codec.parity_covers_converted else ""
+        parity = "a flag that order codes lack" if layout.has_optional_flags else parity
+        orders = "two byte orders, and fields that move" if codec.by_word and layout.exchanged_bytes else ""
+        digits = "digits that are sent separately" if codec.digit_codings else orders
+        for rule, part in {"rust-parity": parity, "rust-digits": digits}.items():
             problem = f"'{layout.name}' has {part}, which this target does not compute"
-            self._wide.append(TargetProblem(self.device, "rust-parity", place, problem))
-        if struct.codec.digit_codings:
-            problem = f"'{layout.name}' has digits that are sent separately, which this target does not compute"
-            self._wide.append(TargetProblem(self.device, "rust-digits", place, problem))
+            self._wide += [TargetProblem(self.device, rule, place, problem)] if part else []
         return struct
 
 

@@ -36,6 +36,7 @@ from . import (
     stale_numbers,
     stale_texts,
     step_agreement,
+    sums,
     table_agreement,
     values,
     values_in_texts,
@@ -68,7 +69,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
     position_verdicts.check_verdicts_by_answer,
     check_expressions,
     parameters.check_parameter_cycle,
-    parameters.check_long_sums,
+    sums.check_long_sums,
     order_code.check_order_code_pattern,
 )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from ...model.expressions import Expression, ExpressionError, Factor
+from ...model.expressions import Factor
 from ..problems import DocumentReport, Path, join_words, quoted
 from ..written_codes import WrittenAlternative, WrittenParameter, WrittenRegister
 from ..written_interfaces import WrittenBiss, WrittenSpi
@@ -26,6 +26,7 @@ from .parts import (
     measurements,
     with_groups_expanded,
 )
+from .sums import list_terms
 
 #: Kinds of units, each with the units as manuals name them.
 _UNITS_BY_KIND = {
@@ -183,10 +184,6 @@ def _expressions_of_field(field: WrittenField, path: Path) -> _Expressions:
             yield (*path, key), field.data[key]
 
 
-#: Most terms of a sum of parameters, with all definitions inserted.
-_MOST_TERMS = 256
-
-
 def all_parameters(expression_text: object, parameters: Mapping[str, WrittenParameter]) -> Iterator[str]:
     """Yield the names of the parameters in an expression, and of the parameters from which they are calculated.
 
@@ -207,50 +204,9 @@ def all_parameters(expression_text: object, parameters: Mapping[str, WrittenPara
 def _list_factors(expression_text: object) -> list[Factor]:
     """Return the factors of all terms of an expression as it is written. Empty for text that is not an expression.
 
-    A factor is a parameter, or two to the power of a parameter. For ``bits + bits``, it is returned twice.
+    A factor is a parameter, or two to the power of a parameter.
     """
-    if not isinstance(expression_text, (int, str)):
-        return []
-    try:
-        terms = Expression.parse(expression_text).terms
-    except ExpressionError:  # Reported by the rule on expressions.
-        return []
-    factors: list[Factor] = []
-    for term in terms:
-        factors += term.factors * abs(term.multiple)  # ``2 * bits`` counts as ``bits + bits``.
-    return factors
-
-
-def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no parameter becomes a long sum when the parameters in it are replaced by their definitions.
-
-    Definitions that each use another one twice would fill the memory: 30 of them are a sum of 2^30 terms. A parameter
-    that uses a reported one is not reported.
-    """
-    count_by_name: dict[str, int] = {}
-    for name, parameter in spec.parameters.items():
-        term_count = _count_terms(name, spec.parameters, count_by_name)
-        used_names = [factor.parameter for factor in _list_factors(parameter.equals)]
-        uses_long_sum = any(count_by_name.get(used_name, 0) > _MOST_TERMS for used_name in used_names)
-        if term_count > _MOST_TERMS and not uses_long_sum:
-            problem = f"{quoted(name)} is a sum of {term_count} terms with the definitions of its parameters"
-            report.add("bad-expression", parameter.place_of("equals"), f"{problem}; the limit is {_MOST_TERMS}")
-
-
-def _count_terms(name: str, parameters: Mapping[str, WrittenParameter], count_by_name: dict[str, int]) -> int:
-    """Return the number of terms of a parameter when all parameters in it are replaced by their definitions.
-
-    Each factor of a product counts as a term. A parameter without a definition has one term. ``count_by_name`` caches
-    the results.
-    """
-    if name in count_by_name:
-        return count_by_name[name]
-    count_by_name[name] = 1  # This ends the recursion for a circular definition, which another rule reports.
-    factors = _list_factors(parameters[name].equals) if name in parameters else []
-    if factors:
-        term_counts = [_count_terms(factor.parameter, parameters, count_by_name) for factor in factors]
-        count_by_name[name] = sum(term_counts)
-    return count_by_name[name]
+    return [factor for term in list_terms(expression_text) for factor in term.factors]
 
 
 def check_parameter_origin(spec: WrittenSpec, report: DocumentReport) -> None:

@@ -9,8 +9,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model import Timing
-from ...model.clocks import CableLength, Clock, Timeout
-from ..problems import DocumentReport, Path
+from ...model.clocks import CABLE_LIMITS, CableLength, Clock, Timeout
+from ..problems import DocumentReport, Path, quoted
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
@@ -137,9 +137,7 @@ def _yield_rates(interface: WrittenInterface) -> Iterator[_Rate]:
                 yield _Rate((*clock.path, key), limit_hz, unit="Hz")
     if isinstance(interface, WrittenSsi):
         for row in interface.cable_lengths:
-            if row.is_valid("below_hz"):
-                limit_hz = row.part.below_hz
-                yield _Rate((*row.path, "below_hz"), limit_hz, unit="Hz")
+            yield _Rate((*row.path, row.part.limit_key), row.part.limit_hz, unit="Hz")
 
 
 def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -156,7 +154,7 @@ def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
         if not has_rs_lines:
             continue
         for path, rate, unit in _yield_rates(interface):
-            is_for_cables = path[-1] == "below_hz"
+            is_for_cables = path[-1] in CABLE_LIMITS
             is_explained = _contains_rate(interface.note, rate)
             if rate > _HIGHEST_HZ and not is_for_cables and not is_explained:
                 message = (
@@ -226,36 +224,54 @@ def _find_shortest(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
 
 
 def check_cable_clocks(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each clock limit for cables is within the limits of the clock, unless an erratum explains it."""
+    """Check that each clock limit for cables is within the limits of the clock, unless an erratum explains it.
+
+    A row must have one limit, of the same kind as all other rows.
+    """
     ssi = spec.interfaces.ssi
     if ssi is None:
         return
     for row in ssi.cable_lengths:
+        _check_kind_of_limit(row, ssi.cable_lengths[0].part.limit_key, report)
         for clock in ssi.clock:
-            if row.is_valid("below_hz") and share_order_codes(clock.part, row.part):
+            if row.is_valid(row.part.limit_key) and share_order_codes(clock.part, row.part):
                 _check_cable_clock(row, clock.part, report)
+
+
+def _check_kind_of_limit(row: LocatedPart[CableLength], key_of_first_row: str, report: DocumentReport) -> None:
+    """Report a row of the table of cable lengths that has both limits, none, or another one than the first row."""
+    has_limit = any(map(row.has, CABLE_LIMITS))
+    if has_limit and row.part.limit_key != key_of_first_row:
+        problem = f"the first row has {quoted(key_of_first_row)}; write the same kind of limit in all rows"
+        report.add("cable-limit", (*row.path, row.part.limit_key), problem, at_key=True)
+    elif row.has("below_hz") and row.has("at_most_hz"):
+        problem = "'below_hz' and 'at_most_hz' exclude each other; keep the one that the manual gives"
+        report.add("cable-limit", (*row.path, "at_most_hz"), problem, at_key=True)
+    elif not has_limit:
+        problem = "the row has no clock limit; add 'below_hz', or 'at_most_hz' if the clock may be equal to it"
+        report.add("cable-limit", row.path, problem)
 
 
 def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: DocumentReport) -> None:
     """Report a clock limit for cables that is outside the limits of a clock."""
-    below_hz = row.part.below_hz
+    limit_hz, limit_words = row.part.limit_hz, row.part.limit_words
     lowest_hz = clock.min_hz or 0
     highest_hz = clock.max_hz
-    is_too_low = below_hz < lowest_hz
-    is_too_high = highest_hz is not None and below_hz > highest_hz
+    is_too_low = limit_hz < lowest_hz
+    is_too_high = highest_hz is not None and limit_hz > highest_hz
     affected_path = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
     is_within_limits = not is_too_low and not is_too_high
     if is_within_limits or has_erratum_at(report.document, affected_path):
         return
     if is_too_high:
-        message = f"{below_hz} Hz is above 'max_hz: {highest_hz}'"
+        message = f"{limit_hz} Hz is above 'max_hz: {highest_hz}'"
     else:
         message = (
-            f"no clock is below {below_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
+            f"no clock is {limit_words} {limit_hz} Hz for cables shorter than {row.part.shorter_than_m} m: the clock is"
             f" {lowest_hz} to {highest_hz} Hz"
         )
     remedy = "correct one of the two. If this is what the manual says, add an erratum that affects"
-    report.add("clock-range", (*row.path, "below_hz"), f"{message}; {remedy} {affected_path}")
+    report.add("clock-range", (*row.path, row.part.limit_key), f"{message}; {remedy} {affected_path}")
 
 
 def check_timeouts_and_clocks(spec: WrittenSpec, report: DocumentReport) -> None:

@@ -8,7 +8,7 @@ from ...model import Alarm, Biss, Measurement
 from ...model.expressions import Expression, ExpressionError
 from ...model.steps import has_steps
 from ..document import Path
-from ..hints import expression_hint, number_hint, product_hint
+from ..hints import expression_hint, number_hint
 from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
 from ..written_codes import WrittenOpenedBy, WrittenRegister, WrittenRegisterMeaning
@@ -348,7 +348,7 @@ def check_expressions(spec: WrittenSpec, report: DocumentReport) -> None:
             names = Expression.parse(text).parameters
         except ExpressionError as error:
             key = str(path[-1])
-            hint = expression_hint(str(text)) or number_hint(key, text) or product_hint(str(text))
+            hint = expression_hint(str(text)) or number_hint(key, text)
             if not hint:
                 hint = "; write an expression such as singleturn_bits + 8"
             report.add("bad-expression", path, f"{error}{hint}")

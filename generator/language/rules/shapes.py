@@ -26,6 +26,7 @@ RESERVED = "reserved"
 MOST_RESERVED_BITS = 4
 _KEYS_OF_FLAGS = WrittenField.keys_owned_by("active")
 _KEYS_OF_PARITIES = WrittenField.keys_owned_by("parity_of")
+_KINDS_WITH_BYTE_ORDER = tuple(kind for kind in KIND_KEYS if "byte_order" in WrittenField.keys_owned_by(kind))
 _KEYS_OF_NUMBERS = WrittenField.keys_owned_by(NUMBER, alone=True)
 #: Keys that are not allowed next to ``scale``: the first changes the meaning of 0, the second states a separate unit.
 _KEYS_EXCLUDED_BY_SCALE = ("zero_means", "unit")
@@ -100,6 +101,10 @@ def _check_kind(field: WrittenField, report: DocumentReport) -> None:
             report.add("layout-keys", field.place_of(key), problem, at_key=True)
     _check_flag_keys(field, report)
     _check_keys_of_checks(field, report)
+    if field.byte_order and kind_keys and kind_keys[0] not in _KINDS_WITH_BYTE_ORDER:
+        allowed = "numbers, named values, constants and CRCs"
+        problem = f"'byte_order' is only for {allowed}; {name} has {quoted(kind_keys[0])}, so remove it"
+        report.add("layout-keys", field.place_of("byte_order"), problem, at_key=True)
     _check_expected_value(field, kind_keys, report)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from ...model import Evidence
+from ...model.clocks import CABLE_LIMITS
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenSsi
@@ -185,7 +186,7 @@ class _LimitedPart:
 _CLOCK_LIMITS = _LimitKeys(("min_hz", "max_hz"), "write 'used_hz' for a clock that a program or a master uses")
 _TIMING_LIMITS = _LimitKeys(("at_least_us", "at_most_us"), "write 'typical_us', or describe the time in a 'note'")
 _TIMEOUT_LIMITS = _LimitKeys(("at_most_ns",), "write 'typical_ns', or remove the timeout")
-_CABLE_LIMITS = _LimitKeys(("below_hz",), "remove the table")
+_CABLE_LIMITS = _LimitKeys(CABLE_LIMITS, "remove the table")
 _SUPPLY_LIMITS = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 

@@ -224,15 +224,16 @@ def _check_cable_order(
     ``affected_path`` is the path that an erratum must affect to explain it.
     """
     longer = row_of_longer_cable.part
-    is_slower = longer.below_hz < shorter.below_hz
+    is_slower = longer.limit_hz < shorter.limit_hz or not shorter.limit_hz
     have_same_length = longer.shorter_than_m == shorter.shorter_than_m
     if not is_slower or have_same_length:
+        limit, limit_of_shorter = (f"{row.limit_words} {row.limit_hz} Hz" for row in (longer, shorter))
         problem = (
-            f"the clock must be below {longer.below_hz} Hz for cables shorter than {longer.shorter_than_m} m, but below"
-            f" {shorter.below_hz} Hz for cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower"
-            f" clock. If this is what the manual says, add an erratum that affects {affected_path}"
+            f"the clock must be {limit} for cables shorter than {longer.shorter_than_m} m, but {limit_of_shorter} for"
+            f" cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower clock. If this is what the"
+            f" manual says, add an erratum that affects {affected_path}"
         )
-        report.add("cable-order", (*row_of_longer_cable.path, "below_hz"), problem)
+        report.add("cable-order", (*row_of_longer_cable.path, longer.limit_key), problem)
 
 
 def check_dates(spec: WrittenSpec, report: DocumentReport) -> None:

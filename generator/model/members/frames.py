@@ -231,6 +231,14 @@ FRAMES = (
             noun="code of digits",
         ),
         ModelMember(
+            "byte_order",
+            "|low_byte_first|high_byte_first",
+            "Order in which the bytes of the field are sent, if it differs from that of the layout. In the frame as one"
+            " number, the bytes of the field are then in reverse order.",
+            "field-reads-otherwise",
+            form="word",
+        ),
+        ModelMember(
             "implemented",
             "boolean=true",
             "True if this encoder implements the item.",

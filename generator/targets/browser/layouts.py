@@ -249,6 +249,7 @@ def _layout_data(device: Device, layout_plan: LayoutPlan, description: Descripti
     described_members = {
         "bits": description.bits,
         "order": description.order,
+        "exchanged": description.exchanged_bytes,
         "joins": description.joins,
         "speaks": description.verdict_causes,
         "digits": description.digit_codings,

@@ -209,12 +209,10 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     their bits are numbered in the number that these bytes form.
     """
     bit_runs = _runs_with_groups_merged(placed_layout)
-    is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
-    lowest_bits = _lowest_bits(placed_layout.bits, is_low_byte_first)
     byte_rows = []
     descriptions = []
     # ``byte_low`` is the lowest bit of the byte in the number that the frame forms.
-    for index, byte_low in enumerate(lowest_bits):
+    for index, byte_low in enumerate(placed_layout.layout.lowest_bits_of_bytes):
         runs_in_byte = [run for run in bit_runs if run.is_in_byte(byte_low)]
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs_in_byte)
         box_texts = [_box_text(box.name, box.place, box.active_low) for box in boxes]

@@ -334,11 +334,11 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     if cable_rows:
         clock_limit = _limit_of_used_clocks(clock)
         facts.append(f"The clock for each cable length is from {escape(cable_clocks.origin)}{clock_limit}.")
-    # The manual gives lengths and clocks that a cable must stay below.
-    if any(cable.is_below for cable in cable_clocks.rows):
-        head = ("Cable below", "Clock below", "Frame above")
-    else:
-        head = ("Cable up to", "Clock up to", "Frame")
+    # Manuals give lengths, and mostly also clocks, that a cable must stay below.
+    are_below = any(cable.is_below for cable in cable_clocks.rows)
+    cable_head = "Cable below" if any(cable.is_shorter for cable in cable_clocks.rows) else "Cable up to"
+    clock_heads = ("Clock below", "Frame above") if are_below else ("Clock up to", "Frame")
+    head = (cable_head, *clock_heads)
     return SpeedSection(title="Clock and cable", facts=tuple(facts), head=head, rows=tuple(cable_rows))
 
 

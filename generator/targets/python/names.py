@@ -72,8 +72,8 @@ def _runtime_modules(names: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
 PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
         "codec": """BitField Data PositionRange Rows Word Words as_bytes as_member as_word check_kind check_limits
-            check_signed check_width crc_by_xor crc_of_bits crc_of_bytes create from_digits from_gray make_crc_tables
-            require_answer signed text_number too_long_error wrong_answer_error zero_for""",
+            check_signed check_width crc_by_xor crc_of_bits crc_of_bytes create exchange_bytes from_digits from_gray
+            make_crc_tables require_answer signed text_number too_long_error wrong_answer_error zero_for""",
         "encoder": """Encoder ErrorHandler Exchanged Positioned SerialEncoder check_encoder load_fact look_up
             raise_frame_error return_frame_error wrong_encoder_error""",
         "measures": "FineLinear Linear Rotary Wrapping",
@@ -240,8 +240,10 @@ def decoder_maker(function: str) -> str:
     return f"_make_{function.removeprefix('decode_')}_decoder"
 
 
-def byte_order(owner: Layout | Register) -> str:
-    """Return the name that Python uses for the byte order."""
+def byte_order(owner: Layout | Register, field: Field | None = None) -> str:
+    """Return the name that Python uses for the byte order, also if ``field`` has a byte order of its own."""
+    if field is not None and field.byte_order:
+        return "little" if field.byte_order == "low_byte_first" else "big"
     return "little" if owner.byte_order == "low_byte_first" else "big"
 
 

@@ -76,6 +76,7 @@ class ShapeLiteral:
         yield "bits", self._literal_of(description.bits)
         yield "length", description.length
         yield "order", description.order
+        yield "exchanged_bytes", description.exchanged_bytes
         yield "columns", self._value_columns()
         yield from self._other_rows()
         yield "crc", self._crc_of_encoder(description.crcs)
@@ -197,9 +198,10 @@ class ShapeLiteral:
         layout_class = self.layout_class
         members: dict[str, Literal] = {"low": self._literal_of(frame_crc.bits.low), "width": crc.width}
         if layout_class.layout.crc_covers_bytes:
-            place_arguments = (
-                f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(layout_class.layout)}"'
-            )
+            layout = layout_class.layout
+            place_arguments = f'length={self.plan.length}, width={crc.width // 8}, order="{byte_order(layout)}"'
+            if layout.exchanged_bytes:
+                place_arguments += f", exchanged_bytes={layout.exchanged_bytes}"
             members["differs"] = SourceText(f"compare_bytes({layout_class.crc_name(frame_crc)}, {place_arguments})")
             if crc.is_xor:
                 members |= {"xorout": crc.xorout, "is_xor": True}

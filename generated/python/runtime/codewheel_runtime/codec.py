@@ -61,6 +61,7 @@ __all__ = [
     "crc_of_bits",
     "crc_of_bytes",
     "create",
+    "exchange_bytes",
     "from_digits",
     "from_gray",
     "make_crc_tables",
@@ -164,6 +165,16 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
     if number == zero_means:
         return 0
     return check_width(field, number, bits)
+
+
+def exchange_bytes(data: bytes, places: Sequence[tuple[int, int]]) -> bytes:
+    """Return ``data`` with the bytes of some fields in reverse order.
+
+    ``places`` has the first byte of each field, and the byte after the field.
+    """
+    for start, stop in places:
+        data = data[:start] + data[start:stop][::-1] + data[stop:]
+    return data
 
 
 def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:

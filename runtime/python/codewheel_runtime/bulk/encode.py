@@ -13,6 +13,7 @@ from .chunk import (
     bit_mask,
     compute_crc,
     compute_parity,
+    exchange_columns,
     np,
     shift_left,
     shift_right,
@@ -374,4 +375,4 @@ def _convert_to_rows(words: list[Any], shape: Shape) -> Any:
     rows = np.stack(bytes_by_word, axis=1).reshape(len(words[0]), -1)
     # The highest word can have more bytes than the frame.
     rows = rows[:, : shape.length]
-    return rows if shape.order == "little" else rows[:, ::-1]
+    return exchange_columns(rows if shape.order == "little" else rows[:, ::-1], shape)

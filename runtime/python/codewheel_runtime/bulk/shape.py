@@ -8,7 +8,7 @@ from enum import IntEnum
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
-from ..codec import BitField, assert_never
+from ..codec import BitField, assert_never, exchange_bytes
 from ..errors import ErrorKind
 from ..facts import Scale
 from ..reports import Report, Verdict
@@ -110,19 +110,24 @@ class CrcOf(NamedTuple):
 
 
 def compare_bytes(
-    function: Callable[[bytes], int], length: int, width: int, order: Literal["little", "big"]
+    function: Callable[[bytes], int],
+    length: int,
+    width: int,
+    order: Literal["little", "big"],
+    exchanged_bytes: tuple[tuple[int, int], ...] = (),
 ) -> Callable[[int], int]:
     """Return a function that finds the bits in which the CRC in a frame of bytes differs from the computed CRC.
 
     The returned function takes the frame as a number. The frame has ``length`` bytes, and its last ``width`` bytes are
-    the CRC. ``function`` computes the CRC of the bytes before it.
+    the CRC. ``function`` computes the CRC of the bytes before it. ``exchanged_bytes`` are the fields that have a byte
+    order of their own, as in ``Shape``.
     """
 
     def find_difference(number: int) -> int:
         """Return the XOR of the CRC in a frame and the computed CRC."""
         data = number.to_bytes(length, order)
-        computed_crc = function(data[:-width])
         sent_crc = int.from_bytes(data[-width:], order)
+        computed_crc = function(exchange_bytes(data, exchanged_bytes)[:-width])
         return computed_crc ^ sent_crc
 
     return find_difference
@@ -224,6 +229,7 @@ class ReportCause(NamedTuple):
 class Shape(NamedTuple):
     """Description of a frame or register. ``length`` is its length in bytes, or 0 for a ``bits``-bit number.
 
+    ``exchanged_bytes`` has the first byte of each field whose byte order is not ``order``, and the byte after it.
     ``digit_codings`` are the numbers whose digits are sent separately. ``gray`` is the lowest bit and the width of the
     number that is sent in Gray code, and ``excess`` is the number that is sent for position 0. ``fixed`` contains the
     bits that are 1 in every such frame. ``position`` is the name of the column with the position, or empty if there is
@@ -236,6 +242,7 @@ class Shape(NamedTuple):
     bits: int
     length: int = 0
     order: Literal["little", "big"] = "little"
+    exchanged_bytes: tuple[tuple[int, int], ...] = ()
     columns: tuple[Column, ...] = ()
     digit_codings: tuple[DigitCoding, ...] = ()
     joins: tuple[Join, ...] = ()

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, cast
 
-from ..codec import make_crc_tables
+from ..codec import exchange_bytes, make_crc_tables
 from ..encoder import Encoder
 from .descriptions import field_names, find_description, shape_of
 from .encode import compute_crc, encode_number
@@ -68,7 +68,9 @@ def make_encoder(frame_class: type, arguments: tuple[Any, ...]) -> Encode:
     def encode_any(frame: Any) -> int | bytes:
         """Encode a frame with any values, and raise an error if a value does not fit."""
         number = encode_number(frame, shape, arguments)
-        return number.to_bytes(shape.length, shape.order) if shape.length else number
+        if not shape.length:
+            return number
+        return exchange_bytes(number.to_bytes(shape.length, shape.order), shape.exchanged_bytes)
 
     has_slow_fields = any(_describe_usual_bits(column) is None for column in shape.columns)
     if shape.limited is not None or shape.digit_codings or has_slow_fields:
@@ -224,6 +226,9 @@ class _FunctionText:
             result = f"number | compute_crc(number, crc) << {crc.low}"
         if shape.length:
             result = f"({result}).to_bytes({shape.length}, {shape.order!r})"
+        if shape.exchanged_bytes:
+            self.names["exchange_bytes"] = exchange_bytes
+            result = f"exchange_bytes({result}, {shape.exchanged_bytes})"
         self._statements.append(f"return {result}")
 
     def text(self) -> str:

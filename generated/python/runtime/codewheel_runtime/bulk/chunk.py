@@ -201,7 +201,7 @@ def split_into_words(rows: Any, shape: Shape) -> list[Any]:
     Each word is read as one number of eight bytes. If fewer bytes are left for the highest word, it is read together
     with bytes of the word below, which are then shifted out.
     """
-    contiguous_rows = np.ascontiguousarray(rows)
+    contiguous_rows = np.ascontiguousarray(exchange_columns(rows, shape))
     row_count, row_bytes = contiguous_rows.shape
     is_little_endian = shape.order == "little"
     if row_bytes < _WORD_BYTES:
@@ -218,6 +218,16 @@ def split_into_words(rows: Any, shape: Shape) -> list[Any]:
             word >>= np.uint64(8 * overlap)
         words.append(word)
     return words
+
+
+def exchange_columns(rows: Any, shape: Shape) -> Any:
+    """Return frames that are rows of bytes with the bytes of each field with its own byte order in reverse order."""
+    if not shape.exchanged_bytes:
+        return rows
+    byte_indices = list(range(shape.length))
+    for start, stop in shape.exchanged_bytes:
+        byte_indices[start:stop] = reversed(byte_indices[start:stop])
+    return rows[:, byte_indices]
 
 
 def _view_word(rows: Any, row_count: int, offset: int, is_little_endian: bool) -> Any:

@@ -108,7 +108,8 @@ class FieldFacts(NamedTuple):
     value of unused bits in the manual. ``implemented`` is False for a field that does not exist in this encoder.
     ``reserved`` names the only party that may use it. ``explained_by`` lists register fields with details, as
     ``register.field``. ``zero_means`` is the value that is sent as 0, if there is such a value. ``digit_code`` is the
-    code of each digit, such as ``bcd``, if a number is not sent in binary. ``scale`` converts the number to a quantity.
+    code of each digit, such as ``bcd``, if a number is not sent in binary. ``byte_order`` is ``low_byte_first`` or
+    ``high_byte_first`` if it is not that of the frame. ``scale`` converts the number to a quantity.
     """
 
     name: str
@@ -126,6 +127,7 @@ class FieldFacts(NamedTuple):
     zero_means: int = 0
     power_of_two: bool = False
     digit_code: str = ""
+    byte_order: str = ""
     implemented: bool = True
     reserved: str = ""
     explained_by: tuple[str, ...] = ()

@@ -74,13 +74,15 @@ class Clock(NamedTuple):
 class CableLength(NamedTuple):
     """Clock limit for a cable: cables shorter than ``shorter_than_m`` require a clock below ``below_hz``.
 
-    ``only`` lists the order codes that the limit applies to, or is empty for all.
+    If the manual includes the limit, it is ``at_most_hz``, and ``below_hz`` is None. ``only`` lists the order codes
+    that the limit applies to, or is empty for all.
     """
 
     shorter_than_m: int
-    below_hz: int
+    below_hz: int | None = None
     source: str = ""
     only: str = ""
+    at_most_hz: int | None = None
 
 
 class Port(NamedTuple):
@@ -257,13 +259,13 @@ class SsiFacts(NamedTuple):
             cable_m: Length of the cable in meters.
 
         Returns:
-            The limit in hertz. The clock must be below it. None if the cable is too long for the table, or if there is
-            no table.
+            The limit in hertz. The clock must be below it, so it is one hertz more than ``at_most_hz``. None if the
+            cable is too long for the table, or if there is no table.
         """
         for row in self.cable_lengths:
             applies_to_all_codes = not row.only
             if applies_to_all_codes and cable_m < row.shorter_than_m:
-                return row.below_hz
+                return row.below_hz if row.at_most_hz is None else row.at_most_hz + 1
         return None
 
 
