@@ -113,8 +113,6 @@ def test_a_time_that_a_register_and_its_procedures_share_is_one_line() -> None:
     longer_pause = ("{do: wait, at_least_ms: 30, meaning", "{do: wait, at_least_ms: 50, meaning")
     (line,) = lines(longer_wait, longer_pause)
     assert line.endswith(": delay after a write 30 ms → 50 ms, and so procedure set_preset: step 4")
-    # Another pause is another change.
-    assert len(lines(longer_wait, ("{do: wait, at_least_ms: 30, meaning", "{do: wait, at_least_ms: 60, meaning"))) == 2
 
 
 def test_a_bit_that_moves_to_an_unused_one_is_one_line() -> None:

@@ -61,8 +61,8 @@ def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
             page = int(page_text)
             has_page = contents[section].page is not None
             first_pages = _first_pages(page_ranges[section], own_names, is_first_page_known=has_page)
-            citations_of_section = [other for other in citations if other["section"] == section]
-            cited_pages = {int(other["page"] or 0) for other in citations_of_section}
+            citations_of_section = [other for other in citations if other.group("section") == section]
+            cited_pages = {int(other.group("page") or 0) for other in citations_of_section}
             if page in first_pages:
                 first_page_count += 1
             elif first_pages and cited_pages.isdisjoint(first_pages):
@@ -243,7 +243,7 @@ def check_editions_in_other_languages(spec: WrittenSpec, report: DocumentReport)
     for edition in manual.editions:
         for path, source in sources(leaves_of(spec.data, report)):
             for citation in _find_citations(source, edition.part.language):
-                problem = _problem_of_citation(citation["section"], citation["page"], sections, [])
+                problem = _problem_of_citation(citation.group("section"), citation.group("page"), sections, [])
                 if problem:
                     report.add("cited-place", path, problem)
 
@@ -252,7 +252,7 @@ def problems_of_other_manual(source: str, document: str, contents: Mapping[str, 
     """Yield a message for each section or page that a source cites wrongly in the manual with this key and contents."""
     page_ranges = _find_page_ranges(contents)
     for citation in _find_citations(source, document):
-        problem = _problem_of_citation(citation["section"], citation["page"], page_ranges, [])
+        problem = _problem_of_citation(citation.group("section"), citation.group("page"), page_ranges, [])
         if problem:
             yield problem
 
@@ -313,6 +313,6 @@ def _pages_in(text: str) -> set[int]:
     page_numbers: set[int] = set()
     for pages_text in _CITED_PAGES.findall(text):
         for pages in _PAGES.finditer(pages_text):
-            first_page = int(pages["first"])
-            page_numbers.update(range(first_page, int(pages["last"] or first_page) + 1))
+            first_page = int(pages.group("first"))
+            page_numbers.update(range(first_page, int(pages.group("last") or first_page) + 1))
     return page_numbers

@@ -158,7 +158,7 @@ def check_printed_widths(spec: WrittenSpec, report: DocumentReport) -> None:
             if width is None:
                 continue
             if printed_range is not None:
-                count = abs(int(printed_range["first"]) - int(printed_range["last"])) + 1
+                count = abs(int(printed_range.group("first")) - int(printed_range.group("last"))) + 1
                 if width not in (count, 8 * count):
                     message = f"the range has {count} bits or bytes, but the field has {width} bits"
                     report.add("printed-number", field.place_of("printed_name"), f"{message}; correct one of the two")

@@ -56,8 +56,8 @@ def check_bits_of_fields(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         for field in _affected_fields(erratum, targets):
             names = (str(field.get("printed_name", "")), str(field.get("name", "")).replace("_", " "))
-            is_named = match["name"].casefold() in map(str.casefold, names)
-            if is_named and field["at"] != int(match["bit"]):
+            is_named = match.group("name").casefold() in map(str.casefold, names)
+            if is_named and field["at"] != int(match.group("bit")):
                 message = f"the text says bit {match['bit']}, but 'at' of the field is {field['at']}"
                 report.add("left-behind", erratum.place_of("used"), f"{message}; correct one of the two")
 
@@ -77,7 +77,7 @@ def check_bytes_in_notes(spec: WrittenSpec, report: DocumentReport) -> None:
         note = str(layout.data.get("note", ""))
         widths = {width for field in field_list.fields for width in (field.bits, field.padded_to)}
         for match in _THESE_BYTES.finditer(note):
-            bits = 8 * (2 + _NUMBER_WORDS.index(match["count"]))
+            bits = 8 * (2 + _NUMBER_WORDS.index(match.group("count")))
             if bits not in widths:
                 message = f"the text says {quoted(match[0])}, but no field of the layout has {bits} bits"
                 report.add("left-behind", layout.place_of("note"), f"{message}; correct one of the two")
