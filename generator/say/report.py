@@ -278,11 +278,6 @@ def not_hex(piece: str) -> str:
     return f"{piece} is not hex. Write the bytes like 02 00 12 34 00 24"
 
 
-def decimal_bytes(text: str, hexadecimal: str) -> str:
-    """Return the message for bytes that can only be decimal. ``hexadecimal`` are the same bytes in hexadecimal."""
-    return f"{text} is not hex. Write {hexadecimal} if these bytes are decimal"
-
-
 def one_digit(piece: str, digit: str) -> str:
     """Return the message for a single hexadecimal digit where a byte is expected."""
     return f"{piece} is one hex digit. Write 0{digit} if it is a byte"

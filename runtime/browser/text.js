@@ -121,10 +121,6 @@ function decimalBytesIn(pieces) {
   return areShort && pieces.some((piece) => piece.length === 3) ? pieces.map(Number) : [];
 }
 
-/** Return the error for bytes in decimal, with the same bytes in hex. */
-const decimalError = (text, bytes) => new FrameText(
-  messageFor("decimal_bytes", quoteText(text), formatBytes(bytes)), [formatBytes(bytes)]);
-
 /** Return whether pieces are several numbers that cannot be one frame of ``bitCount`` bits, as digits.py does. */
 function areSeveralNumbers(pieces, bitCount) {
   if (withLeadingZeros(pieces).filter(isBinaryNumber).length > 1) return true;
@@ -138,8 +134,6 @@ function areSeveralNumbers(pieces, bitCount) {
 function bytesIn(text) {
   const pieces = withLeadingZeros(text.split(/\s+/));
   const areBinary = pieces.filter(isBinaryNumber).length > 1;
-  const decimalBytes = decimalBytesIn(pieces);
-  if (decimalBytes.length) throw decimalError(text, decimalBytes);
   return pieces.flatMap((piece) => {
     const digits = piece.replace(/^0x/i, "");
     if (areBinary || !/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
@@ -157,7 +151,11 @@ function bytesIn(text) {
 function numberIn(text, bitCount, areBytesExact) {
   const decimalBytes = decimalBytesIn(text.split(/\s+/));
   const isWholeFrame = decimalBytes.length && decimalBytes.length === countBytes(bitCount);
-  if (isWholeFrame && numberOf("big", decimalBytes) >> BigInt(bitCount) === 0n) throw decimalError(text, decimalBytes);
+  if (isWholeFrame && numberOf("big", decimalBytes) >> BigInt(bitCount) === 0n) {
+    const spelling = `0x${formatBytes(decimalBytes).replaceAll(" ", "")}`;
+    const remedy = messageFor("write_one_of", messageFor("if_decimal", spelling));
+    throw new FrameText(messageFor("no_bits", quoteText(text), bitCount, remedy), [spelling]);
+  }
   if (areSeveralNumbers(text.replaceAll("_", "").trim().split(/\s+/), bitCount)) throw new FrameText(
     messageFor("no_bits", quoteText(text), bitCount, messageFor("write_separately", bitCount)));
   const prefixedText = withPrefix(text, bitCount);

@@ -124,7 +124,7 @@ def test_bytes_in_binary_are_one_frame(capsys: Capture) -> None:
         ("ssi:position=16", ("1234", "5678"), "If these are several frames, write each on its own line"),
         ("RESOLUTE-26", ("0b0110", "0b0111"), "If these are several frames, write each on its own line"),
         # community.st.com/t5/.../m-p/301243: four bytes as an Arduino prints them.
-        ("ssi:position=32", ("173", "96", "74", "45"), "Write AD 60 4A 2D if these bytes are decimal"),
+        ("ssi:position=32", ("173", "96", "74", "45"), "Write 0xAD604A2D if it is decimal"),
         ("ssi:position=9", ("173", "96"), "If these are several frames, write each"),
         ("TLE5012B", ("0000", "0000"), "could be bits or hex bytes. Prefix it with 0b or 0x"),
         ("TS5700N8401", ("0b0110", "0b0111"), "'0b0110' is not hex"),

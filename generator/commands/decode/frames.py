@@ -110,14 +110,11 @@ def frame_bytes(frame_text: str) -> bytes:
     zeros.
 
     Raises:
-        FrameTextError: A piece is not hex, or has an odd number of digits, or the bytes are decimal.
+        FrameTextError: A piece is not hex, or has an odd number of digits.
     """
     frame = b""
     pieces = with_leading_zeros(frame_text.split())
     are_binary = sum(_BINARY_NUMBER.fullmatch(piece) is not None for piece in pieces) > 1
-    decimal_bytes = decimal_bytes_in(pieces)
-    if decimal_bytes:
-        raise _decimal_error(frame_text, decimal_bytes)
     for piece in pieces:
         quoted_piece = quoted(visible(piece))
         if are_binary or not _HEX_NUMBER.fullmatch(piece):
@@ -251,13 +248,8 @@ def _number_error(placed: PlacedLayout | PlacedChannels, frame_text: str, remedy
     decimal_bytes = decimal_bytes_in(frame_text.split())
     is_whole_frame = decimal_bytes and len(decimal_bytes) == (placed.bits + 7) // 8
     if is_whole_frame and int.from_bytes(decimal_bytes, "big") >> placed.bits == 0:
-        return _decimal_error(frame_text, decimal_bytes)
+        remedy = say_report.write_one_of(say_report.if_decimal(f"0x{decimal_bytes.hex().upper()}"))
     return FrameTextError(say_report.no_bits(quoted_text, str(placed.bits), remedy))
-
-
-def _decimal_error(frame_text: str, decimal_bytes: bytes) -> FrameTextError:
-    """Return the error for bytes in decimal, which could be hexadecimal in another frame."""
-    return FrameTextError(say_report.decimal_bytes(quoted(visible(frame_text)), decimal_bytes.hex(" ").upper()))
 
 
 def _reject_zeros_and_ones(pieces: Sequence[str], frame_text: str) -> None:

@@ -33,7 +33,6 @@ MESSAGES = {
     "frame_empty": report.EMPTY,
     "frame_too_long": report.TOO_LONG,
     "not_hex": report.not_hex("{0}"),
-    "decimal_bytes": report.decimal_bytes("{0}", "{1}"),
     "one_digit": report.one_digit("{0}", "{1}"),
     "odd": report.odd("{0}"),
     "bits_or_bytes": report.bits_or_bytes("{0}"),
