@@ -364,7 +364,7 @@ def valid_other(name: str) -> str:
 
 
 def another_reading(text: str) -> str:
-    """Return the note on another way to read a frame, such as ``16 bits, the frame of AMT212B``."""
+    """Return the note on another way to read a frame, such as ``16 bits, the frame of X-12``."""
     return f"Another reading: {text}"
 
 

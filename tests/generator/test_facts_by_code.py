@@ -346,7 +346,7 @@ def test_diff_names_the_order_codes(device: Device, tmp_path: Path) -> None:
     assert changes == [
         (
             "interface-rule",
-            "BiSS: timeout rule = fixed, at_most_ns = 20000 → rule = fixed, at_most_ns = 30000",
+            "BiSS: timeout at_most_ns = 20000 → at_most_ns = 30000",
             ("FBC16-SC",),
         ),
         ("time-limit", "time startup, FBC16...: at most 300 ms → 400 ms", codes),

@@ -69,6 +69,7 @@ KEYS_ONLY_IN_SPECS = {
     "erratum": "readings",
     "manual": "contents",
     "manual_edition": "before then",
+    "document": "pages",
 }
 #: Members that Python users have elsewhere: in the classes of frames and registers, in ``VARIANTS``, or as bytes.
 ELSEWHERE = {
