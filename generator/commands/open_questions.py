@@ -16,7 +16,7 @@ class UndecidedError(ValueError):
 
 
 def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
-    """Return pairs such as ``eeprom_address=as_printed`` as ``{"eeprom_address": "as_printed"}``.
+    """Return pairs such as ``adf_layout=as_printed`` as ``{"adf_layout": "as_printed"}``.
 
     Each pair consists of an alternative, which is a question that the manual leaves open for this order code, and the
     answer that the user chose.
@@ -84,5 +84,5 @@ def _question_with_options(alternative: Alternative) -> str:
 
 
 def _choose_options(alternative: Alternative) -> list[str]:
-    """Return the option for each answer, such as ``--choose eeprom_address=as_printed``."""
+    """Return the option for each answer, such as ``--choose adf_layout=as_printed``."""
     return [f"--choose {alternative.name}={answer.name}" for answer in alternative.answers]

@@ -179,9 +179,9 @@ def placed_unused(placed: PlacedLayout) -> Iterator[tuple[PlacedField, int]]:
             yield placed_field, place
 
 
-@pytest.mark.parametrize("answer", ["", "eeprom_address=bit_0", "zero_bit=as_printed"])
+@pytest.mark.parametrize("answer", ["", "adf_layout=bit_0", "zero_bit=as_printed"])
 def test_it_does_not_decide_for_its_user(answer: str) -> None:
-    options = "eeprom_address=as_printed or eeprom_address=as_t_format"
+    options = "adf_layout=as_printed or adf_layout=as_t_format"
     with pytest.raises(SystemExit, match=f"choose: {options}"):
         output("amm5", "AMM5A23/65KJP1", "eeprom_read_reply", "EA0A5ABA", *filter(None, [answer]))
 

@@ -331,10 +331,10 @@ ALTERED: list[tuple[str, tuple[int | str, ...]]] = [
     ("signs", ("layouts", "word", "combinations", "field_out_of_range", "makes_position")),
     ("signs", ("layouts", "word", "combinations", "field_out_of_range", "meaning")),
     ("amm5", ("procedures", "reset_errors", "steps", 0, "in_succession")),
-    ("amm5", ("alternatives", "eeprom_address", "meaning")),
-    ("amm5", ("alternatives", "eeprom_address", "answers", "as_t_format", "sets", "mem_busy_bit")),
+    ("amm5", ("alternatives", "adf_layout", "meaning")),
+    ("amm5", ("alternatives", "adf_layout", "answers", "as_t_format", "sets", "mem_busy_bit")),
     ("amm5", ("parameter_definitions", "mem_busy_bit", "alternative")),
-    ("amm5", ("examples", "public_eeprom_read_request", "alternatives", "eeprom_address")),
+    ("amm5", ("examples", "public_eeprom_read_request", "alternatives", "adf_layout")),
 ]
 
 

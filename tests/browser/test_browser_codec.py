@@ -225,7 +225,7 @@ def examples(devices: tuple[Device, ...]) -> Iterator[tuple[dict[str, Any], dict
 
 def published(vectors: list[dict[str, Any]]) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
     """Return the public frames that belong to an encoder here, or to one of 22 bits."""
-    as_t_format = {"eeprom_address": "as_t_format"}
+    as_t_format = {"adf_layout": "as_t_format"}
     for row in vectors:
         fields, text = row["fields"], row["frame_hex_or_bits"]
         if fields.get("position_bits") == 22:

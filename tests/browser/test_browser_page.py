@@ -405,7 +405,7 @@ def test_a_link_fills_the_page_in(chromium: str, page: Path) -> None:
 DAMAGED = """
   const seen = [];
   for (const answer of ["", "=", "=no_answer", "=as_t_format"]) {
-    const answers = `choose=eeprom_address${answer}&choose=no_question=1`;
+    const answers = `choose=adf_layout${answer}&choose=no_question=1`;
     location.hash = `#code=AMM5A23%2F65KJP1&frame=ea+01+eb&from=master&${answers}`;
     dispatchEvent(new Event("hashchange"));
     seen.push(said(boxes[0]));

@@ -487,12 +487,12 @@ def test_manual_examples_by_hand(run: Run) -> None:
         "AMM5A23/65KJP1 decode eeprom_write_request 32015A69": "3",
         "AMM5A23/65KJP1 decode eeprom_read_request EA01EB": "3",
         # They belong to the other form: page 1, write 5Ah to address 1, read address 1.
-        "AMM5A23/65KJP1;eeprom_address=01 decode eeprom_write_request 327F014C": "0 127 1",
-        "AMM5A23/65KJP1;eeprom_address=01 encode eeprom_write_request 127 1": "0 327F014C",
-        "AMM5A23/65KJP1;eeprom_address=01 encode eeprom_write_request 1 90": "0 32015A69",
-        "AMM5A23/65KJP1;eeprom_address=01 encode eeprom_read_request 1": "0 EA01EB",
-        "AMM5A23/65KJP1;eeprom_address=00 encode eeprom_read_request 5": "0 EA0AE0",
-        "AMM5A23/65KJP1;eeprom_address=01 encode eeprom_read_request 5": "0 EA05EF",
+        "AMM5A23/65KJP1;adf_layout=01 decode eeprom_write_request 327F014C": "0 127 1",
+        "AMM5A23/65KJP1;adf_layout=01 encode eeprom_write_request 127 1": "0 327F014C",
+        "AMM5A23/65KJP1;adf_layout=01 encode eeprom_write_request 1 90": "0 32015A69",
+        "AMM5A23/65KJP1;adf_layout=01 encode eeprom_read_request 1": "0 EA01EB",
+        "AMM5A23/65KJP1;adf_layout=00 encode eeprom_read_request 5": "0 EA0AE0",
+        "AMM5A23/65KJP1;adf_layout=01 encode eeprom_read_request 5": "0 EA05EF",
     }
     check(run, list(lines.items()))
 

@@ -261,7 +261,7 @@ int main(void)
 """
 #: What is encoded and what is decoded with the place of an address in the EEPROM, which the manual leaves open.
 ENCODED = ("eeprom_write_request", "eeprom_read_request", "eeprom_write_reply", "eeprom_read_reply")
-ANSWER = "LIKA_AMM5_RS485_A23_65KJP1, (lika_amm5_rs485_eeprom_address)7"
+ANSWER = "LIKA_AMM5_RS485_A23_65KJP1, (lika_amm5_rs485_adf_layout)7"
 
 
 def test_no_answer_to_an_open_question_and_no_other_length_is_taken(include: Path, tmp_path: Path) -> None:

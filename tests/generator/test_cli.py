@@ -18,7 +18,7 @@ from codewheel.targets import Library
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "docs" / "example"
-AS_PRINTED = ("--choose", "eeprom_address=as_printed")
+AS_PRINTED = ("--choose", "adf_layout=as_printed")
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
@@ -323,15 +323,15 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
     for name in ("amm5", "AMM5A23/65KJP1"):
         out = " ".join(run(capsys, "show", name)[1].split())
         assert (
-            "Left open by the manual, for you to choose eeprom_address: Position of the address in byte "
+            "Left open by the manual, for you to choose adf_layout: Position of the address in byte "
             "ADF of an EEPROM access over RS-485 [7.5 p.46]. as_printed: Bits 7:1"
         ) in out
-        assert "Give decode the answer with --choose eeprom_address=as_printed" in out
-        assert "The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format." in out
+        assert "Give decode the answer with --choose adf_layout=as_printed" in out
+        assert "The positions of its fields depend on your choice of adf_layout: as_printed or as_t_format." in out
     assert "The picture shows as_printed." in out
     assert "for you to choose" not in run(capsys, "show", "AMM5A17/1SC1")[1]
     assert json_of(capsys, "show", "AMM5A17/1SC1", "--json")[1]["alternatives"] == []
     shown_data = json_of(capsys, "show", "AMM5A23/65KJP1", "--json")[1]
     assert [answer["name"] for answer in shown_data["alternatives"][0]["answers"]] == ["as_printed", "as_t_format"]
-    needed = {layout["name"] for layout in shown_data["layouts"] if layout["alternatives"] == ["eeprom_address"]}
+    needed = {layout["name"] for layout in shown_data["layouts"] if layout["alternatives"] == ["adf_layout"]}
     assert needed == {"eeprom_write_request", "eeprom_read_request", "eeprom_write_reply", "eeprom_read_reply"}

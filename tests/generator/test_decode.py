@@ -28,10 +28,10 @@ from planted import crc
 SPECS = Path(__file__).parents[1] / "specs"
 ENCODERS = str(Path(__file__).parents[2] / "specs")
 Capture = pytest.CaptureFixture[str]
-AS_PRINTED = ("--choose", "eeprom_address=as_printed")
-AS_T_FORMAT = ("--choose", "eeprom_address=as_t_format")
+AS_PRINTED = ("--choose", "adf_layout=as_printed")
+AS_T_FORMAT = ("--choose", "adf_layout=as_t_format")
 NO_ERROR, NO_WARNING, NEITHER = "10", "01", "11"
-BOTH = "--choose eeprom_address=as_printed or --choose eeprom_address=as_t_format"
+BOTH = "--choose adf_layout=as_printed or --choose adf_layout=as_t_format"
 CRCS = {"00": "111111", "01": "111100", "10": "111001", "11": "111010"}
 
 
@@ -369,13 +369,13 @@ def test_public_frames_of_the_eeprom(capsys: Capture, frame: str, address: int, 
     """HPMicro's three printed requests are valid with the address in bits 6:0, and invalid with it in bits 7:1."""
     master = ("AMM5A23/65KJP1", "--from", "master", frame)
     exit_code, data = decode(capsys, *master, *AS_T_FORMAT)
-    assert (exit_code, data["problems"], data["alternatives"]) == (0, [], {"eeprom_address": "as_t_format"})
+    assert (exit_code, data["problems"], data["alternatives"]) == (0, [], {"adf_layout": "as_t_format"})
     values = {field["name"]: field["value"] for field in data["fields"]}
     assert (values["address"], values["mem_busy"], values.get("data")) == (address, 0, value)
     exit_code, data = decode(capsys, *master, *AS_PRINTED)
     assert (exit_code, [problem["field"] for problem in data["problems"]]) == (1, ["mem_busy"])
     exit_code, out = text(capsys, *master, *AS_T_FORMAT)
-    assert "decoded with eeprom_address = as_t_format: Bits 6:0, as in public T-format stacks" in out
+    assert "decoded with adf_layout = as_t_format: Bits 6:0, as in public T-format stacks" in out
 
 
 @pytest.mark.parametrize(("length", "lines"), [(80, 1), (81, 2)])
@@ -399,8 +399,8 @@ def test_nobody_decides_for_the_user(capsys: Capture) -> None:
         message = refusal(capsys, "AMM5A23/65KJP1", "--from", "master", *more, "EA 0A E0")
         assert message == (
             "'eeprom_read_request' cannot be decoded until you decide. Position of the address in byte ADF of an "
-            "EEPROM access over RS-485: add --choose eeprom_address=as_printed (Bits 7:1, with MEM BUSY in bit 0, as "
-            "printed in the manual) or --choose eeprom_address=as_t_format (Bits 6:0, as in public T-format stacks. "
+            "EEPROM access over RS-485: add --choose adf_layout=as_printed (Bits 7:1, with MEM BUSY in bit 0, as "
+            "printed in the manual) or --choose adf_layout=as_t_format (Bits 6:0, as in public T-format stacks. "
             "MEM BUSY is then the remaining bit, bit 7)"
         )
     assert decode(capsys, "AMM5A23/65KJP1", "--from", "master", "02")[1]["alternatives"] == {}
@@ -428,14 +428,14 @@ def test_an_undecided_frame_among_others(capsys: Capture, monkeypatch: pytest.Mo
     ("encoder", "chosen", "message"),
     [
         ("AMM5A23/65KJP1", ["eeprom=as_printed"], f"AMM5A23/65KJP1 has no choice 'eeprom'; write {BOTH}"),
-        ("AMM5A23/65KJP1", ["eeprom_address"], f"'eeprom_address' has no answer ''; write {BOTH}"),
-        ("AMM5A23/65KJP1", ["eeprom_address=7:1"], f"'eeprom_address' has no answer '7:1'; write {BOTH}"),
+        ("AMM5A23/65KJP1", ["adf_layout"], f"'adf_layout' has no answer ''; write {BOTH}"),
+        ("AMM5A23/65KJP1", ["adf_layout=7:1"], f"'adf_layout' has no answer '7:1'; write {BOTH}"),
         (
             "AMM5A23/65KJP1",
-            ["eeprom_address=as_printed", "eeprom_address=as_t_format"],
-            "'eeprom_address' is chosen twice, as 'as_printed' and as 'as_t_format'",
+            ["adf_layout=as_printed", "adf_layout=as_t_format"],
+            "'adf_layout' is chosen twice, as 'as_printed' and as 'as_t_format'",
         ),
-        ("AMM5A17/1SC1", ["eeprom_address=as_printed"], "AMM5A17/1SC1 has nothing to choose"),
+        ("AMM5A17/1SC1", ["adf_layout=as_printed"], "AMM5A17/1SC1 has nothing to choose"),
     ],
 )
 def test_a_wrong_choice_is_told_the_right_ones(capsys: Capture, encoder: str, chosen: list[str], message: str) -> None:

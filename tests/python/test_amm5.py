@@ -134,12 +134,12 @@ def test_published_control_fields(amm5: Any, lika: Any, vectors: list[dict[str, 
         facts = next(data_id for data_id in amm5.RS485.data_ids if data_id.id == number)
         assert facts.control == control
         if number in (6, 13):
-            form = amm5.EepromAddress.AS_PRINTED
+            form = amm5.AdfLayout.AS_PRINTED
             request = amm5.EepromWriteRequest(form, 0, 0) if number == 6 else amm5.EepromReadRequest(form, 0)
         else:
             request = amm5.DataRequest(amm5.DataId(number))
         assert request.encode()[0] == control
-        assert amm5.decode_request(request.encode(), variant, eeprom_address=amm5.EepromAddress.AS_PRINTED) == request
+        assert amm5.decode_request(request.encode(), variant, adf_layout=amm5.AdfLayout.AS_PRINTED) == request
     # Data IDs that this encoder does not have, from another device of the same protocol.
     for row in vectors:
         if row["protocol"] == "Panasonic control field" and row["fields"]["data_id"] not in (6, 13):
@@ -155,47 +155,47 @@ def test_published_reply(amm5: Any, vectors: list[dict[str, Any]]) -> None:
     assert (reply.status_st_error, reply.status_other_error) == (False, True)
 
 
-def test_the_eeprom_address_has_two_forms(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
+def test_the_adf_has_two_layouts(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
     """HPMicro's three frames have the plain address. The manual prints EA 0A E0 for address 5 (7.5 p.46)."""
-    printed, plain = amm5.EepromAddress
+    printed, plain = amm5.AdfLayout
     assert (printed.name, plain.name) == ("AS_PRINTED", "AS_T_FORMAT")
     encoder = amm5.lookup("AMM5A23/65KJP1")
     rows = [row for row in vectors if row["protocol"] == "Tamagawa T-format request"]
     frames = [bytes.fromhex(row["frame_hex_or_bits"]) for row in rows]
     assert frames == [bytes.fromhex(text) for text in ("32 7F 01 4C", "32 01 5A 69", "EA 01 EB")]
     for row, frame in zip(rows, frames, strict=True):
-        request = amm5.decode_request(frame, encoder, eeprom_address=plain)
+        request = amm5.decode_request(frame, encoder, adf_layout=plain)
         assert request.address == row["fields"]["ADF"]
         assert getattr(request, "data", None) == row["fields"].get("EDF")
         assert request.encode() == frame
         with pytest.raises(lika.ConstantError, match="mem_busy"):
-            amm5.decode_request(frame, encoder, eeprom_address=printed)
+            amm5.decode_request(frame, encoder, adf_layout=printed)
     assert amm5.EepromReadRequest(printed, 5).encode() == bytes.fromhex("EA 0A E0")
     assert amm5.EepromReadRequest(plain, 5).encode() == bytes.fromhex("EA 05 EF")
     busy = amm5.EepromReadReply(plain, 5, True, 0)
     assert busy.encode()[1] == 0x85
-    assert encoder.decode(busy.encode(), eeprom_address=plain) == busy
+    assert encoder.decode(busy.encode(), adf_layout=plain) == busy
     assert [report.name for report in busy.reports] == ["eeprom_read_reply_mem_busy"]
 
 
 @pytest.mark.parametrize("not_a_form", [None, 0, "AS_PRINTED", (1, 0)])
-def test_the_form_of_the_eeprom_address_has_no_default(amm5: Any, not_a_form: Any) -> None:
-    encoder, printed = amm5.lookup("AMM5A23/65KJP1"), amm5.EepromAddress.AS_PRINTED
+def test_the_layout_of_the_adf_has_no_default(amm5: Any, not_a_form: Any) -> None:
+    encoder, printed = amm5.lookup("AMM5A23/65KJP1"), amm5.AdfLayout.AS_PRINTED
     request, reply = amm5.EepromReadRequest(printed, 5), amm5.EepromReadReply(printed, 5, False, 7)
     for call in (
         lambda: amm5.EepromReadRequest(not_a_form, 5).encode(),
         lambda: amm5.EepromReadRequest.decode(request.encode(), not_a_form),
         lambda: amm5.EepromReadRequest.bit_fields(not_a_form),
-        lambda: amm5.decode_request(request.encode(), encoder, eeprom_address=not_a_form),
-        lambda: amm5.decode_reply(reply.encode(), encoder, eeprom_address=not_a_form),
-        lambda: encoder.decode(reply.encode(), eeprom_address=not_a_form),
+        lambda: amm5.decode_request(request.encode(), encoder, adf_layout=not_a_form),
+        lambda: amm5.decode_reply(reply.encode(), encoder, adf_layout=not_a_form),
+        lambda: encoder.decode(reply.encode(), adf_layout=not_a_form),
     ):
-        with pytest.raises(TypeError, match=r"expected EepromAddress.AS_PRINTED or EepromAddress.AS_T_FORMAT, got"):
+        with pytest.raises(TypeError, match=r"expected AdfLayout.AS_PRINTED or AdfLayout.AS_T_FORMAT, got"):
             call()
     # Neither do invalid frames, nor frames that do not depend on it.
     for damaged, error in ((reply.encode()[:-1], "LengthError"), (reply.encode()[:-1] + b"\x00", "CrcError")):
         with pytest.raises(ValueError) as caught:
-            encoder.decode(damaged, eeprom_address=not_a_form)
+            encoder.decode(damaged, adf_layout=not_a_form)
         assert type(caught.value).__name__ == error
     position = amm5.SingleturnReply(encoder, amm5.DataId.SINGLETURN, False, False, 5)
     assert encoder.decode(position.encode()) == position
@@ -300,7 +300,7 @@ def test_encoding_refuses_what_does_not_fit(amm5: Any, lika: Any) -> None:
         lambda: amm5.SingleCycleData.from_position(biss, 1 << 17),
         lambda: amm5.Preset.from_position(biss, -1),
         lambda: amm5.set_preset(biss, 1 << 17),
-        lambda: amm5.EepromReadRequest(amm5.EepromAddress.AS_PRINTED, 128).encode(),
+        lambda: amm5.EepromReadRequest(amm5.AdfLayout.AS_PRINTED, 128).encode(),
         lambda: amm5.DataRequest(amm5.DataId.EEPROM_READ).encode(),
         lambda: amm5.SingleturnReply(rs485, amm5.DataId.MULTITURN, False, False, 0).encode(),
         lambda: amm5.SerialNumber(100, 1, 1).encode(),

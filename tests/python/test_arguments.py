@@ -112,7 +112,7 @@ def test_any_row_of_bytes_decodes(lika: Any, rs485: Any, make_data: Any) -> None
 def test_what_is_no_row_of_bytes_is_refused(lika: Any, rs485: Any, not_bytes: Any) -> None:
     amm5 = lika.amm5
     takers = [rs485.decode, lambda data: amm5.decode_reply(data, rs485)]
-    takers += [lambda data: amm5.EepromReadReply.decode(data, amm5.EepromAddress.AS_PRINTED)]
+    takers += [lambda data: amm5.EepromReadReply.decode(data, amm5.AdfLayout.AS_PRINTED)]
     for take in (*takers, amm5.Command.decode, amm5.crc_rs485_8):
         with pytest.raises(TypeError, match="pass bytes"):
             take(not_bytes)
@@ -238,7 +238,7 @@ def test_numbers_of_any_width_encode_rightly(lika: Any, rs485: Any) -> None:
     assert amm5.SsiWord(lika.lookup("AMM5A23/65KBG1"), numpy.uint8(5), numpy.uint32(7)).encode() == 5 << 23 | 7
     frame = amm5.SingleturnReply(rs485, numpy.uint8(0), numpy.False_, numpy.True_, numpy.uint32(SINGLETURN))
     assert frame.encode() == REPLY
-    printed = amm5.EepromAddress.AS_PRINTED
+    printed = amm5.AdfLayout.AS_PRINTED
     frame = amm5.EepromWriteRequest(printed, numpy.uint8(0x7F), numpy.uint8(0xFF))
     assert frame.encode() == amm5.EepromWriteRequest(printed, 0x7F, 0xFF).encode()
     assert amm5.DataRequest(numpy.uint8(12)).encode() == b"\x62"
@@ -307,7 +307,7 @@ def test_what_is_no_number_is_not_encoded(lika: Any, not_a_number: Any) -> None:
     for call in (
         lambda: amm5.SingleCycleData(encoder, 0, not_a_number).encode(),
         lambda: amm5.SingleCycleData.from_position(encoder, not_a_number),
-        lambda: amm5.EepromReadRequest(amm5.EepromAddress.AS_PRINTED, not_a_number).encode(),
+        lambda: amm5.EepromReadRequest(amm5.AdfLayout.AS_PRINTED, not_a_number).encode(),
         lambda: amm5.DataRequest(not_a_number).encode(),
         lambda: amm5.set_preset(encoder, not_a_number),
         lambda: lika.am36.set_configuration(not_a_number),
@@ -492,7 +492,7 @@ def test_what_is_no_text_is_no_label(lika: Any, not_a_label: Any) -> None:
 
 def test_frames_of_different_classes_are_never_equal(lika: Any, rs485: Any) -> None:
     amm5, biss, ssi = lika.amm5, lika.lookup("AMM5A21/65KSC1"), lika.lookup("AMM5A21/65KBG1")
-    printed, plain_form = amm5.EepromAddress
+    printed, plain_form = amm5.AdfLayout
     pairs = [
         (amm5.EepromWriteReply(printed, 1, False, 2), amm5.EepromReadReply(printed, 1, False, 2)),
         (amm5.EepromReadReply(printed, 1, False, 2), amm5.EepromReadReply(plain_form, 1, False, 2)),

@@ -202,8 +202,8 @@ def test_what_the_manual_leaves_open(decode: Command, tmp_path: Path) -> None:
     outcome = decode(*arguments)
     assert outcome.code == 2
     assert "choose as_printed or as_t_format" in outcome.err
-    assert rows(decode(*arguments, "--choose", "eeprom_address=as_printed").out)[0]["address"] == "5"
-    assert rows(decode(*arguments, "--choose", "eeprom_address=as_t_format").out)[0]["address"] == "10"
+    assert rows(decode(*arguments, "--choose", "adf_layout=as_printed").out)[0]["address"] == "5"
+    assert rows(decode(*arguments, "--choose", "adf_layout=as_t_format").out)[0]["address"] == "10"
     assert "does not accept the answer 'other'" in decode(*arguments, "--choose", "other=x").err
 
 
@@ -407,7 +407,7 @@ OPTIONS = st.lists(
         st.sampled_from(
             "--words=little --words=big --read=csv --read=parquet --read=binary --digits=hex --digits=decimal --cut "
             "--column=1 --column=word --layout=singleturn_reply --layout=complete_reply --limit=1 --limit=0 "
-            "--interface=biss --force --write=arrow --write=parquet --columns=fault --choose=eeprom_address=as_printed "
+            "--interface=biss --force --write=arrow --write=parquet --columns=fault --choose=adf_layout=as_printed "
             "--layout=eeprom_read_reply --register=0x56=0x10 --register=1=999 -ox.parquet -ox.arrow".split()
         ),
         st.builds(

@@ -103,8 +103,8 @@ def test_resets_of_ten_requests(generated_python: Package, library: Library, fau
 def test_memory_that_is_busy(generated_python: Package) -> None:
     """Accesses wait for MEM BUSY, and the reply to another address is refused."""
     lika = generated_python[1]
-    answer = lika.amm5.EepromAddress.AS_T_FORMAT
-    bench = Bench(lika, "AMM5A23/65KJP1", "busy:0.1", choose={"eeprom_address": "as_t_format"})
+    answer = lika.amm5.AdfLayout.AS_T_FORMAT
+    bench = Bench(lika, "AMM5A23/65KJP1", "busy:0.1", choose={"adf_layout": "as_t_format"})
     for address in range(100):
         written = lika.amm5.EepromWriteRequest(answer, address, address ^ 0x5A)
         assert bench.do(bench.session.exchange(written)).data == address ^ 0x5A
@@ -117,8 +117,8 @@ def test_a_memory_that_stays_busy(generated_python: Package) -> None:
     lika = generated_python[1]
     from codewheel_runtime.link import BusyError
 
-    bench = Bench(lika, "AMM5A23/65KJP1", "busy", choose={"eeprom_address": "as_t_format"})
-    request = lika.amm5.EepromReadRequest(lika.amm5.EepromAddress.AS_T_FORMAT, 1)
+    bench = Bench(lika, "AMM5A23/65KJP1", "busy", choose={"adf_layout": "as_t_format"})
+    request = lika.amm5.EepromReadRequest(lika.amm5.AdfLayout.AS_T_FORMAT, 1)
     with pytest.raises(BusyError, match="the memory of AMM5A23/65KJP1 stayed busy for 1 s"):
         bench.do(bench.session.exchange(request))
     assert 1 < bench.now < 1.1

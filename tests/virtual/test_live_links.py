@@ -117,7 +117,7 @@ def test_the_examples_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line
         ([CODE, "--fault", "x"], "codewheel: 'x' is not a fault; write a name and a rate from 0 to 1"),
         ([CODE, "--flag", "x"], f"codewheel: {CODE} has no flag 'x'; it has: "),
         ([CODE, "--register", "0x12=1"], f"codewheel: {CODE} has no register at 0x12"),
-        ([CODE, "--choose", "x=y"], f"codewheel: 'x=y' answers no question of {CODE}; write eeprom_address="),
+        ([CODE, "--choose", "x=y"], f"codewheel: 'x=y' answers no question of {CODE}; write adf_layout="),
         (["AMM5A22/65KJP1"], "codewheel: 'AMM5A22/65KJP1' has singleturn '22'"),
         ([CODE, "--tcp", "70000"], "codewheel: cannot open a port: "),
     ],

@@ -191,7 +191,7 @@ def test_a_reset_of_multiturn_and_errors_keeps_singleturn(clock: Clock) -> None:
 
 def test_the_eeprom_is_busy_after_a_write(clock: Clock) -> None:
     """Frames of the T-format as in the examples: 32 01 5A and EA 01, each with its XOR."""
-    answers = {"eeprom_address": "as_t_format"}
+    answers = {"adf_layout": "as_t_format"}
     line = Rs485Line(VirtualEncoder("AMM5A23/65KJP1", choose=answers, clock=clock))
     line.receive(bytes.fromhex("32 01 5A 69"))
     assert line.send() == bytes.fromhex("32 01 5A 69")
@@ -203,7 +203,7 @@ def test_the_eeprom_is_busy_after_a_write(clock: Clock) -> None:
 
 
 def test_damaged_requests_and_those_that_need_an_answer_get_no_reply() -> None:
-    line = Rs485Line(VirtualEncoder("AMM5A23/65KJP1", choose={"eeprom_address": "as_t_format"}))
+    line = Rs485Line(VirtualEncoder("AMM5A23/65KJP1", choose={"adf_layout": "as_t_format"}))
     line.receive(bytes.fromhex("EA 01 EA 00 FF"))
     assert line.send() == b""
     line = Rs485Line(VirtualEncoder("AMM5A23/65KJP1"))

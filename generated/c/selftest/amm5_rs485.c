@@ -109,8 +109,8 @@ static bool check_7(void)
         0x32U, 0x10U, 0x01U, 0x28U, 0xB0U, 0x08U, 0xB3U
     };
     lika_amm5_rs485_eeprom_write_reply out;
-    return lika_amm5_rs485_eeprom_write_reply_decode(variant,
-        LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_PRINTED, bytes, sizeof(bytes), &out) == CW_FAULT_LENGTH;
+    return lika_amm5_rs485_eeprom_write_reply_decode(variant, LIKA_AMM5_RS485_ADF_LAYOUT_AS_PRINTED,
+        bytes, sizeof(bytes), &out) == CW_FAULT_LENGTH;
 }
 
 /* 8: crc example as frame [7.6] */
@@ -121,8 +121,8 @@ static bool check_8(void)
         0x32U, 0x10U, 0x01U, 0x28U, 0xB0U, 0x08U, 0xB3U
     };
     lika_amm5_rs485_eeprom_read_reply out;
-    return lika_amm5_rs485_eeprom_read_reply_decode(variant,
-        LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_PRINTED, bytes, sizeof(bytes), &out) == CW_FAULT_LENGTH;
+    return lika_amm5_rs485_eeprom_read_reply_decode(variant, LIKA_AMM5_RS485_ADF_LAYOUT_AS_PRINTED,
+        bytes, sizeof(bytes), &out) == CW_FAULT_LENGTH;
 }
 
 /*
@@ -224,8 +224,8 @@ static bool check_14(void)
     };
     lika_amm5_rs485_eeprom_write_request out;
     uint8_t again[sizeof(bytes)];
-    if (lika_amm5_rs485_eeprom_write_request_decode(variant,
-        LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT, bytes, sizeof(bytes), &out) != CW_OK) {
+    if (lika_amm5_rs485_eeprom_write_request_decode(variant, LIKA_AMM5_RS485_ADF_LAYOUT_AS_T_FORMAT,
+        bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.address != 127U) {
@@ -235,7 +235,7 @@ static bool check_14(void)
         return false;
     }
     return (lika_amm5_rs485_eeprom_write_request_encode(variant,
-        LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT, &out, again, sizeof(again)) == CW_OK) &&
+        LIKA_AMM5_RS485_ADF_LAYOUT_AS_T_FORMAT, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -248,8 +248,8 @@ static bool check_15(void)
     };
     lika_amm5_rs485_eeprom_write_request out;
     uint8_t again[sizeof(bytes)];
-    if (lika_amm5_rs485_eeprom_write_request_decode(variant,
-        LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT, bytes, sizeof(bytes), &out) != CW_OK) {
+    if (lika_amm5_rs485_eeprom_write_request_decode(variant, LIKA_AMM5_RS485_ADF_LAYOUT_AS_T_FORMAT,
+        bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.address != 1U) {
@@ -259,7 +259,7 @@ static bool check_15(void)
         return false;
     }
     return (lika_amm5_rs485_eeprom_write_request_encode(variant,
-        LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT, &out, again, sizeof(again)) == CW_OK) &&
+        LIKA_AMM5_RS485_ADF_LAYOUT_AS_T_FORMAT, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 
@@ -272,15 +272,15 @@ static bool check_16(void)
     };
     lika_amm5_rs485_eeprom_read_request out;
     uint8_t again[sizeof(bytes)];
-    if (lika_amm5_rs485_eeprom_read_request_decode(variant,
-        LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT, bytes, sizeof(bytes), &out) != CW_OK) {
+    if (lika_amm5_rs485_eeprom_read_request_decode(variant, LIKA_AMM5_RS485_ADF_LAYOUT_AS_T_FORMAT,
+        bytes, sizeof(bytes), &out) != CW_OK) {
         return false;
     }
     if (out.address != 1U) {
         return false;
     }
     return (lika_amm5_rs485_eeprom_read_request_encode(variant,
-        LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT, &out, again, sizeof(again)) == CW_OK) &&
+        LIKA_AMM5_RS485_ADF_LAYOUT_AS_T_FORMAT, &out, again, sizeof(again)) == CW_OK) &&
         are_bytes(again, bytes, sizeof(bytes));
 }
 

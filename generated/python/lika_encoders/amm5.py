@@ -12,7 +12,7 @@ Contents:
     RS-485: DataRequest, EepromWriteRequest, EepromReadRequest, SingleturnReply, MultiturnReply, EncoderIdReply,
         CompleteReply, EepromWriteReply, EepromReadReply, Request, decode_request, Reply, decode_reply
     All interfaces: Frame
-    Values of fields: DataId, EepromAddress, WarningCause
+    Values of fields: DataId, AdfLayout, WarningCause
     Registers: Preset, PresetSettingEnable, SerialNumber, Command, DeviceId, ManufacturerId, Address
     Procedures: set_preset, store_preset, save_parameters, activate_preset, reset_singleturn_and_multiturn,
         reset_multiturn_and_errors, reset_errors
@@ -157,6 +157,7 @@ else:
 __all__ = [
     "ALARMS",
     "Address",
+    "AdfLayout",
     "BISS",
     "BissEncoder",
     "CHARACTERISTICS",
@@ -169,7 +170,6 @@ __all__ = [
     "DataRequest",
     "DeviceId",
     "ERRATA",
-    "EepromAddress",
     "EepromReadReply",
     "EepromReadRequest",
     "EepromWriteReply",
@@ -471,13 +471,13 @@ class Rs485Encoder(Variant, SerialEncoder):
 
     interface: ClassVar[Interface] = _RS485
 
-    def decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply:
+    def decode(self, frame: Data, *, adf_layout: AdfLayout | None = None) -> Reply:
         """Decode a frame that the encoder sent.
 
         Args:
             frame: Bytes of the frame, in the order of transmission.
-            eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for
-                frames that depend on it.
+            adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames
+                that depend on it.
 
         Returns:
             The frame. Check its ``verdict`` before you use the position.
@@ -487,17 +487,17 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
         decode_frame = self._get_decoder(raise_frame_error)
-        return decode_frame(frame, eeprom_address)
+        return decode_frame(frame, adf_layout)
 
-    def try_decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply | FrameError:
+    def try_decode(self, frame: Data, *, adf_layout: AdfLayout | None = None) -> Reply | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
 
         Type checkers then require that the error is handled.
 
         Args:
             frame: Bytes of the frame, in the order of transmission.
-            eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for
-                frames that depend on it.
+            adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames
+                that depend on it.
 
         Returns:
             The frame, or the error.
@@ -506,26 +506,20 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
         decode_frame = self._get_decoder(return_frame_error)
-        return decode_frame(frame, eeprom_address)
+        return decode_frame(frame, adf_layout)
 
     def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., Reply]:
         """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
         return cached_decoder(_make_reply_decoder, self, handle_error)
 
-    def decode_many(
-        self,
-        frames: Rows,
-        kind: type[Reply],
-        *,
-        eeprom_address: EepromAddress | None = None,
-    ) -> Table[Any, _Unit]:
+    def decode_many(self, frames: Rows, kind: type[Reply], *, adf_layout: AdfLayout | None = None) -> Table[Any, _Unit]:
         """Decode many frames of one ``kind`` into columns. Needs NumPy.
 
         Args:
             frames: The frames, as rows of bytes.
             kind: Class of the frames.
-            eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for
-                frames that depend on it.
+            adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames
+                that depend on it.
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
@@ -535,22 +529,22 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``.
         """
         check_kind(kind, Reply)
-        return decode_frames(frames, kind, variant=self, eeprom_address=eeprom_address)
+        return decode_frames(frames, kind, variant=self, adf_layout=adf_layout)
 
     def encode_many(
         self,
         columns: Mapping[str, Any] | Table,
         kind: type[Reply],
         *,
-        eeprom_address: EepromAddress | None = None,
+        adf_layout: AdfLayout | None = None,
     ) -> Any:
         """Encode many frames of one ``kind``. Needs NumPy.
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
             kind: Class of the frames.
-            eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for
-                frames that depend on it.
+            adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames
+                that depend on it.
 
         Returns:
             The frames, as rows of bytes.
@@ -562,7 +556,7 @@ class Rs485Encoder(Variant, SerialEncoder):
             TypeError: The encoder does not send frames of this ``kind``, or a required answer is missing.
         """
         check_kind(kind, Reply)
-        return encode_columns(columns, kind, variant=self, eeprom_address=eeprom_address)
+        return encode_columns(columns, kind, variant=self, adf_layout=adf_layout)
 
 
 @overload
@@ -698,7 +692,7 @@ class DataId(IntEnum):
 # Questions that the manual leaves open
 
 
-class EepromAddress(Enum):
+class AdfLayout(Enum):
     """Position of the address in byte ADF of an EEPROM access over RS-485 [7.5 p.46].
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
@@ -1120,7 +1114,7 @@ class DataRequest(FixedBytes, _DataRequest):
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., DataRequest]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, _eeprom_address: object = None) -> DataRequest:
+        def decode(frame: Any, _adf_layout: object = None) -> DataRequest:
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -1152,7 +1146,7 @@ class DataRequest(FixedBytes, _DataRequest):
 class _EepromWriteRequest(NamedTuple):
     """Fields of ``EepromWriteRequest``."""
 
-    eeprom_address: EepromAddress
+    adf_layout: AdfLayout
     address: int
     data: int
 
@@ -1161,7 +1155,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
     """EEPROM write request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
 
     Attributes:
-        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
+        adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address.
         data: EDF: Byte to write.
 
@@ -1169,7 +1163,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
 
     Its ``data_id`` is 6 (eeprom_write).
 
-    The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+    The positions of its fields depend on your choice of ``adf_layout``: ``as_printed`` or ``as_t_format``.
 
     Errata, with their full text in ERRATA:
         The printed position of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user
@@ -1193,12 +1187,12 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
         return DataId.EEPROM_WRITE
 
     @classmethod
-    def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromWriteRequest:
+    def decode(cls, data: Data, adf_layout: AdfLayout) -> EepromWriteRequest:
         """Decode the frame.
 
         Args:
             data: Bytes of the frame, in the order in which they are sent.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The frame.
@@ -1211,13 +1205,13 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             TypeError: An answer is missing or of another class.
         """
         decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
-        return decode_frame(data, eeprom_address=eeprom_address)
+        return decode_frame(data, adf_layout=adf_layout)
 
     @classmethod
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EepromWriteRequest]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromWriteRequest:
+        def decode(frame: Any, adf_layout: AdfLayout | None = None) -> EepromWriteRequest:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
@@ -1225,8 +1219,8 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 computed_crc = data[0] ^ data[1] ^ data[2]
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
-                if not isinstance(eeprom_address, EepromAddress):
-                    raise wrong_answer_error(EepromAddress, eeprom_address)
+                if not isinstance(adf_layout, AdfLayout):
+                    raise wrong_answer_error(AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -1237,15 +1231,15 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
-                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
+                mem_busy = number >> (adf_layout.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
                 # 6 is EEPROM_WRITE.
                 if data_id != 6:
                     raise RangeError("data_id", data_id, "6h")
                 values = (
-                    eeprom_address,
-                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
+                    adf_layout,
+                    number >> (adf_layout.eeprom_address_bit + 8) & 0x7F,  # address
                     number >> 16 & 0xFF,  # data, bits 23:16
                 )
                 return create(cls, values)
@@ -1255,17 +1249,17 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
         return decode
 
     @classmethod
-    def bit_fields(cls, eeprom_address: EepromAddress) -> tuple[BitField, ...]:
+    def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, eeprom_address).fields
+        return shape_of(cls, adf_layout).fields
 
     @classmethod
-    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+    def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
@@ -1274,15 +1268,15 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, adf_layout=adf_layout)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, adf_layout: AdfLayout) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The frames, as rows of bytes.
@@ -1292,13 +1286,13 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, adf_layout=adf_layout)
 
 
 class _EepromReadRequest(NamedTuple):
     """Fields of ``EepromReadRequest``."""
 
-    eeprom_address: EepromAddress
+    adf_layout: AdfLayout
     address: int
 
 
@@ -1306,14 +1300,14 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
     """EEPROM read request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
 
     Attributes:
-        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
+        adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address.
 
     In the manual: Master → Encoder: CF ADF CRC.
 
     Its ``data_id`` is D (eeprom_read).
 
-    The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+    The positions of its fields depend on your choice of ``adf_layout``: ``as_printed`` or ``as_t_format``.
 
     Errata, with their full text in ERRATA:
         The printed position of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user
@@ -1337,12 +1331,12 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
         return DataId.EEPROM_READ
 
     @classmethod
-    def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromReadRequest:
+    def decode(cls, data: Data, adf_layout: AdfLayout) -> EepromReadRequest:
         """Decode the frame.
 
         Args:
             data: Bytes of the frame, in the order in which they are sent.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The frame.
@@ -1355,13 +1349,13 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             TypeError: An answer is missing or of another class.
         """
         decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
-        return decode_frame(data, eeprom_address=eeprom_address)
+        return decode_frame(data, adf_layout=adf_layout)
 
     @classmethod
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EepromReadRequest]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromReadRequest:
+        def decode(frame: Any, adf_layout: AdfLayout | None = None) -> EepromReadRequest:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 3:
@@ -1369,8 +1363,8 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 computed_crc = data[0] ^ data[1]
                 if computed_crc != data[2]:
                     raise CrcError(data[2], computed_crc)
-                if not isinstance(eeprom_address, EepromAddress):
-                    raise wrong_answer_error(EepromAddress, eeprom_address)
+                if not isinstance(adf_layout, AdfLayout):
+                    raise wrong_answer_error(AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -1381,15 +1375,15 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
-                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
+                mem_busy = number >> (adf_layout.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
                 # 0xD is EEPROM_READ.
                 if data_id != 0xD:
                     raise RangeError("data_id", data_id, "Dh")
                 values = (
-                    eeprom_address,
-                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
+                    adf_layout,
+                    number >> (adf_layout.eeprom_address_bit + 8) & 0x7F,  # address
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1398,17 +1392,17 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
         return decode
 
     @classmethod
-    def bit_fields(cls, eeprom_address: EepromAddress) -> tuple[BitField, ...]:
+    def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, eeprom_address).fields
+        return shape_of(cls, adf_layout).fields
 
     @classmethod
-    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+    def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
@@ -1417,15 +1411,15 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, adf_layout=adf_layout)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, adf_layout: AdfLayout) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The frames, as rows of bytes.
@@ -1435,7 +1429,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, adf_layout=adf_layout)
 
 
 class _SingleturnReply(NamedTuple):
@@ -1554,7 +1548,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             0xC2: DataId.RESET_SINGLETURN_AND_MULTITURN,
         }
 
-        def decode(frame: Any, _eeprom_address: object = None) -> SingleturnReply:
+        def decode(frame: Any, _adf_layout: object = None) -> SingleturnReply:
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -1707,7 +1701,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
         """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
         multiturn_bits = variant.multiturn_bits
 
-        def decode(frame: Any, _eeprom_address: object = None) -> MultiturnReply:
+        def decode(frame: Any, _adf_layout: object = None) -> MultiturnReply:
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -1836,7 +1830,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EncoderIdReply]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, _eeprom_address: object = None) -> EncoderIdReply:
+        def decode(frame: Any, _adf_layout: object = None) -> EncoderIdReply:
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -2088,7 +2082,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         singleturn_bits = variant.singleturn_bits
         multiturn_bits = variant.multiturn_bits
 
-        def decode(frame: Any, _eeprom_address: object = None) -> CompleteReply:
+        def decode(frame: Any, _adf_layout: object = None) -> CompleteReply:
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -2144,7 +2138,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
 class _EepromWriteReply(NamedTuple):
     """Fields of ``EepromWriteReply``."""
 
-    eeprom_address: EepromAddress
+    adf_layout: AdfLayout
     address: int
     mem_busy: bool
     data: int
@@ -2154,7 +2148,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
     """EEPROM write reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
 
     Attributes:
-        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
+        adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
         mem_busy: MEM BUSY. True when 1: the encoder is writing, and the request was not executed. False when 0: the
             request was accepted. Remedy: Send the request again.
@@ -2164,7 +2158,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
 
     Its ``data_id`` is 6 (eeprom_write).
 
-    The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+    The positions of its fields depend on your choice of ``adf_layout``: ``as_printed`` or ``as_t_format``.
 
     Errata, with their full text in ERRATA:
         The printed position of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user
@@ -2187,12 +2181,12 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
         return DataId.EEPROM_WRITE
 
     @classmethod
-    def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromWriteReply:
+    def decode(cls, data: Data, adf_layout: AdfLayout) -> EepromWriteReply:
         """Decode the frame.
 
         Args:
             data: Bytes of the frame, in the order in which they are sent.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The frame.
@@ -2205,13 +2199,13 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             TypeError: An answer is missing or of another class.
         """
         decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
-        return decode_frame(data, eeprom_address=eeprom_address)
+        return decode_frame(data, adf_layout=adf_layout)
 
     @classmethod
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EepromWriteReply]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromWriteReply:
+        def decode(frame: Any, adf_layout: AdfLayout | None = None) -> EepromWriteReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
@@ -2219,8 +2213,8 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 computed_crc = data[0] ^ data[1] ^ data[2]
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
-                if not isinstance(eeprom_address, EepromAddress):
-                    raise wrong_answer_error(EepromAddress, eeprom_address)
+                if not isinstance(adf_layout, AdfLayout):
+                    raise wrong_answer_error(AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -2235,9 +2229,9 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 if data_id != 6:
                     raise RangeError("data_id", data_id, "6h")
                 values = (
-                    eeprom_address,
-                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
-                    (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
+                    adf_layout,
+                    number >> (adf_layout.eeprom_address_bit + 8) & 0x7F,  # address
+                    (number >> (adf_layout.mem_busy_bit + 8) & 1) != 0,  # mem_busy
                     number >> 16 & 0xFF,  # data, bits 23:16
                 )
                 return create(cls, values)
@@ -2247,17 +2241,17 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
         return decode
 
     @classmethod
-    def bit_fields(cls, eeprom_address: EepromAddress) -> tuple[BitField, ...]:
+    def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, eeprom_address).fields
+        return shape_of(cls, adf_layout).fields
 
     @classmethod
-    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+    def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
@@ -2266,15 +2260,15 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, adf_layout=adf_layout)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, adf_layout: AdfLayout) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The frames, as rows of bytes.
@@ -2284,13 +2278,13 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, adf_layout=adf_layout)
 
 
 class _EepromReadReply(NamedTuple):
     """Fields of ``EepromReadReply``."""
 
-    eeprom_address: EepromAddress
+    adf_layout: AdfLayout
     address: int
     mem_busy: bool
     data: int
@@ -2300,7 +2294,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
     """EEPROM read reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
 
     Attributes:
-        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485.
+        adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address of the request.
         mem_busy: MEM BUSY. True when 1: the memory is busy, and the request was not executed. False when 0: the byte
             was read. Remedy: Send the request again.
@@ -2310,7 +2304,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
 
     Its ``data_id`` is D (eeprom_read).
 
-    The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
+    The positions of its fields depend on your choice of ``adf_layout``: ``as_printed`` or ``as_t_format``.
 
     Errata, with their full text in ERRATA:
         The printed position of MEM BUSY in the address byte is doubtful (open): Either position is possible. The user
@@ -2333,12 +2327,12 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
         return DataId.EEPROM_READ
 
     @classmethod
-    def decode(cls, data: Data, eeprom_address: EepromAddress) -> EepromReadReply:
+    def decode(cls, data: Data, adf_layout: AdfLayout) -> EepromReadReply:
         """Decode the frame.
 
         Args:
             data: Bytes of the frame, in the order in which they are sent.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The frame.
@@ -2351,13 +2345,13 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             TypeError: An answer is missing or of another class.
         """
         decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
-        return decode_frame(data, eeprom_address=eeprom_address)
+        return decode_frame(data, adf_layout=adf_layout)
 
     @classmethod
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EepromReadReply]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromReadReply:
+        def decode(frame: Any, adf_layout: AdfLayout | None = None) -> EepromReadReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
@@ -2365,8 +2359,8 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 computed_crc = data[0] ^ data[1] ^ data[2]
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
-                if not isinstance(eeprom_address, EepromAddress):
-                    raise wrong_answer_error(EepromAddress, eeprom_address)
+                if not isinstance(adf_layout, AdfLayout):
+                    raise wrong_answer_error(AdfLayout, adf_layout)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
@@ -2381,9 +2375,9 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 if data_id != 0xD:
                     raise RangeError("data_id", data_id, "Dh")
                 values = (
-                    eeprom_address,
-                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
-                    (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
+                    adf_layout,
+                    number >> (adf_layout.eeprom_address_bit + 8) & 0x7F,  # address
+                    (number >> (adf_layout.mem_busy_bit + 8) & 1) != 0,  # mem_busy
                     number >> 16 & 0xFF,  # data, bits 23:16
                 )
                 return create(cls, values)
@@ -2393,17 +2387,17 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
         return decode
 
     @classmethod
-    def bit_fields(cls, eeprom_address: EepromAddress) -> tuple[BitField, ...]:
+    def bit_fields(cls, adf_layout: AdfLayout) -> tuple[BitField, ...]:
         """Return the bit position of each field. A field that the encoder does not have is 0 bits wide."""
-        return shape_of(cls, eeprom_address).fields
+        return shape_of(cls, adf_layout).fields
 
     @classmethod
-    def decode_many(cls, frames: Rows, eeprom_address: EepromAddress) -> Table:
+    def decode_many(cls, frames: Rows, adf_layout: AdfLayout) -> Table:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
             frames: The frames, as rows of bytes.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
@@ -2412,15 +2406,15 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             TypeError: An answer is missing or of another class.
             TypeError, ValueError: ``frames`` are not in this form.
         """
-        return decode_frames(frames, cls, variant=None, eeprom_address=eeprom_address)
+        return decode_frames(frames, cls, variant=None, adf_layout=adf_layout)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, adf_layout: AdfLayout) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
             columns: Columns by name, as ``decode_many`` returns them.
-            eeprom_address: Answer to a question that the manual leaves open, as a member of ``EepromAddress``.
+            adf_layout: Answer to a question that the manual leaves open, as a member of ``AdfLayout``.
 
         Returns:
             The frames, as rows of bytes.
@@ -2430,7 +2424,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             TypeError: A column is missing or unknown, its type does not fit the field, or an answer is missing.
             ValueError: The columns have different lengths.
         """
-        return encode_columns(columns, cls, variant=None, eeprom_address=eeprom_address)
+        return encode_columns(columns, cls, variant=None, adf_layout=adf_layout)
 
 
 Request: TypeAlias = Union[
@@ -2440,14 +2434,14 @@ Request: TypeAlias = Union[
 ]
 
 
-def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAddress | None = None) -> Request:
+def decode_request(data: Data, variant: Rs485Encoder, *, adf_layout: AdfLayout | None = None) -> Request:
     """Decode a request of any kind, as identified by the field Data ID.
 
     Args:
         data: Bytes of the request, in the order of transmission.
         variant: The encoder.
-        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames
-            that depend on it.
+        adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames that
+            depend on it.
 
     Returns:
         The request, as an object of its class.
@@ -2464,7 +2458,7 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
     decode_frame = cached_decoder(_make_request_decoder, variant, raise_error)
-    return decode_frame(data, eeprom_address)
+    return decode_frame(data, adf_layout)
 
 
 def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., Request]:
@@ -2480,7 +2474,7 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
         0xD: EepromReadRequest._make_decoder(variant, handle_error),
     }
 
-    def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Request:
+    def decode(frame: Any, adf_layout: AdfLayout | None = None) -> Request:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
@@ -2490,7 +2484,7 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
                 raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decoders[data_id](frame, eeprom_address)
+        return decoders[data_id](frame, adf_layout)
 
     return decode
 
@@ -2505,14 +2499,14 @@ Reply: TypeAlias = Union[
 ]
 
 
-def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAddress | None = None) -> Reply:
+def decode_reply(data: Data, variant: Rs485Encoder, *, adf_layout: AdfLayout | None = None) -> Reply:
     """Decode a reply of any kind, as identified by the field Data ID.
 
     Args:
         data: Bytes of the reply, in the order of transmission.
         variant: The encoder.
-        eeprom_address: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames
-            that depend on it.
+        adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485. Required only for frames that
+            depend on it.
 
     Returns:
         The reply, as an object of its class.
@@ -2529,7 +2523,7 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
     if not isinstance(variant, Rs485Encoder):
         raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
     decode_frame = cached_decoder(_make_reply_decoder, variant, raise_error)
-    return decode_frame(data, eeprom_address)
+    return decode_frame(data, adf_layout)
 
 
 def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., Reply]:
@@ -2550,7 +2544,7 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
         0xD: EepromReadReply._make_decoder(variant, handle_error),
     }
 
-    def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Reply:
+    def decode(frame: Any, adf_layout: AdfLayout | None = None) -> Reply:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
@@ -2560,7 +2554,7 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
                 raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decoders[data_id](frame, eeprom_address)
+        return decoders[data_id](frame, adf_layout)
 
     return decode
 

@@ -25,11 +25,11 @@ from codewheel_runtime.codec import BitField
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
 from ..amm5 import (
+    AdfLayout,
     BissEncoder,
     CompleteReply,
     DataRequest,
     DeviceId,
-    EepromAddress,
     EepromReadReply,
     EepromReadRequest,
     EepromWriteReply,
@@ -173,29 +173,29 @@ def shape_of_data_request() -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
+def shape_of_eeprom_write_request(adf_layout: AdfLayout) -> Shape:
     """Return the description of ``EepromWriteRequest`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="little",
         columns=(
-            Column("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
+            Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
             Column("data", low=16, width=8),
         ),
         # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
+            Check(low=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
         ),
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
             BitField("parity", low=7, width=1),
-            BitField("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
-            BitField("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1),
+            BitField("address", low=adf_layout.eeprom_address_bit + 8, width=7),
+            BitField("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1),
             BitField("data", low=16, width=8),
             BitField("crc", low=24, width=8),
         ),
@@ -213,28 +213,28 @@ def shape_of_eeprom_write_request(eeprom_address: EepromAddress) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_eeprom_read_request(eeprom_address: EepromAddress) -> Shape:
+def shape_of_eeprom_read_request(adf_layout: AdfLayout) -> Shape:
     """Return the description of ``EepromReadRequest`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=24,
         length=3,
         order="little",
         columns=(
-            Column("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
+            Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
         ),
         # Constants, parity bits and limits.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
-            Check(low=eeprom_address.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
+            Check(low=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
         ),
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
             BitField("parity", low=7, width=1),
-            BitField("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
-            BitField("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1),
+            BitField("address", low=adf_layout.eeprom_address_bit + 8, width=7),
+            BitField("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1),
             BitField("crc", low=16, width=8),
         ),
         # The steps fold the bits that the CRC covers, which computes it for many frames at once.
@@ -567,15 +567,15 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
+def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
     """Return the description of ``EepromWriteReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="little",
         columns=(
-            Column("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
-            Column("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1, kind="flag"),
+            Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
+            Column("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1, kind="flag"),
             Column("data", low=16, width=8),
         ),
         # Constants, parity bits and limits.
@@ -592,8 +592,8 @@ def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
             BitField("parity", low=7, width=1),
-            BitField("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
-            BitField("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1),
+            BitField("address", low=adf_layout.eeprom_address_bit + 8, width=7),
+            BitField("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1),
             BitField("data", low=16, width=8),
             BitField("crc", low=24, width=8),
         ),
@@ -611,15 +611,15 @@ def shape_of_eeprom_write_reply(eeprom_address: EepromAddress) -> Shape:
 
 
 @lru_cache(maxsize=None)
-def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
+def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
     """Return the description of ``EepromReadReply`` for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="little",
         columns=(
-            Column("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
-            Column("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1, kind="flag"),
+            Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
+            Column("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1, kind="flag"),
             Column("data", low=16, width=8),
         ),
         # Constants, parity bits and limits.
@@ -636,8 +636,8 @@ def shape_of_eeprom_read_reply(eeprom_address: EepromAddress) -> Shape:
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
             BitField("parity", low=7, width=1),
-            BitField("address", low=eeprom_address.eeprom_address_bit + 8, width=7),
-            BitField("mem_busy", low=eeprom_address.mem_busy_bit + 8, width=1),
+            BitField("address", low=adf_layout.eeprom_address_bit + 8, width=7),
+            BitField("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1),
             BitField("data", low=16, width=8),
             BitField("crc", low=24, width=8),
         ),

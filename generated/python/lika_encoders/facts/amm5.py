@@ -2553,7 +2553,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=(
-            "alternatives.eeprom_address",
+            "alternatives.adf_layout",
             "interfaces.rs485.eeprom_write_request",
             "interfaces.rs485.eeprom_read_request",
             "interfaces.rs485.eeprom_write_reply",
@@ -2975,9 +2975,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_3",
-        title="Before edition 1.6: EEPROM address, EEPROM address bit and others",
+        title="Before edition 1.6: adf layout, EEPROM address bit and others",
         printed=(
-            "alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8, "
+            "alternatives.adf_layout, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8, "
             "field_groups.control_field, field_groups.status_field, field_groups.alarm_field, "
             "field_groups.address_of_request and 12 more"
         ),
@@ -2986,7 +2986,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
         status=Status.SETTLED,
         severity=Severity.WORDING,
         affects=(
-            "alternatives.eeprom_address",
+            "alternatives.adf_layout",
             "parameters.eeprom_address_bit",
             "parameters.mem_busy_bit",
             "crcs.rs485_8",
