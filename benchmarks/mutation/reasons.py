@@ -42,7 +42,7 @@ _REASONS = (
     ),
     (
         "read once: another edition",
-        "These facts are from another edition, whose manual was not read twice.",
+        "These facts are from another edition of the manual, which was not read twice.",
         {"keys": r"(order_code\.also_written|editions)\b.*"},
     ),
     (

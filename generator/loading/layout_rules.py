@@ -105,7 +105,7 @@ def _remedy_for_order(low_first: bool, site: LayoutSite) -> str:
         return ", and the low byte of each number comes first"
     if site.interface == Spi.name:
         return "; list the more significant part first, or write 'byte_order: low_byte_first' if it is sent last"
-    return ", with the more significant bits"
+    return ", as the more significant bits"
 
 
 def _check_bytes(layout: Layout, site: LayoutSite) -> None:

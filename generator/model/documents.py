@@ -76,7 +76,7 @@ class Evidence:
         writing="Manual: the manufacturer's document was read as a whole. Quoted: every fact is in the "
         "manufacturer's words, an independent implementation agrees, and a vector of real hardware "
         "passes. Corroborated: each fact is in the manufacturer's words or in two implementations that "
-        "share no code, and such a vector passes. Corroborated, no hardware frame seen: the same "
+        "share no code, and a vector of real hardware passes. Corroborated, no hardware frame seen: the same "
         "without such a vector. Uncorroborated: less than that.",
         rule="evidence",
         shape="string",

@@ -264,7 +264,7 @@ def test_the_example_of_an_interface_with_words_and_bytes(tmp_path: Path) -> Non
     include = write(tmp_path, devices_of(tmp_path))
     header = " ".join((include / "test" / "long_ssi.h").read_text(encoding="ascii").replace("\n * ", " ").split())
     assert "Lengths for receive.h and receive_frame.h by order code: bits in ssi_short, ssi_word" in header
-    assert "A master for SSI that gives you a number needs test_long_ssi_ssi_short_position." in header
+    assert "If your SSI master gives you a number, call test_long_ssi_ssi_short_position." in header
     for program in sorted((tmp_path / "c" / "examples").glob("*.c")):
         command = ["gcc", "-std=c99", *WARNINGS, "-Werror", f"-I{include}", str(program), "-o", str(tmp_path / "made")]
         subprocess.run(command, check=True)

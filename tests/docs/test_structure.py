@@ -67,7 +67,7 @@ def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(p
     title = "[The printed position of MEM BUSY in the address byte is doubtful]"
     lines = [line for line in page.splitlines() if title in line]
     assert lines[0].startswith(
-        f'- <a id="erratum-mem_busy_position"></a>⚠ **open** {title}(errata.md#erratum-mem_busy_position): '
+        f'- <a id="erratum-mem_busy_position"></a>⚠ **open** {title}(errata.md#erratum-mem_busy_position). Used: '
         "Either position is possible. The user must choose, and there is no default."
     )
     assert set(lines[1:]) == {f"- ⚠ **open** {title}(#erratum-mem_busy_position) (see above)"}
@@ -84,7 +84,7 @@ def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages:
     links = f'{ground} · <a href="#erratum-rs485_polarity">{polarity}</a>'
     assert f"<details><summary>Errata: ⚠ 2 open</summary>⚠ open: {links}</details>\n" in wiring
     line = (
-        f'- <a id="erratum-rs485_polarity"></a>⚠ **open** [{polarity}](errata.md#erratum-rs485_polarity): '
+        f'- <a id="erratum-rs485_polarity"></a>⚠ **open** [{polarity}](errata.md#erratum-rs485_polarity). Used: '
         "The names are listed as printed. No polarity is assumed.\n"
     )
     assert line in page.partition("<summary><b>Errata</b>")[2]

@@ -358,8 +358,8 @@ def check_named_bank(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("bank-not-selected", register.place_of("bank"), message, at_key=True)
         elif not has_bank_select:
             message = (
-                f"{quoted(register.name)} is in bank {register.bank}; name the register that selects banks with"
-                " 'bank_select' under 'biss'"
+                f"{quoted(register.name)} is in bank {register.bank}; use 'bank_select' under 'biss' to name"
+                " the register that selects banks"
             )
             report.add("bank-not-selected", register.place_of("bank"), message)
 

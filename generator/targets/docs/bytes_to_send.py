@@ -215,7 +215,7 @@ def _how_to_write_other_positions(register: Register, variant: Variant) -> str:
     addresses_link = markdown_link(addresses, f"#register-{register.name}")
     linked_register = register_at(register).replace(addresses, addresses_link)
     return (
-        f"For a different position, write position{shift} as {length}, {byte_order}, to "
+        f"To set a different position, write position{shift} as {length}, {byte_order}, to "
         f"{linked_register}. For {example_position:,}: {example_in_hexadecimal}."
     )
 

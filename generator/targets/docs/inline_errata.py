@@ -215,7 +215,7 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
         reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).below)
         return " ".join([f"{status_and_title} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
     value_used = _shorten_sentences(as_sentence(listed_erratum.used))
-    return f"{status_and_title}: {escape(value_used)}"
+    return f"{status_and_title}. Used: {escape(value_used)}"
 
 
 def _shorten_sentences(sentences: str) -> str:

@@ -19,7 +19,7 @@
  *
  * Positions are in counts. The spec leaves the size of a count open.
  *
- * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
+ * The bytes in rx come from SPI and DMA. If your BiSS C-mode master gives you a number, call
  * ichaus_icmu_biss_position with cw_word_of.
  *
  * Other headers of this interface, to include if needed:

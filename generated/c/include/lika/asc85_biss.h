@@ -18,7 +18,7 @@
  *     }
  * The manual leaves zero_bit open: see lika_asc85_biss_zero_bit.
  *
- * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
+ * The bytes in rx come from SPI and DMA. If your BiSS C-mode master gives you a number, call
  * lika_asc85_biss_position with cw_word_of.
  *
  * Other headers of this interface, to include if needed:

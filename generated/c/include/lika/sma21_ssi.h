@@ -20,7 +20,7 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * The bytes in rx come from SPI and DMA. A master for SSI that gives you a number needs
+ * The bytes in rx come from SPI and DMA. If your SSI master gives you a number, call
  * lika_sma21_ssi_position with cw_word_of.
  *
  * Other headers of this interface, to include if needed:

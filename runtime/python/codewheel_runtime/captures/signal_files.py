@@ -231,7 +231,7 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[z
 
 
 def _measure_unpacked(entries: list[zipfile.ZipInfo], path: str) -> int:
-    """Return the unpacked size of the files of samples in bytes.
+    """Return the total unpacked size of the sample files in bytes.
 
     Raises:
         InputError: There are no files, or they are too large.

@@ -212,7 +212,7 @@ class ArrowSink:
 
 
 class CsvSink:
-    """CSV file with a header. It needs only NumPy. With pyarrow, the output is the same but faster."""
+    """CSV file with a header. It needs only NumPy. With pyarrow, the output is the same, but is written faster."""
 
     def __init__(self, file: Any, plan: Plan) -> None:
         # CSV keeps every cell as text, so no cell is ever lost.

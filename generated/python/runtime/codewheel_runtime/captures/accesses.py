@@ -214,7 +214,7 @@ class Accesses:
                 self._end_access()
 
     def _check_echo(self) -> Outcome:
-        """Return the outcome according to the answers to the header. It is RUNNING if the slave accepts the access."""
+        """Return the outcome that the answers to the header show. It is RUNNING if the slave accepts the access."""
         head = ControlHead.decode(self._header_bits)
         # The value is not known yet. Any value turns the access into a write.
         value = 0 if self._is_write else None

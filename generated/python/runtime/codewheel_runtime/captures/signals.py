@@ -82,9 +82,9 @@ class SignalNames(NamedTuple):
     def _find_places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
         """Return the index of each signal among the channels of a file, clock first, as if they were not exchanged.
 
-        A signal without a chosen name uses the channel that has a usual name. If no name is chosen, a usual name is
-        missing, and there are as many channels as signals, they are taken in order. If only one of two signals has a
-        channel, the other one gets the remaining channel. Raises the errors of ``places``.
+        A signal without a chosen name uses the channel that has a usual name. If no names are chosen, one of the usual
+        names is missing, and there are as many channels as signals, the channels are taken in order. If only one of two
+        signals has a channel, the other one gets the remaining channel. Raises the errors of ``places``.
         """
         if self.clock is None:
             choices = [_SignalChoice(self.data, _NAMES_OF_SERIAL_LINES, "--data")]
