@@ -33,7 +33,9 @@ def _filters(devices: Sequence[Device]) -> Iterator[str]:
     yield '<label>Words <input type="text" name="words" placeholder="linear, Gray, 4096" autocomplete="off"></label>\n'
     yield from _menu("Manufacturer", "manufacturer", manufacturers)
     yield from _menu("Interface", "interface", interfaces)
-    yield f'<output aria-live="polite">{len(devices)} families</output>\n</form>\n'
+    yield f'<output aria-live="polite">{len(devices)} families</output>\n'
+    yield '<p class="none" hidden>No encoder family matches. <button type="button">Clear the filters</button></p>\n'
+    yield "</form>\n"
 
 
 def _menu(title: str, name: str, choices_of: Iterable[str]) -> Iterator[str]:

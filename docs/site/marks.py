@@ -28,6 +28,10 @@ _BETWEEN_COLOURS = re.compile(r"[_/-]")
 _STATES = {"on": "on", "stays on": "on", "lit": "on", "off": "off", "blinks": "blinking", "blinking": "blinking"}
 _LIGHTS = ("red", "green", "yellow", "orange", "blue")
 _STATE = re.compile(rf"(?:{'|'.join((*sorted(_STATES, key=len, reverse=True), *_LIGHTS))})\b", re.IGNORECASE)
+#: A sign in front of its word, and the polarity after the name of a signal, which stay in one line with them.
+_SIGN = re.compile(r"([✓▲✕⚠]) (?=[\w<])")
+_POLARITY = re.compile(r" (?=[+-][\s<)])")
+_LISTING = re.compile(r"(<pre\b.*?</pre>)", re.DOTALL)
 _OR = re.compile(r" (?:or|and) ")
 
 
@@ -35,7 +39,11 @@ def marked(body: str) -> str:
     """Return the HTML of a page with its marks."""
     body = _VERDICT_CELL.sub(_badge, body)
     body = _with_marks_in_section(body, "wiring", _with_chips)
-    return _with_marks_in_section(body, "leds", _with_dots)
+    body = _with_marks_in_section(body, "leds", _with_dots)
+    pieces = _LISTING.split(body)
+    # The other pieces are listings, which are copied as they are.
+    pieces[::2] = [_SIGN.sub("\\1\N{NO-BREAK SPACE}", piece) for piece in pieces[::2]]
+    return "".join(pieces)
 
 
 def _badge(cell: re.Match[str]) -> str:
@@ -57,6 +65,7 @@ def _with_chips(table: str) -> str:
 def _row_with_chips(row: str) -> str:
     """Return a row with a chip beside each colour. Its last cell is the signal."""
     contacts, mark, signal = row.rpartition("<td")
+    signal = _POLARITY.sub("\N{NO-BREAK SPACE}", signal)
     return _CELL_TEXT.sub(lambda cell: cell[1] + _WIRE.sub(_chip, cell[2]), contacts) + mark + signal
 
 

@@ -29,6 +29,7 @@ def _box(address: str) -> str:
     data = "".join(f' data-{name}="{escape(text)}"' for name, text in filled.items())
     data = data.replace("\n", "&#10;")
     return (
-        '<p class="try">Replace this example with your order code and your frames.</p>\n\n'
+        '<p class="try">Replace this example with your order code and your frames. '
+        '<span>"Usable" means that the frame reports no error. The position can still be wrong.</span></p>\n\n'
         f'<div class="codewheel-decode example"{data}></div>\n'
     )

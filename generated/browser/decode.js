@@ -5308,7 +5308,7 @@
       }
       div.${CLASS} pre { margin: 0 0 1rem; padding: .5rem; white-space: pre-wrap; overflow-wrap: anywhere; }
       div.${CLASS} pre { border: 1px solid var(--codewheel-control); border-radius: 4px; background: transparent; color: inherit; }
-      div.${CLASS} a { color: inherit; text-decoration: underline; }
+      div.${CLASS} a { color: var(--codewheel-link); text-decoration: underline; }
       div.${CLASS} code { background: transparent; color: inherit; }
       .${CLASS}-builder ol { margin: 0; padding: 0; list-style: none; }
       div.${CLASS} .${CLASS}-builder fieldset { margin: 0 0 .5rem; padding: .2rem .5rem .4rem; }
@@ -5347,7 +5347,7 @@
       div.${CLASS} tr.${CLASS}-lit > * { background: var(--codewheel-chosen); color: var(--codewheel-ink); }
       .${CLASS}-bits { display: block; font: .85em ui-monospace, monospace; }
       .${CLASS}-name { display: block; font-size: .75em; }
-      .${CLASS}-narrow .${CLASS}-name { writing-mode: vertical-rl; margin: .2rem auto 0; max-height: 9em; }
+      .${CLASS}-narrow .${CLASS}-name { writing-mode: vertical-rl; margin: .2rem auto 0; white-space: nowrap; }
       @media print { .${CLASS}-picture { display: none; } }
       @media screen { .${CLASS}-printed { display: none; } }
       .${CLASS}-about { min-height: 1.6em; font-size: .92em; margin: 0 0 .5rem; }

@@ -46,6 +46,8 @@ def test_there_is_a_card_with_a_picture_for_each_encoder(site: Path, browser: Br
         ("AMM5A21/65KSC1", "", "", {"amm5"}),
         ("linear renishaw", "", "", {"resolute_linear"}),
         ("gray", "Lika Electronic", "", {"am36", "asc85", "sma21"}),
+        ("biss ichaus", "", "", {"icmhm", "icmn", "icmr", "icmu"}),
+        ("IC HAUS biss-c", "", "", {"icmhm", "icmn", "icmr", "icmu"}),
         ("no such encoder", "", "", set()),
     ],
 )
@@ -56,6 +58,42 @@ def test_it_is_filtered_while_one_types(
     assert set(browser.run(_FILTER % (_SHOWN, [words, manufacturer, interface]))) == names
     count = browser.run('document.querySelector(".filters output").textContent')
     assert count == f"{len(names)} famil{'y' if len(names) == 1 else 'ies'}"
+
+
+@pytest.mark.slow
+def test_filters_without_a_match_can_be_cleared(site: Path, browser: Browser) -> None:
+    """The paragraph about the cards is hidden while there are none, and the labels of the filters stay in sight."""
+    seen = '[".filters .none", ".gallery + p"].map((one) => document.querySelector(one).checkVisibility())'
+    browser.look(1280)
+    browser.open((site / "index.html").as_uri())
+    assert browser.run(seen) == [False, True]
+    browser.run('document.querySelector(".filters input").scrollIntoView()')
+    assert browser.run(_FILTER % (_SHOWN, ["no such encoder", "SICK", "SSI"])) == []
+    assert browser.run(seen) == [True, False]
+    below_header = (
+        'document.querySelector(".filters label").getBoundingClientRect().top >= '
+        'document.querySelector("header.top").getBoundingClientRect().bottom'
+    )
+    assert browser.run(below_header)
+    browser.run('document.querySelector(".filters .none button").click()')
+    assert browser.run(seen) == [False, True]
+    assert browser.run('[...new FormData(document.querySelector(".filters")).values()]') == ["", "", ""]
+    browser.run('document.querySelector(".filters input").scrollIntoView()')
+    assert browser.run(below_header)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [375, 1280])
+def test_the_filters_have_one_height(site: Path, browser: Browser, width: int) -> None:
+    browser.look(width)
+    browser.open((site / "index.html").as_uri())
+    boxes = browser.run(
+        '[...document.querySelectorAll(".filters :is(input, select)")].map((one) => one.getBoundingClientRect())'
+        ".map((box) => [box.height, box.bottom, box.width])"
+    )
+    heights, bottoms, widths = map(set, zip(*boxes, strict=True))
+    assert len(heights) == 1
+    assert len(bottoms if width == 1280 else widths) == 1
 
 
 @pytest.mark.slow

@@ -135,6 +135,48 @@ def test_buttons_copy_codes_bytes_and_crc(site: Path, browser: Browser) -> None:
     assert browser.run(_FALLBACK) == [["copy", "AMM5A23/65KJP1"]]
 
 
+@pytest.mark.parametrize("width", [375, 1280])
+@pytest.mark.parametrize("name", SHEETS)
+def test_short_pieces_stay_in_one_line(site: Path, browser: Browser, name: str, width: int) -> None:
+    """Bytes with their button and comma, a sign with its word, and a signal with its polarity."""
+    browser.look(width)
+    browser.open(page_of(site, name).as_uri())
+    bytes_and_lines = browser.run(
+        '[...document.querySelectorAll("#what-to-send .copied > code")].map((one) => [one.textContent, '
+        "one.getBoundingClientRect().height / parseFloat(getComputedStyle(one).fontSize)])"
+    )
+    assert [text for text, lines in bytes_and_lines if lines > 2.4 and len(text) < 30] == []
+    after = browser.run(
+        '[...document.querySelectorAll("#what-to-send .copied")].map((one) => one.nextSibling?.data ?? "")'
+    )
+    assert [text for text in after if text.startswith((",", "."))] == []
+    text = browser.run('document.querySelector("article").textContent')
+    assert re.findall("[✓▲✕⚠] .{,20}", text) == []
+    wiring = browser.run('document.querySelector("#wiring").textContent')
+    assert re.findall(r"\w+ [+-]\s", wiring) == []
+
+
+def test_a_fold_in_a_list_has_no_bullet(site: Path, browser: Browser) -> None:
+    browser.look(1280)
+    browser.open(page_of(site, "sma21/SMA21-JP1-0050").as_uri())
+    style = "one.querySelector('details') ? 'fold' : 'text', getComputedStyle(one).listStyleType"
+    styles = browser.run(f"[...document.querySelectorAll('#frame li')].map((one) => [{style}])")
+    assert {tuple(one) for one in styles} == {("fold", "none"), ("text", "disc")}
+
+
+@pytest.mark.parametrize("width", [375, 1280])
+def test_rotated_names_fit_their_bits(site: Path, browser: Browser, width: int) -> None:
+    browser.look(width)
+    browser.open(page_of(site, "sma21/SMA21-JP1-0050").as_uri())
+    names = browser.run(
+        '[...document.querySelectorAll("#decode .codewheel-decode-narrow .codewheel-decode-name")].map((one) => '
+        "[one.textContent, one.getBoundingClientRect().width / parseFloat(getComputedStyle(one).fontSize), "
+        "one.getBoundingClientRect().bottom <= one.parentElement.getBoundingClientRect().bottom])"
+    )
+    assert "temperature_alarm" in [name for name, *_ in names]
+    assert [name for name, lines, is_inside in names if lines > 2 or not is_inside] == []
+
+
 @pytest.mark.parametrize(("is_dark", "name"), [(False, "light"), (True, "dark")])
 def test_page_and_badges_have_the_colours_of_the_palette(
     site: Path, browser: Browser, is_dark: bool, name: str

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -163,6 +164,30 @@ def test_the_page_in_a_browser(
     browser.open(f"{page.as_uri()}?3#top")
     assert not browser.run('document.querySelector("pre").hidden')
     assert list(browser.complaints) == []
+
+
+def test_links_and_warnings_around_the_text(
+    data: Path, shown: dict[tuple[str, str, str], tuple[str, dict[Any, str]]], browser: Browser
+) -> None:
+    """Each file has a line, each address is a link, and a supply that is not enough comes before the settings."""
+    page = data.with_name("links.html")
+    scripts = "".join(f'<script src="{path.as_uri()}" defer></script>' for path in (data, SCRIPT))
+    page.write_text(f'<meta charset="utf-8"><div class="codewheel-settings"></div>{scripts}', encoding="utf-8")
+    browser.open(f"{page.as_uri()}#code=AM3616%2F4096-BG&master=beckhoff_el5042")
+    text, files = shown["AM3616/4096-BG", "", "beckhoff_el5042"]
+    assert browser.run('document.querySelector("pre").textContent') == text
+    assert browser.run('document.querySelectorAll("li > a[download]").length') == len(files) > 1
+    links = browser.run('[...document.querySelectorAll("pre a")].map((link) => link.textContent)')
+    assert links == re.findall(r"https://[^\s,]+", text)
+    warning = browser.run('document.querySelector(".warning + pre").previousSibling.textContent')
+    assert warning == (
+        "The EL5042 and the EP7041-4032 supply 5 V or 9 V, which is not enough for this encoder. "
+        "The encoder needs a separate supply."
+    )
+    command = "codewheel master AM3616/4096-BG --master beckhoff_el5042 --cable 30"
+    assert browser.run('document.querySelector(".cable code").textContent') == command
+    browser.open(f"{page.as_uri()}?2#code=AMM5A21%2F65KSC1&master=moteus")
+    assert browser.run('document.querySelector(".warning").hidden')
 
 
 def test_labels_on_the_page() -> None:

@@ -39,6 +39,19 @@
 
   const textOf = (item) => item.textContent.replace(/\s+/g, " ").trim();
 
+  /** Adds a button to bytes, in the same line as they are, and as the comma after them. */
+  function addButton(code) {
+    const copied = document.createElement("span");
+    copied.className = "copied";
+    code.replaceWith(copied);
+    copied.append(code, button("Copy the bytes", () => textOf(code)));
+    const after = copied.nextSibling;
+    if (after?.nodeType === Node.TEXT_NODE && /^[,.;]/.test(after.data)) {
+      copied.append(after.data[0]);
+      after.data = after.data.slice(1);
+    }
+  }
+
   function start() {
     const title = document.querySelector("section:has(> #what-to-send) > h1");
     if (!title) return;
@@ -50,7 +63,7 @@
       (crc.querySelector("p") ?? crc).append(button("Copy the parameters of the CRC", () => parameters));
     }
     for (const code of document.querySelectorAll("#what-to-send td code")) {
-      if (BYTES.test(textOf(code))) code.after(button("Copy the bytes", () => textOf(code)));
+      if (BYTES.test(textOf(code))) addButton(code);
     }
   }
 

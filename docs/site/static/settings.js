@@ -25,6 +25,12 @@ function lineKind(line) {
   return /^ {6,8}\S/.test(line) ? "quiet" : "";
 }
 
+/** Return the remarks of a text that say that the supply of the master does not suffice. */
+function supplyWarnings(text) {
+  const remarks = [...text.matchAll(/^( *)- (.*(?:\n\1 {2}.*)*)/gm)].map((found) => found[2].replace(/\s+/g, " "));
+  return remarks.filter((remark) => /\bsupply\b.*\bnot enough\b/.test(remark));
+}
+
 function mountSettings(box, data) {
   const element = (tag, properties) => Object.assign(document.createElement(tag), properties);
   const labelled = (title, control) => {
@@ -35,6 +41,11 @@ function mountSettings(box, data) {
     box.append(row);
     return control;
   };
+  const withLinks = (line) => {
+    const pieces = line.textContent.split(/(https:\/\/[^\s,]*[^\s,.)])/);
+    line.replaceChildren(...pieces.map((piece, index) => (index % 2 ? element("a", { href: piece, textContent: piece }) : piece)));
+    return line;
+  };
   const list = element("datalist", { id: "settings-codes" });
   list.append(...Object.keys(data.codes).map((code) => element("option", { value: code })));
   const code = labelled("Order code", element("input", { type: "text", autocomplete: "off", spellcheck: false }));
@@ -44,8 +55,10 @@ function mountSettings(box, data) {
   const message = element("p", {});
   message.setAttribute("role", "status");
   const output = element("pre", { tabIndex: 0 });
-  const files = element("p", {});
-  box.append(list, message, output, files);
+  const warning = element("p", { className: "warning" });
+  const cable = element("p", { className: "cable" });
+  const files = element("ul", {});
+  box.append(list, message, cable, warning, output, files);
 
   const fill = (select, options) => {
     const chosen = select.value;
@@ -60,6 +73,7 @@ function mountSettings(box, data) {
   const show = (wantedMaster, wantedChoice) => {
     const found = listedCode(data, code.value);
     output.hidden = files.hidden = found === null;
+    cable.hidden = warning.hidden = true;
     choice.parentNode.hidden = true;
     message.textContent = "";
     if (found === null) {
@@ -80,15 +94,26 @@ function mountSettings(box, data) {
     if (described.some(([name]) => name === wantedMaster)) master.value = wantedMaster;
     const [number, formats] = byMaster[data.masters.findIndex(([name]) => name === master.value)];
     message.replaceChildren(element("code", { textContent: settingsCommand(found, master.value, answers) }));
-    const lines = settingsText(data, found, number).split("\n");
-    output.replaceChildren(...lines.flatMap((line, index) => [
-      index ? "\n" : "", element("span", { className: lineKind(line), textContent: line }),
-    ]));
-    files.replaceChildren(...formats.flatMap(([format, device, file]) => {
+    const text = settingsText(data, found, number);
+    const warnings = supplyWarnings(text);
+    warning.hidden = warnings.length === 0;
+    warning.textContent = warnings.join(" ");
+    cable.hidden = !text.includes("--cable METRES");
+    cable.replaceChildren("For the clocks with a cable of 30 m, run ",
+      element("code", { textContent: `${settingsCommand(found, master.value, answers)} --cable 30` }), ".");
+    const lines = text.split("\n");
+    output.replaceChildren(...lines.map((line, index) => {
+      const end = index < lines.length - 1 ? "\n" : "";
+      return withLinks(element("span", { className: lineKind(line), textContent: line + end }));
+    }));
+    files.replaceChildren(...formats.map(([format, device, file]) => {
       const blob = new Blob([`${settingsText(data, found, file)}\n`], { type: "text/plain" });
       const name = [master.value, format, device, found].join("-").replace(/[^A-Za-z0-9-]+/g, "_");
       const title = `File for ${device}: ${format}`;
-      return [element("a", { href: URL.createObjectURL(blob), download: name + data.formats[format], textContent: title }), " "];
+      const link = element("a", { href: URL.createObjectURL(blob), download: name + data.formats[format], textContent: title });
+      const item = element("li", {});
+      item.append(link);
+      return item;
     }));
     const address = new URLSearchParams({ code: found, master: master.value });
     if (answers) address.set("choose", answers.replaceAll("--choose ", ""));
@@ -104,4 +129,4 @@ function mountSettings(box, data) {
 if (typeof document !== "undefined") {
   for (const box of document.querySelectorAll(".codewheel-settings")) mountSettings(box, window.codewheelSettings);
 }
-if (typeof module !== "undefined") module.exports = { settingsText, listedCode, settingsCommand };
+if (typeof module !== "undefined") module.exports = { settingsText, listedCode, settingsCommand, supplyWarnings };

@@ -40,24 +40,38 @@
     target.scrollIntoView();
   }
 
+  /** A text without its case, hyphens and spaces, so that "ichaus" finds iC-Haus. */
+  const plain = (text) => text.toLowerCase().replace(/[-\s]+/g, "");
+
   /** Shows the cards of the encoders that have all typed words, and the chosen manufacturer and interface. */
   function filterCards() {
     const form = document.querySelector(".filters");
     if (!form) return;
     const cards = [...all(".gallery > .card")].map((card) => ({
-      card, text: `${card.textContent} ${card.dataset.words}`.toLowerCase(), ...card.dataset }));
+      card, text: plain(`${card.textContent} ${card.dataset.words}`), ...card.dataset }));
     const { words, manufacturer, interface: interfaces } = form.elements;
     const count = form.querySelector("output");
+    const none = form.querySelector(".none");
     function follow() {
-      const typed = words.value.toLowerCase().split(/\s+/).filter(Boolean);
+      const typed = words.value.split(/\s+/).map(plain).filter(Boolean);
       const shown = cards.filter((one) => typed.every((word) => one.text.includes(word))
         && (!manufacturer.value || one.manufacturer === manufacturer.value)
         && (!interfaces.value || one.interface.split("|").includes(interfaces.value)));
       cards.forEach((one) => { one.card.hidden = !shown.includes(one); });
       count.textContent = shown.length === 1 ? "1 family" : `${shown.length} families`;
+      none.hidden = shown.length > 0;
     }
     form.hidden = false;
-    form.addEventListener("input", follow);
+    form.addEventListener("input", () => {
+      follow();
+      // With fewer cards the page may be too short to stay where it was.
+      form.scrollIntoView({ block: "nearest" });
+    });
+    none.querySelector("button").addEventListener("click", () => {
+      form.reset();
+      follow();
+      words.focus();
+    });
     form.addEventListener("submit", (event) => event.preventDefault());
     follow();
   }
