@@ -2,7 +2,8 @@
 
 Outputs contain pages and tables about all families, so they must be written from all families or not at all. The list
 in each target's folder records the families that it was written from. Lists of earlier versions do not record them.
-Then a file belongs to a family if its name contains the name of the family.
+Then a file belongs to a family if its name contains the name of the family. Which files are no longer outputs and are
+therefore removed is decided in ``write.list_changes``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""The CRC functions of a family in C, over bits or bytes, each with its table and the frames that call it."""
+"""The CRC functions of a family in C, over bits or bytes, each with its table and the frames that call it.
+
+``templates/c/crcs.h.jinja`` prints them.
+"""
 
 from __future__ import annotations
 

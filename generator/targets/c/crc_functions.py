@@ -1,4 +1,4 @@
-"""CRC functions in C, as templates/c/crcs.h.jinja prints them: in folding steps, or with a table look-up per byte.
+"""CRC functions in C, as templates/c/crc.h.jinja prints them: in folding steps, or with a table look-up per byte.
 
 32-bit processors are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore
 takes the bits above and below its place from the halves of the wide number.
