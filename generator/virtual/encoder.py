@@ -33,7 +33,7 @@ class VirtualEncoder:
         seed: Seed of the random faults.
         clock: Function that returns the time in seconds. By default, the time since the encoder was created.
         edition: Revision of the manual. By default, that of the spec.
-        specs: Specs to use. By default, those shipped with codewheel.
+        specs: Paths of specs to use. By default, those shipped with codewheel.
 
     Attributes:
         device: The family.
@@ -57,9 +57,9 @@ class VirtualEncoder:
         seed: int = 0,
         clock: Callable[[], float] | None = None,
         edition: str = "",
-        specs: Iterable[Path] = (),
+        specs: Iterable[str | Path] = (),
     ) -> None:
-        self.device, match = find_order_code(order_code, tuple(specs), edition)
+        self.device, match = find_order_code(order_code, tuple(map(Path, specs)), edition)
         self.answers = dict(choose or {})
         self._check_answers(match.variant)
         self.variant = with_answers(self.device, match.variant, self.answers)

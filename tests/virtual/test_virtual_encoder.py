@@ -313,4 +313,5 @@ def test_specs_of_a_user(tmp_path: Path) -> None:
     from codewheel.commands.new import write_spec
 
     write_spec("my_encoder", tmp_path / "my_encoder.yaml")
-    assert BissLine(VirtualEncoder("MY-ENCODER-13-SC", 77, specs=[tmp_path])).frame() >> 8 == 77
+    for specs in ([tmp_path], [str(tmp_path)]):
+        assert BissLine(VirtualEncoder("MY-ENCODER-13-SC", 77, specs=specs)).frame() >> 8 == 77
