@@ -211,7 +211,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
         bits=layout.bits,
         length=layout_plan.length if layout_plan.in_bytes else 0,
         order=_byte_order(layout_plan),
-        exchanged_bytes=layout_plan.layout.exchanged_bytes,
+        exchanged_bytes=layout.exchanged_bytes,
         columns=tuple(_describe_column(field, field.name in power_of_two_names) for field in layout.fields),
         joins=tuple(_describe_join(whole) for whole in layout_plan.joined_numbers),
         unused=tuple(_describe_reserved_bits(reserved) for reserved in layout_plan.reserved),
@@ -229,8 +229,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
     )
     if reporting is None:
         return description
-    report_causes = tuple(_describe_report_cause(cause) for cause in reporting.causes)
-    description = replace(description, report_causes=report_causes)
+    description = replace(description, report_causes=tuple(map(_describe_report_cause, reporting.causes)))
     verdict_rules = reporting.verdict_rules
     if verdict_rules is None:
         return description

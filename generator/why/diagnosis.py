@@ -206,8 +206,7 @@ def diagnose(
     explanations = _explain_hypotheses(device, tried_hypotheses, undecided_parameters)
     repeated_hypotheses = significant_hypotheses(repeated, refuted)
     unmerged = _explain_hypotheses(device, [*significant, *repeated_hypotheses], undecided_parameters)
-    is_unexplained = all(explanation.kind == FRAME_INSIDE for explanation in explanations)
-    if with_pairs or is_unexplained:
+    if with_pairs or all(explanation.kind == FRAME_INSIDE for explanation in explanations):
         single_count = len(tried_hypotheses)
         pairs = significant_hypotheses(_paired_with_inversion(significant), refuted)
         tried_hypotheses = _distinct_hypotheses((*tried_hypotheses, *pairs))

@@ -61,6 +61,15 @@ class ExchangedFrame:
         return f"{self.role} {self.placed_layout.name}"
 
 
+def _describe_frames(frames: Sequence[ExchangedFrame], mistake_kind: str) -> tuple[str, str]:
+    """Return the text on whole frames, with their names and without them."""
+    if mistake_kind == "echo":
+        return ECHO_TEXT.format(f" {frames[0].placed_layout.name}"), ECHO_TEXT.format("")
+    titles = ", then ".join(frame.title for frame in frames)
+    roles = ", then ".join(frame.role for frame in frames)
+    return FRAMES_TEXT.format(titles), FRAMES_TEXT.format(roles)
+
+
 def exchange_hypotheses(device: Device, variant: Variant, received_bytes: bytes) -> Iterator[Hypothesis]:
     """Yield the hypothesis that bytes received over RS-485 are several whole frames, or only the user's own request.
 
@@ -79,12 +88,7 @@ def exchange_hypotheses(device: Device, variant: Variant, received_bytes: bytes)
     if evidence < LEAST_EVIDENCE:
         return
     mistake_kind = _mistake_kind(frames)
-    if mistake_kind == "echo":
-        description = ECHO_TEXT.format(f" {frames[0].placed_layout.name}")
-        template = ECHO_TEXT.format("")
-    else:
-        description = FRAMES_TEXT.format(", then ".join(frame.title for frame in frames))
-        template = FRAMES_TEXT.format(", then ".join(frame.role for frame in frames))
+    description, template = _describe_frames(frames, mistake_kind)
     hypothesis = Hypothesis(
         kind=mistake_kind,
         description=description,

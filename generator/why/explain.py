@@ -36,6 +36,16 @@ from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_b
 from .texts import TEXTS
 
 
+def _diagnose_dead_line(
+    variant: Variant, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame, is_valid: bool
+) -> Diagnosis | None:
+    """Return the diagnosis of a frame whose bits are all equal, or None for any other frame."""
+    # If leading zeros may be missing, the frame is at least as long as expected.
+    frame_length = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, placed_layout.bits)
+    doubt = _doubt_about_dead_line(placed_layout, crc, typed_frame.number, is_valid)
+    return _diagnose_equal_bits(variant, typed_frame.number, frame_length, doubt)
+
+
 def explain_bits(
     device: Device,
     variant: Variant,
@@ -52,14 +62,9 @@ def explain_bits(
     equal. Pairs of mistakes are listed if no single mistake matches, and with ``with_pairs`` also if one does.
     """
     crc = device.crc_of(placed_layout)
-    # If leading zeros may be missing, the frame is at least as long as expected.
-    frame_length = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, placed_layout.bits)
-    doubt = _doubt_about_dead_line(placed_layout, crc, typed_frame.number, is_valid)
-    dead_line = _diagnose_equal_bits(variant, typed_frame.number, frame_length, doubt)
-    if dead_line is not None:
+    dead_line = _diagnose_dead_line(variant, placed_layout, crc, typed_frame, is_valid)
+    if dead_line is not None or is_valid:
         return dead_line
-    if is_valid:
-        return None
     zero_reply = _diagnose_zero_reply(variant, placed_layout, crc, typed_frame)
     if zero_reply is not None:
         return zero_reply
@@ -71,16 +76,12 @@ def explain_bits(
     refuted = _refuted_hypotheses(placed_layout, crc, typed_frame)
     hypotheses = all_hypotheses(device, variant, placed_layout, crc, typed_frame)
     diagnosis = diagnose(device, hypotheses, refuted, [crc], with_pairs=with_pairs)
-    is_explained = diagnosis is not None and bool(diagnosis.explanations)
-    if not is_explained:
+    if diagnosis is None or not diagnosis.explanations:
         missing = missing or _missing_digits(placed_layout, typed_frame)
     if diagnosis is None:
         return _only_missing(missing) if missing else None
-    bits_to_invert: list[int] = []
     # There is a refuted hypothesis only if the frame can have the expected length.
-    can_have_expected_length = bool(refuted)
-    if can_have_expected_length:
-        bits_to_invert = _bits_to_invert(placed_layout, crc, typed_frame.number)
+    bits_to_invert = _bits_to_invert(placed_layout, crc, typed_frame.number) if refuted else []
     return replace(diagnosis, missing=missing, disturbed=tuple(bits_to_invert))
 
 

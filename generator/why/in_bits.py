@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import prod
+from typing import NamedTuple
 
 from ..model import (
     Answer,
@@ -247,6 +248,34 @@ def _constant_bits_from(placed_layout: PlacedLayout, lowest_bit: int) -> int:
     return sum(constant.width for constant in constants if constant.low >= lowest_bit)
 
 
+class _OffsetParts(NamedTuple):
+    """The bits before a frame, the bits behind it, and the frame, whose missing last bits are 0."""
+
+    front: int
+    behind: int
+    frame_without_last_bits: int
+
+
+def _divide_by_offset(offset: FrameOffset, number: int, length: int) -> _OffsetParts:
+    """Divide the ``length`` bits of ``number`` into the extra bits of an offset and the frame between them."""
+    frame_part_length = length - len(offset.front) - len(offset.behind)
+    front_and_frame_part = number >> len(offset.behind)
+    frame_part = front_and_frame_part & ((1 << frame_part_length) - 1)
+    missing_first_bits = int(offset.missing or "0", 2)
+    return _OffsetParts(
+        front=front_and_frame_part >> frame_part_length,
+        behind=number & ((1 << len(offset.behind)) - 1),
+        frame_without_last_bits=((missing_first_bits << frame_part_length) | frame_part) << offset.lost,
+    )
+
+
+def _likelihood_around(offset: FrameOffset, parts: _OffsetParts) -> float:
+    """Return the likelihood of those extra bits that are mostly 0."""
+    front = _bits_with_mark(offset.front, "~", parts.front)
+    behind = _bits_with_mark(offset.behind, "~", parts.behind)
+    return prod(ACTIVE if bit else IDLE for bit in (*front, *behind))
+
+
 def _offset_hypotheses(
     placed_layout: PlacedLayout,
     crc: Crc | None,
@@ -265,27 +294,13 @@ def _offset_hypotheses(
     """
     affected_length = length - command_bits
     command = number >> affected_length
-    number &= (1 << affected_length) - 1
-    frame_part_length = affected_length - len(offset.front) - len(offset.behind)
-    front_and_frame_part = number >> len(offset.behind)
-    behind = number & ((1 << len(offset.behind)) - 1)
-    front = front_and_frame_part >> frame_part_length
-    frame_part = front_and_frame_part & ((1 << frame_part_length) - 1)
-    missing_first_bits = int(offset.missing or "0", 2)
-    affected_frame_bits = ((missing_first_bits << frame_part_length) | frame_part) << offset.lost
-    frame_without_last_bits = (command << (placed_layout.bits - command_bits)) | affected_frame_bits
+    parts = _divide_by_offset(offset, number & ((1 << affected_length) - 1), affected_length)
+    frame_without_last_bits = (command << (placed_layout.bits - command_bits)) | parts.frame_without_last_bits
     template = TEXTS["after_command"].format(offset.text) if command_bits else offset.text
-    start_bits = _bits_with_mark(offset.front, "1", front)
-    mostly_zero_bits = _bits_with_mark(offset.front, "~", front) + _bits_with_mark(offset.behind, "~", behind)
-    likelihood_around = prod(ACTIVE if bit else IDLE for bit in mostly_zero_bits)
-    if crc is None:
-        assumed_bits = offset.lost + len(offset.missing)
-        bits_not_compared = assumed_bits
-        values_of_last_bits = range(1 << offset.lost)
-    else:
-        assumed_bits = 0
-        bits_not_compared = offset.lost
-        values_of_last_bits = range(1)
+    start_bits = _bits_with_mark(offset.front, "1", parts.front)
+    likelihood_around = _likelihood_around(offset, parts)
+    assumed_bits = offset.lost + len(offset.missing) if crc is None else 0
+    values_of_last_bits = range(1 << offset.lost) if crc is None else range(1)
     for last_bits in values_of_last_bits:
         hypothesis = frame_hypothesis(
             kind=offset.kind,
@@ -293,7 +308,7 @@ def _offset_hypotheses(
             placed_layout=placed_layout,
             crc=crc,
             frame=frame_without_last_bits | last_bits,
-            lost_bits=bits_not_compared,
+            lost_bits=assumed_bits if crc is None else offset.lost,
             determined_bits=len(start_bits),
             are_determined_right=all(start_bits),
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 from ..model import (
     Constant,
@@ -90,61 +91,63 @@ def _displaced_byte_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which extra bytes surround the frame, its first byte is missing, or bits are changed.
 
-    All bits may be inverted, or the bits of each byte may be in reverse order. Up to 4 bytes may precede or follow the
-    frame, such as an echoed request. If the first byte is missing, an extra byte may follow the frame. ``first_bytes``
-    are the possible values of a missing first byte.
+    Up to 4 bytes may precede or follow the frame, such as an echoed request. If the first byte is missing, an extra
+    byte may follow the frame. ``first_bytes`` are the possible values of a missing first byte.
     """
-    frame_length = placed_layout.bits // 8
-    extra_bytes = len(received_bytes) - frame_length
+    extra_bytes = len(received_bytes) - placed_layout.bits // 8
+    missing_first_byte = partial(
+        _missing_first_byte_hypotheses, placed_layout=placed_layout, crc=crc, first_bytes=first_bytes
+    )
     if 0 < extra_bytes <= MOST_ECHOED_BYTES:
-        counted_bytes = TEXTS["extra_bytes" if extra_bytes > 1 else "extra_byte"].format(extra_bytes)
-        text_before = TEXTS["before"].format(counted_bytes)
-        text_after = TEXTS["after"].format(counted_bytes)
-        last_bytes = received_bytes[extra_bytes:]
-        first_received_bytes = received_bytes[:frame_length]
-        yield _frame_hypothesis(
-            kind="bytes_in_front", description=text_before, placed_layout=placed_layout, crc=crc, frame=last_bytes
-        )
-        yield _frame_hypothesis(
-            kind="bytes_behind",
-            description=text_after,
-            placed_layout=placed_layout,
-            crc=crc,
-            frame=first_received_bytes,
-        )
+        yield from _extra_byte_hypotheses(placed_layout, crc, received_bytes)
     if extra_bytes == -1:
-        yield from _missing_first_byte_hypotheses(
-            placed_layout=placed_layout,
-            crc=crc,
-            received_bytes=received_bytes,
-            first_bytes=first_bytes,
-            template=TEXTS["byte_missing"],
-        )
+        yield from missing_first_byte(received_bytes=received_bytes, template=TEXTS["byte_missing"])
     if extra_bytes == 0:
         # The first byte is missing, and a byte follows the frame, so the length is right.
         template = TEXTS["and_follows"].format(TEXTS["byte_missing"])
-        yield from _missing_first_byte_hypotheses(
-            placed_layout=placed_layout,
-            crc=crc,
-            received_bytes=received_bytes[:-1],
-            first_bytes=first_bytes,
-            template=template,
-        )
-        inverted_frame = bytes(byte ^ 0xFF for byte in received_bytes)
-        yield _frame_hypothesis(
-            kind="all_inverted",
-            description=TEXTS["bytes_inverted"],
-            placed_layout=placed_layout,
-            crc=crc,
-            frame=inverted_frame,
-        )
-        yield _frame_hypothesis(
-            kind="bits_reversed_in_bytes",
-            description=TEXTS["bits_reversed_in_bytes"],
-            placed_layout=placed_layout,
-            crc=crc,
-            frame=bytes(reflect(byte, 8) for byte in received_bytes),
-        )
+        yield from missing_first_byte(received_bytes=received_bytes[:-1], template=template)
+        yield from _changed_bit_hypotheses(placed_layout, crc, received_bytes)
+
+
+def _extra_byte_hypotheses(placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes) -> Iterator[Hypothesis]:
+    """Yield the hypotheses that all extra bytes precede the frame, and that they follow it."""
+    frame_length = placed_layout.bits // 8
+    extra_bytes = len(received_bytes) - frame_length
+    counted_bytes = TEXTS["extra_bytes" if extra_bytes > 1 else "extra_byte"].format(extra_bytes)
+    yield _frame_hypothesis(
+        kind="bytes_in_front",
+        description=TEXTS["before"].format(counted_bytes),
+        placed_layout=placed_layout,
+        crc=crc,
+        frame=received_bytes[extra_bytes:],
+    )
+    yield _frame_hypothesis(
+        kind="bytes_behind",
+        description=TEXTS["after"].format(counted_bytes),
+        placed_layout=placed_layout,
+        crc=crc,
+        frame=received_bytes[:frame_length],
+    )
+
+
+def _changed_bit_hypotheses(
+    placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes
+) -> Iterator[Hypothesis]:
+    """Yield the hypotheses that all bits are inverted, and that the bits of each byte are in reverse order."""
+    yield _frame_hypothesis(
+        kind="all_inverted",
+        description=TEXTS["bytes_inverted"],
+        placed_layout=placed_layout,
+        crc=crc,
+        frame=bytes(byte ^ 0xFF for byte in received_bytes),
+    )
+    yield _frame_hypothesis(
+        kind="bits_reversed_in_bytes",
+        description=TEXTS["bits_reversed_in_bytes"],
+        placed_layout=placed_layout,
+        crc=crc,
+        frame=bytes(reflect(byte, 8) for byte in received_bytes),
+    )
 
 
 def _missing_first_byte_hypotheses(

@@ -415,7 +415,7 @@ class Decoding:
                 other_layouts=other_layouts,
             )
             return _json_text(data, is_one_of_many=line.number is not None)
-        text = explain(
+        return self._blank_line() + explain(
             request.device,
             request.match,
             request.sender,
@@ -427,7 +427,6 @@ class Decoding:
             label=self._label,
             other_frames=other_frames_line(decoded, other_layouts, diagnosis, other_code),
         )
-        return self._blank_line() + text
 
 
 def _json_text(data: Mapping[str, Any], *, is_one_of_many: bool) -> str:
