@@ -1806,6 +1806,8 @@
     ["clock", "Clock, such as 1MHz"], ["baud", "Baud"], ["request", "Request in hex bytes"],
     ["counts", "Counts per revolution"], ["turns", "Revolutions that it counts"],
   ];
+  /** Byte orders of a CRC, with their words in the form. */
+  const CRC_BYTE_ORDERS = [[undefined, "as the frame"], ["little", "low byte first"], ["big", "high byte first"]];
   /** Effects of a flag that is active, with their words in the form. */
   const LINE_EFFECTS = [["error", "an error"], ["warning", "a warning"], ["status", "a status only"]];
 
@@ -1826,7 +1828,9 @@
       case "crc": {
         const inversion = field.isInverted === (interface_ === "biss") ? "" : field.isInverted ? ":inverted" : ":plain";
         const startValue = field.init && !/^0(x0+)?$/i.test(field.init) ? `:${field.init}` : "";
-        return `crc=${field.bits}:${field.poly}${startValue}${inversion}`;
+        const orderWord = Object.keys(BYTE_ORDER_WORDS).find((word) => BYTE_ORDER_WORDS[word] === field.order);
+        const words = [...(field.isReflected ? ["reflected"] : []), ...(orderWord ? [orderWord] : [])];
+        return [`crc=${field.bits}:${field.poly}${startValue}${inversion}`, ...words].join(":");
       }
       default: return `${name}=${field.bits}${field.isSigned ? ":signed" : ""}`;
     }
@@ -1927,7 +1931,7 @@
   }
 
   /** Create the inputs of a field. ``onChange`` writes the line, and ``redraw`` also builds the form again. */
-  function createLineFieldInputs(field, onChange, redraw) {
+  function createLineFieldInputs(field, interface_, onChange, redraw) {
     const setterOf = (member) => (newValue) => {
       field[member] = newValue;
       onChange();
@@ -1942,7 +1946,7 @@
         createSmallInput("Value", field.value, setterOf("value"), { size: "8" })];
       case "parity": return [
         createSelection("Ones, with it", [[false, "even"], [true, "odd"]], field.isOdd, setterOf("isOdd"))];
-      case "crc": return createCrcInputs(field, bitsInput, setterOf, redraw);
+      case "crc": return createCrcInputs(field, interface_, bitsInput, setterOf, redraw);
       case "number": return [...(field.name in LINE_NUMBER_UNITS ? [] : [nameInput]), bitsInput,
         createCheckbox("signed", field.isSigned, setterOf("isSigned"))];
       default: return [bitsInput];
@@ -1950,7 +1954,7 @@
   }
 
   /** Create a list of the known CRCs, and inputs for the numbers of any other. ``setterOf`` takes a field member. */
-  function createCrcInputs(field, bitsInput, setterOf, redraw) {
+  function createCrcInputs(field, interface_, bitsInput, setterOf, redraw) {
     const isSameCrc = ([poly, init]) => BigInt(poly) === parseLineNumber(field.poly)
       && BigInt(init) === parseLineNumber(field.init || "0");
     const knownCrc = TABLE.known_crcs.find(isSameCrc);
@@ -1966,8 +1970,10 @@
     const isOther = field.isOther || !knownCrc;
     const numberInputs = [bitsInput, createSmallInput("Polynomial", field.poly, setterOf("poly"), { size: "10" }),
       createSmallInput("Start value", field.init, setterOf("init"), { size: "8" })];
+    const byteInputs = [createCheckbox("reflected", field.isReflected, setterOf("isReflected")),
+      createSelection("Byte order", CRC_BYTE_ORDERS, field.order, setterOf("order"))];
     return [createSelection("CRC", choices, isOther ? undefined : knownCrc, pickCrc), ...(isOther ? numberInputs : []),
-      createCheckbox("inverted", field.isInverted, setterOf("isInverted"))];
+      createCheckbox("inverted", field.isInverted, setterOf("isInverted")), ...(interface_ === "rs485" ? byteInputs : [])];
   }
 
   /** Create one field of the form, with buttons that move and remove it. */
@@ -1992,7 +1998,7 @@
     const removeButton = createButton("✕", remove, `Remove ${fieldLabel}`);
     const buttons = createPart("span", "moves", upButton, downButton, removeButton);
     return createElement("li", {}, createElement("fieldset", {}, createElement("legend", {}, title),
-      createPart("div", "row", createLineFieldInputs(field, onChange, redraw), buttons)));
+      createPart("div", "row", createLineFieldInputs(field, form.interface, onChange, redraw), buttons)));
   }
 
   /** Create the inputs of the options that the interface of the line has. */

@@ -127,6 +127,8 @@ WRITTEN |= {"set", "add", "remove", "unknown"}
 
 #: Statements of errata about the second reading and about repeated facts. Only check reads them.
 TOLD_TO_CHECK = frozenset(("readings", "addresses", "printed_writes", "printed_defaults", "contents"))
+# The pages of other documents that were read.
+TOLD_TO_CHECK |= {"pages"}
 
 
 def is_expression(text: str) -> bool:

@@ -160,7 +160,9 @@ def test_a_second_reading_with_another_byte_order_disagrees(tmp_path: Path, caps
     for name, speed, exit_code in (("same", OWN_ORDER, 0), ("other", without_order, 1)):
         folder = write_specs(tmp_path / name, OWN_ORDER, in_second_reading=speed)
         assert main(["check", str(folder)]) == exit_code
-        assert ("bits 15:8 of a signed number here" in capsys.readouterr().out) is (exit_code == 1)
+        assert ("bits 7:0 of a signed number here, bits 15:8 of a signed number in" in capsys.readouterr().out) is (
+            exit_code == 1
+        )
     unsigned = OWN_ORDER.replace(", signed: true", "")
     folder = write_specs(tmp_path / "bytes", unsigned, in_second_reading=joined_bytes)
     second = folder / "modbus.second.yaml"
