@@ -1973,7 +1973,8 @@
     const byteInputs = [createCheckbox("reflected", field.isReflected, setterOf("isReflected")),
       createSelection("Byte order", CRC_BYTE_ORDERS, field.order, setterOf("order"))];
     return [createSelection("CRC", choices, isOther ? undefined : knownCrc, pickCrc), ...(isOther ? numberInputs : []),
-      createCheckbox("inverted", field.isInverted, setterOf("isInverted")), ...(interface_ === "rs485" ? byteInputs : [])];
+      createCheckbox("inverted", field.isInverted, setterOf("isInverted")),
+      ...(interface_ === "rs485" ? byteInputs : [])];
   }
 
   /** Create one field of the form, with buttons that move and remove it. */
