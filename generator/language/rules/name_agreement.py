@@ -25,6 +25,8 @@ _OPPOSITE_WORDS = {
 _LED_NUMBER = re.compile(r"led[ _]?(\d+)", re.IGNORECASE)
 #: Length of the shortest word that is compared with words of other names, and largest number of compared names.
 _SHORTEST_COMPARED_WORD, _MOST_NAMES = 6, 300
+#: Last letters of another form of a word, as in ``letters``, ``stored``, ``encoder`` and ``battery``.
+_LETTERS_OF_OTHER_FORMS = "sdrye0123456789"
 
 
 def check_names_and_meanings(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -98,10 +100,10 @@ def check_misspelt_fields(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
-    """Return True if two names differ in only one word, which has one letter more inside than in the other name.
+    """Return True if two names differ in only one word, which lacks a letter in one of them, as ``positio`` does.
 
-    Short words are not compared. A word that only has a longer beginning or end, such as ``letters`` for ``letter``, is
-    a different word.
+    Short words are not compared. A word with a letter more at its beginning, or with the ending of another form, such
+    as ``letters`` for ``letter``, is a different word.
     """
     if len(words) != len(other_words):
         return False
@@ -113,8 +115,9 @@ def _lacks_a_letter(words: Sequence[str], other_words: Sequence[str]) -> bool:
     shorter, longer = sorted((word, other_word), key=len)
     is_long = len(shorter) >= _SHORTEST_COMPARED_WORD
     has_other_length = len(longer) > len(shorter)
-    is_letter_inside = not longer.startswith(shorter) and not longer.endswith(shorter)
-    return is_long and has_other_length and is_letter_inside and is_typo(shorter, longer)
+    is_other_form = longer.startswith(shorter) and longer[-1] in _LETTERS_OF_OTHER_FORMS
+    is_other_word = is_other_form or longer.endswith(shorter)
+    return is_long and has_other_length and not is_other_word and is_typo(shorter, longer)
 
 
 _DIGITS = re.compile(r"\d+")
