@@ -189,7 +189,8 @@ function isFailedFrame(decoded) {
   if (!problems.length || isOfOtherKind) return false;
   const faults = receivedBytes ? ["crc", "length", "constant"] : ["crc", "length"];
   const hasFault = (receivedBytes && !placedLayout) || problems.some(({ fault }) => faults.includes(fault));
-  if (canCrcContradict(decoded) && hasFault) return true;
+  const hasHypotheses = !receivedBytes || tryMistakesInBytes(decoded).length > 0;
+  if (canCrcContradict(decoded) && hasFault && hasHypotheses) return true;
   return listMistakes(decoded).length > 0 || missingPart(decoded) !== ""
     || (!placedLayout?.crc && findDisturbedBits(decoded).length > 0);
 }

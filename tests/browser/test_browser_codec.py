@@ -465,7 +465,7 @@ def test_several_frames_are_judged_like_the_command_does(part: int, node: Asker,
                 expected.append(judgement)
     answers = node("together", items)
     for item, answer, judgement in zip(items, answers, expected, strict=True):
-        assert answer == judgement, item
+        assert answer == judgement, (item["frames"], item["name"])
     assert sum(bool(mistakes) and mistakes[0][1] == 3 for mistakes, *_ in answers) > 20
 
 

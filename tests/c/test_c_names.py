@@ -282,7 +282,8 @@ def _words_of_c(include: Path) -> set[str]:
     #: Words that name something in every header, and are refused as names of layouts.
     #: see tests/check/broken_model/c_name_*.
     #: BiSS defines the meaning of error and warning.
-    words -= {"variant", "error", "warning", "frame"} | {word for word in words if len(word) > 30}
+    # read_identity reads the registers that identify an encoder.
+    words -= {"variant", "error", "warning", "frame", "identity"} | {word for word in words if len(word) > 30}
     #: BiSS itself defines addresses for the registers with these names.
     of_biss = {"device_id", "manufacturer_id", "profile_id", "serial_number"} & words
     return words - of_biss | {f"{word}s" for word in of_biss}

@@ -131,7 +131,7 @@ class BlockReader:
         self._pc: Any = load("pyarrow.compute")
         self._csv: Any = load("pyarrow.csv")
         self._frame_bytes = shape.length
-        self._digits = digits
+        self._digits: DigitKind | None = digits
         self._kept_names = [name for _, name in kept_columns]
         # Columns are named by their index, because names in the file can be equal.
         self._names_in_block = [str(index) for index in range(len(names))]
