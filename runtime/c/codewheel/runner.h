@@ -355,8 +355,10 @@ static inline void cw_runner_done(cw_runner *runner, int32_t error, uint32_t now
     if (error == 0) {
         cw_runner_continue(runner, finished);
     } else {
-        const cw_step_kind access_kind = (finished == CW_TODO_READ) ? CW_STEP_READ : CW_STEP_WRITE;
-        const cw_step_kind failed_kind = (finished == CW_TODO_SEND) ? CW_STEP_SEND : access_kind;
+        cw_step_kind failed_kind = (finished == CW_TODO_READ) ? CW_STEP_READ : CW_STEP_WRITE;
+        if (finished == CW_TODO_SEND) {
+            failed_kind = CW_STEP_SEND;
+        }
         runner->bus_reserved = false;
         cw_runner_fail(runner, CW_FAULT_TRANSPORT, failed_kind, error);
     }
