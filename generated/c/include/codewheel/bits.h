@@ -26,11 +26,12 @@
 #define CW_CONST const /**< marks a constant, of use at compile time in C++17 */
 #endif
 
-/* The size of an array in bytes. A pointer, or an array of another size, does not compile. */
 #ifdef __cplusplus
+/** The size of an array in bytes. A pointer, or an array of another size, does not compile. */
 #define CW_SIZE_OF(array, bytes) \
     (sizeof(array) + (0U * sizeof(&(array) - *static_cast<uint8_t (**)[bytes]>(nullptr))))
 #else
+/** The size of an array in bytes. A pointer, or an array of another size, does not compile. */
 #define CW_SIZE_OF(array, bytes) \
     (sizeof(array) + (0U * sizeof(&(array) - (uint8_t (*)[bytes])&(array))))
 #endif
