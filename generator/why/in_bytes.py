@@ -26,6 +26,8 @@ from .texts import TEXTS
 
 #: Longest request in bytes whose echo is considered.
 MOST_ECHOED_BYTES = 4
+#: Width of a CRC over bytes with which mistakes are looked for.
+SEARCHED_CRC_BITS = 8
 
 
 def byte_hypotheses(
@@ -42,7 +44,7 @@ def byte_hypotheses(
             continue
         placed_layout = layout.place(variant.parameters)
         crc = device.crc_of(placed_layout)
-        if crc is not None and crc.width != 8:
+        if crc is not None and crc.width != SEARCHED_CRC_BITS:
             continue
         is_expected_layout = placed_layout.name == expected_name
         has_frame_length = 8 * len(received_bytes) == placed_layout.bits
@@ -60,7 +62,7 @@ def byte_hypotheses(
 def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> bool:
     """Return whether the bytes are a valid frame with an 8-bit CRC: CRC, constants, parity and selector are correct."""
     crc = device.crc_of(placed_layout)
-    if crc is None or crc.width != 8:
+    if crc is None or crc.width != SEARCHED_CRC_BITS:
         return False
     return _frame_hypothesis(kind="", description="", placed_layout=placed_layout, crc=crc, frame=received_bytes).fits
 

@@ -13,12 +13,13 @@ const NEW_FIELDS = [
   ["Life counter", "life_counter=6"], ["Other number", "value=8"], ["Constant bits", "constant=4:0x5"],
   ["Zero bits", "zero=1"], ["Unused bits", "unused=1"], ["Parity bit", "parity=even"], ["CRC", "crc=6:0x43"],
 ];
+/** Orders of bytes, with their words in the form. */
+const BYTE_ORDER_CHOICES = [["little", "low byte first"], ["big", "high byte first"]];
 /** Options with a choice: their member, legend, interfaces, and values with their words. */
 const LINE_CHOICES = [
   ["isGray", "Code", ["biss", "ssi", "spi"], [["", "binary"], [true, "Gray"]]],
   ["alignment", "Alignment", ["ssi"], [["", "not known"], ["msb_left", "left"], ["lsb_right", "right"]]],
-  ["order", "Byte order", ["spi", "rs485"],
-    [["", "not known"], ["little", "low byte first"], ["big", "high byte first"]]],
+  ["order", "Byte order", ["spi", "rs485"], [["", "not known"], ...BYTE_ORDER_CHOICES]],
   ["mode", "SPI mode", ["spi"], [["", "not known"], [0, "0"], [1, "1"], [2, "2"], [3, "3"]]],
 ];
 /** Options with a text: their member, which is also their word, and legend. */
@@ -26,8 +27,6 @@ const LINE_TEXTS = [
   ["clock", "Clock, such as 1MHz"], ["baud", "Baud"], ["request", "Request in hex bytes"],
   ["counts", "Counts per revolution"], ["turns", "Revolutions that it counts"],
 ];
-/** Byte orders of a CRC, with their words in the form. */
-const CRC_BYTE_ORDERS = [[undefined, "as the frame"], ["little", "low byte first"], ["big", "high byte first"]];
 /** Effects of a flag that is active, with their words in the form. */
 const LINE_EFFECTS = [["error", "an error"], ["warning", "a warning"], ["status", "a status only"]];
 
@@ -191,7 +190,7 @@ function createCrcInputs(field, interface_, bitsInput, setterOf, redraw) {
   const numberInputs = [bitsInput, createSmallInput("Polynomial", field.poly, setterOf("poly"), { size: "10" }),
     createSmallInput("Start value", field.init, setterOf("init"), { size: "8" })];
   const byteInputs = [createCheckbox("reflected", field.isReflected, setterOf("isReflected")),
-    createSelection("Byte order", CRC_BYTE_ORDERS, field.order, setterOf("order"))];
+    createSelection("Byte order", [[undefined, "as the frame"], ...BYTE_ORDER_CHOICES], field.order, setterOf("order"))];
   return [createSelection("CRC", choices, isOther ? undefined : knownCrc, pickCrc), ...(isOther ? numberInputs : []),
     createCheckbox("inverted", field.isInverted, setterOf("isInverted")),
     ...(interface_ === "rs485" ? byteInputs : [])];

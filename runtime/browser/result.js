@@ -197,8 +197,9 @@ function createExplanations(decoded, hasOtherFrames) {
     createElement("p", {}, introduceExplanations(decoded, noiseText !== "")), createList(describedExplanations)] : [];
   const isIncomplete = missingText && decoded.problems.some(({ fault }) => fault === "length");
   const isUnexplained = !explanations.length && !isIncomplete && !hasOtherFrames && isCorrupted(decoded);
+  const failure = hasWideCrcOverBytes(decoded) ? "not_searched" : "no_explanation";
   const notes = [
-    ...(isUnexplained ? [toSentence(messageFor("no_explanation"))] : []),
+    ...(isUnexplained ? [toSentence(messageFor(failure))] : []),
     ...describeEqualReadings(decoded, explanations),
     ...(explanations.length && hidesShift(explanations[0]) ? [toSentence(messageFor("hidden_shift"))] : []),
     ...(anotherHelps(explanations) ? [messageFor("another_frame")] : []),

@@ -868,6 +868,10 @@ function countZerosOfWord(placedLayout, zerosText, isFirst) {
 
 // -- frames of bytes
 
+/** Return whether a frame of bytes has a CRC with which mistakes are not looked for. */
+const hasWideCrcOverBytes = ({ receivedBytes, placedLayout }) => (
+  Boolean(receivedBytes && placedLayout?.crc) && placedLayout.crc.width !== TABLE.exchanges.crc_bits);
+
 /** Try every single mistake that could have turned a valid frame into these bytes. */
 function tryMistakesInBytes(decoded) {
   const { placedLayout: expectedLayout, receivedBytes: data, orderCode, interface: interface_, sender } = decoded;
@@ -878,7 +882,7 @@ function tryMistakesInBytes(decoded) {
   const hypotheses = layoutsOf(interface_, sender).filter((layout) => layout.order).flatMap((layout) => {
     const placedLayout = placedFor(orderCode, layout, {}, firstAnswers);
     const { crc } = placedLayout;
-    if (crc && crc.width !== 8) return [];
+    if (crc && crc.width !== TABLE.exchanges.crc_bits) return [];
     const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
     const typedFrame = { number: numberOfFrame(layout, data), bits: 8 * data.length, exact: true };
     return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),

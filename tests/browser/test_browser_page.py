@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from browser_harness import browser, program
 from chromium import Browser
+from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag
 from codewheel.reference import codec
@@ -149,6 +150,8 @@ STEPS = """
   seen.nearest = [...box.querySelectorAll(".codewheel-decode-bad button")].map((one) => one.innerText);
   type(text, "02 00 C7 D1 6A 7F"); seen.noGuess = said(box);
   type(code, "ssi:position=13,error"); seen.wrongLine = said(box);
+  type(code, "rs485,high_byte_first:address=8,function=8:3,position=32,crc=16:0x8005:0xffff:reflected:low_byte_first");
+  type(text, "01 03 00 00 17 E9 F5 8D"); seen.wideCrc = said(box);
   return seen;
 """
 
@@ -263,6 +266,18 @@ def test_beside_a_wrong_order_code_only_the_nearest_ones_are_guessed(steps: dict
     assert "not valid for any order code" not in steps["noGuess"]
     assert "'error' has no active level" in steps["wrongLine"]
     assert "not valid for any order code" not in steps["wrongLine"]
+
+
+@pytest.mark.slow
+def test_with_a_wide_crc_over_bytes_no_search_is_claimed(
+    steps: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """MODBUS: the CRC has 16 bits, and mistakes are looked for only with 8."""
+    line = "rs485,high_byte_first:address=8,function=8:3,position=32,crc=16:0x8005:0xffff:reflected:low_byte_first"
+    assert main(["decode", line, "01 03 00 00 17 E9 F5 8D"]) == 1
+    for text in (steps["wideCrc"], " ".join(capsys.readouterr().out.split())):
+        assert "codewheel did not look for mistakes, because it only does so in bytes with an 8-bit CRC." in text
+        assert "No common mistake" not in text
 
 
 @pytest.mark.slow

@@ -63,7 +63,7 @@ from ...why.hypotheses import (
     OTHER_CODE_WITHOUT_CRC,
     WITH_SECOND_MISTAKE,
 )
-from ...why.in_bytes import MOST_ECHOED_BYTES
+from ...why.in_bytes import MOST_ECHOED_BYTES, SEARCHED_CRC_BITS
 from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.other_order_codes import MOST_CUT_BITS, MOST_STATES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistakes, line_name
@@ -355,7 +355,8 @@ def script_table(library: Library) -> Data:
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
-        | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT, "echoed": MOST_ECHOED_BYTES},
+        | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT, "echoed": MOST_ECHOED_BYTES}
+        | {"crc_bits": SEARCHED_CRC_BITS},
         "doubts": READINGS,
         "left_aligned": LEFT_ALIGNED,
         "cut_off": CUT_OFF,

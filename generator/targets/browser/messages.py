@@ -75,6 +75,7 @@ MESSAGES = {
     "disturbed_or_shifted": report.disturbed_or_shifted("{0}"),
     "hidden_shift": report.HIDDEN_SHIFT,
     "no_explanation": report.NO_EXPLANATION,
+    "not_searched": report.NOT_SEARCHED,
     "equal_readings": report.equal_readings("{0}"),
     "no_position": report.no_position("{0}"),
     "compared": report.compared("{0}", "{1}", agree=True),
