@@ -25,7 +25,7 @@ function lineKind(line) {
   return /^ {6,8}\S/.test(line) ? "quiet" : "";
 }
 
-/** Return the remarks of a text that say that the supply of the master does not suffice. */
+/** Return the remarks about a supply of the master that is not enough for the encoder. */
 function supplyWarnings(text) {
   const remarks = [...text.matchAll(/^( *)- (.*(?:\n\1 {2}.*)*)/gm)].map((found) => found[2].replace(/\s+/g, " "));
   return remarks.filter((remark) => /\bsupply\b.*\bnot enough\b/.test(remark));
