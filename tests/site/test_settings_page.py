@@ -297,9 +297,3 @@ def test_a_cable_has_the_settings_that_the_command_prints(library: tuple[Device,
         inputs, wanted, in_node(SHOW_SOME, DECODER, data, *SCRIPTS, inputs=inputs), strict=True
     ):
         assert shown == texts, (code, cable)
-
-
-def test_a_parity_bit_counts_constants() -> None:
-    """The parity that a master checks is that of all bits, also of constants that are 1."""
-    device, match = device_of_line("ssi:position=12,sign=1:1,parity=odd")
-    assert record(device, match.variant).words["parity"] == "odd"

@@ -113,8 +113,10 @@ function mountSettings(box, data) {
   const showTable = (settings) => {
     const row = (tag, cells) => element("tr", {}, ...cells.map((text) => element(tag, { textContent: text })));
     table.hidden = settings.length === 0;
-    table.replaceChildren(element("thead", {}, row("th", ["Setting", "Value", "In the master"])),
-      element("tbody", {}, ...settings.map(({ name, value, at }) => row("td", [name, value, at]))));
+    const columns = settings.some(({ at }) => at) ? ["name", "value", "at"] : ["name", "value"];
+    const titles = { name: "Setting", value: "Value", at: "In the master" };
+    table.replaceChildren(element("thead", {}, row("th", columns.map((column) => titles[column]))),
+      element("tbody", {}, ...settings.map((setting) => row("td", columns.map((column) => setting[column])))));
   };
   const showOutput = (text) => {
     const lines = text.split("\n");
