@@ -8,8 +8,8 @@ from .document import Document
 from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, ProblemReport
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
+from .rules.numbers import check_number_base
 from .rules.order_code import are_codes_complete
-from .rules.values import check_number_base
 from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, without_places
 from .schema_files import family_of, schema_without_references, with_stand_ins
 from .written_parts import WrittenSpec

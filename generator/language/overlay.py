@@ -30,7 +30,7 @@ from .document import (
 )
 from .problems import ProblemReport, quoted, suggest_word
 from .removed_places import names_of_characteristics, without_removed_paths, without_steps
-from .rules.values import check_source_format
+from .rules.manual import check_source_format
 from .written_parts import WrittenSpec
 
 #: Suffix of overlays found next to their spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.

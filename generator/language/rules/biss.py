@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -318,3 +319,53 @@ def _check_access_codes(field: WrittenField, report: DocumentReport) -> None:
         if name in _ACCESS_BITS and value.value != _ACCESS_BITS[name]:
             problem = f"{quoted(name)} is {value.value:02b}; in the BiSS control frame, 01 means write and 10"
             report.add("biss-protocol", value.place_of("value"), f"{problem} means read")
+
+
+def check_slaves(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a BiSS bus can have several slaves, and a point-to-point connection only one.
+
+    An erratum can explain a manual that says otherwise.
+    """
+    biss = spec.interfaces.biss
+    network = biss.network if biss is not None else None
+    if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
+        return
+    topology, has_several_slaves = network.part.topology, network.part.multiple_slaves
+    is_consistent = has_several_slaves == (topology == "bus")
+    affected_path = ".".join(map(str, network.path))
+    if not is_consistent and not has_erratum_at(report.document, affected_path):
+        slaves_text = "several slaves" if has_several_slaves else "one slave"
+        message = (
+            f"the topology is {quoted(topology)}, but the interface has {slaves_text}; correct one of"
+            f" them. If this is what the manual says, add an erratum that affects {affected_path}"
+        )
+        report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
+
+
+#: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
+_DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
+
+
+def check_description_file(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the file name of the BiSS device description contains the manufacturer ID that the register holds.
+
+    The register holds two ASCII characters, and the file name contains their four hexadecimal digits.
+    """
+    biss = spec.interfaces.biss
+    register = by_name(spec.registers).get("manufacturer_id")
+    if biss is None or register is None or interface_name_of(register) != Biss.name:
+        return
+    file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file)
+    if file_name is None:
+        return
+    fixed_texts = [field.equals for field in register.fields if isinstance(field.equals, str)]
+    ascii_texts = [text for text in fixed_texts if text.isascii()]
+    id_of_register = "".join(ascii_texts).encode("ascii").hex()  # 4c41 for LA.
+    id_in_file_name = file_name[1]
+    is_complete = len(id_of_register) == 4
+    if is_complete and id_of_register != id_in_file_name.casefold():
+        message = (
+            f"the file is for the manufacturer ID {id_in_file_name.upper()}h, but the register 'manufacturer_id' has"
+            f" {id_of_register.upper()}h; correct one of the two"
+        )
+        report.add("description-file", biss.place_of("description_file"), message)

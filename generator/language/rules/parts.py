@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import islice
 from types import MappingProxyType
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 from ...model import INTERFACES, Alarm, Biss, Clock, Timing
 from ...model.measurement import Measurement
@@ -23,7 +23,7 @@ from ..written import LocatedPart
 from ..written_codes import WrittenParameter, WrittenRegister
 from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
-from ..written_parts import WrittenSpec
+from ..written_parts import WrittenSpec, WrittenStep
 
 #: A rule, called with a spec that contains only valid parts, and the report to which it adds problems.
 Rule = Callable[[WrittenSpec, DocumentReport], None]
@@ -184,6 +184,16 @@ def interface_name_of(register: WrittenRegister | None) -> str:
     return Biss.name if register is None else str(register.data.get("interface", Biss.name))
 
 
+#: Represents a register that does not exist.
+NO_REGISTER = WrittenRegister({})
+Registers = Mapping[str, WrittenRegister]
+
+
+def register_of_step(step: WrittenStep, registers: Registers) -> WrittenRegister:
+    """Return the register that a step accesses, or an empty register if it accesses none or it does not exist."""
+    return registers.get(step.register, NO_REGISTER)
+
+
 def last_address(register: WrittenRegister) -> int:
     """Return the last address of a register, or its only one if the interface has no address for each byte."""
     interface = INTERFACES.get(interface_name_of(register))
@@ -301,6 +311,25 @@ def position_names(spec: WrittenSpec, interface: str) -> set[str]:
         if frame.interface == interface:
             names.update(frame.joins.get(measured_name, ()))
     return names
+
+
+class BitRange(NamedTuple):
+    """The highest and the lowest bit of a place in a register."""
+
+    highest: int
+    lowest: int
+
+
+def parse_bit_range(place: int | str | None) -> BitRange | None:
+    """Return the bits of a place such as ``7:6`` or 5, or None if it is not a place."""
+    if isinstance(place, int):
+        is_bit_of_register = 0 <= place < 1024  # No register has more bits.
+        return BitRange(place, place) if is_bit_of_register else None
+    match = _BIT_RANGE_TEXT.fullmatch(str(place))
+    if match is None:
+        return None
+    bit_range = BitRange(*map(int, match.groups()))
+    return bit_range if bit_range.highest >= bit_range.lowest else None
 
 
 def constant_width(field: WrittenField) -> int | None:

@@ -1,4 +1,4 @@
-"""Rules for facts that decide whether a position is usable: values, combinations of fields, and alternatives."""
+"""Rules for facts that decide whether a position is usable: values, combinations of fields, and answers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..problems import DocumentReport, quoted, suggest_word
 from ..written_codes import WrittenAlternative
 from ..written_layouts import WrittenCombination, WrittenField
 from ..written_parts import WrittenSpec
-from .bits import names_error
+from .flags import names_error
 from .parts import (
     FieldList,
     FieldOwner,
@@ -401,3 +401,19 @@ def _obstacle_to_other_verdict(field_list: FieldList, field: WrittenField, other
     if verdict == other_verdict:
         return f"with both answers, {name} makes the position {quoted(verdict)}; give one of them another verdict"
     return ""
+
+
+def check_equal_answers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the two answers to a question that the manual leaves open do not set the same numbers.
+
+    Such answers would have the same effect. Questions with more answers are not checked.
+    """
+    for alternative in spec.alternatives:
+        answers = list(alternative.values.items())
+        if len(answers) != 2:
+            continue
+        (first_name, first_answer), (second_name, second_answer) = answers
+        if first_answer.sets and first_answer.sets == second_answer.sets:
+            names = f"{quoted(first_name)} and {quoted(second_name)}"
+            message = f"{names} set the same numbers; correct one of the two answers"
+            report.add("same-answers", second_answer.place_of("sets"), message)

@@ -9,6 +9,7 @@ from ..written import WrittenPart
 from ..written_layouts import KIND_KEYS, NUMBER, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
+    MAX_FIELDS,
     FieldList,
     FieldOwner,
     by_name,
@@ -401,3 +402,13 @@ def check_keys(step_or_example: WrittenPart, kind: str, *, rule: str, subject: s
         if step_or_example.has(key):
             message = f"{quoted(key)} does not apply to {subject}"
             report.add(rule, step_or_example.place_of(key), message, at_key=True)
+
+
+def check_field_count(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no list of fields has more than ``MAX_FIELDS`` if the groups in it are written out."""
+    counts_by_group = {name: len(group.fields) for name, group in by_name(spec.with_invalid_parts.field_groups).items()}
+    for field_list in field_lists(spec):
+        count = sum(counts_by_group.get(field.use, 1) for field in field_list.fields)
+        if count > MAX_FIELDS:
+            problem = f"'fields' has {count} entries with those of its groups; the limit is {MAX_FIELDS}"
+            report.add("too-long", field_list.owner.place_of("fields"), problem)

@@ -1,4 +1,4 @@
-"""Iterators over the plain data of a spec, for rules about any text or number.
+"""Iterators over the plain data and the texts of a spec, for rules about any text or number.
 
 The data may have any structure, so every function here checks it. ``parts.py`` contains the iterators over typed parts.
 """
@@ -6,10 +6,13 @@ The data may have any structure, so every function here checks it. ``parts.py`` 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
-from ..document import as_affected
+from ..document import Document, as_affected
 from ..problems import DocumentReport, Path
+from ..schema_files import PROSE
+from ..written_parts import WrittenSpec
+from .parts import PlacedPart
 
 #: A part of a spec, in which any key can have any value.
 Data = Mapping[str, object]
@@ -133,3 +136,58 @@ def placeholder_name(spec_data: Data, path: Path) -> str:
     """
     owner = path[:-1] if path[-1] == "source" and len(path) > 1 else path
     return as_affected(spec_data, owner) or str(path[0])
+
+
+#: Texts about the encoder of today.
+KEYS_OF_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
+SECTIONS_NOT_ABOUT_ENCODER = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
+
+
+def is_derived(document: Document) -> bool:
+    """Return True for an overlay or an older edition, which changes facts without changing every text about them."""
+    return bool(document.family or document.other_files)
+
+
+def yield_texts(spec: WrittenSpec, keys: Collection[str], report: DocumentReport) -> Iterator[tuple[Path, str]]:
+    """Yield each text under one of these keys with its path, except texts about other documents."""
+    for path, text in leaves_of(spec.data, report):
+        is_about_encoder = path[0] not in SECTIONS_NOT_ABOUT_ENCODER
+        if isinstance(text, str) and is_about_encoder and path[-1] in keys:
+            yield path, text
+
+
+KEYS_OF_EXPLANATIONS = (
+    "meaning",
+    "note",
+    "remedy",
+    "detected",
+    "precondition",
+    "result",
+    "when_active",
+    "when_inactive",
+)
+
+
+def texts_of(placed_part: PlacedPart, keys: Sequence[str]) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of a part under these keys, with their paths."""
+    for key in keys:
+        text = placed_part.data.get(key)
+        if isinstance(text, str):
+            yield (*placed_part.path, key), text
+
+
+#: Texts that quote the manual, or are about other documents.
+SECTIONS_ON_OTHER_DOCUMENTS = frozenset(("documents", "editions", "evidence"))
+_KEYS_THAT_QUOTE = frozenset(("printed", "title", "why"))
+
+
+def texts_in_our_words(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of a spec that neither quote the manual nor describe other documents, with their paths."""
+    for path, text in leaves_of(spec.data, report):
+        section, key = path[0], path[-1]
+        is_prose = key in PROSE or (section, key) == ("characteristics", "value")
+        is_quotation = key in _KEYS_THAT_QUOTE
+        is_about_other_document = section in SECTIONS_ON_OTHER_DOCUMENTS
+        is_in_our_words = is_prose and not is_quotation and not is_about_other_document
+        if isinstance(text, str) and is_in_our_words:
+            yield path, text
