@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, TypedDict
 
-from codewheel.language.master_items import FILE_FORMATS
+from codewheel.language.written_masters import FILE_FORMATS
 from codewheel.loading.library import load_library
 from codewheel.masters.groups import order_code_groups, records_of
 from codewheel.masters.record import EncoderFacts

@@ -13,13 +13,12 @@ import pytest
 import yaml
 from codewheel.language import written_masters, written_parts
 from codewheel.language.check import check_document
-from codewheel.language.part_schema import described_parts
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
+from codewheel.language.schemas import described_parts
 from codewheel.language.written import LocatedPart, WrittenPart
-from codewheel.language.written_codes import WrittenRegister
-from codewheel.language.written_interfaces import WrittenBiss
-from codewheel.language.written_layouts import WrittenField, WrittenLayout
+from codewheel.language.written_codes import WrittenBiss
+from codewheel.language.written_fields import WrittenField, WrittenLayout, WrittenRegister
 from codewheel.model.expressions import Expression
 from codewheel.model.key_types import name_of_part
 from codewheel.model.part import keys_of

@@ -89,7 +89,7 @@ RULES: tuple[Rule, ...] = (
     manual.check_cited_place,
     manual.check_editions_in_other_languages,
     evidence.check_listed_pages,
-    references.check_evidence_references,
+    evidence.check_evidence_references,
     evidence.check_evidence,
     evidence.check_limit_sources,
     procedures.check_named_bank,

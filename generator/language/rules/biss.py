@@ -10,8 +10,7 @@ from typing import NamedTuple
 from ...model import Biss, Crc
 from ..problems import DocumentReport, Path, quoted
 from ..written import LocatedPart
-from ..written_codes import WrittenRegister
-from ..written_layouts import WrittenField
+from ..written_fields import WrittenField, WrittenRegister
 from ..written_parts import WrittenSpec
 from .parts import (
     bank_select_register,

@@ -11,7 +11,7 @@ from ...model.clocks import CABLE_LIMITS
 from ..document import Path
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
-from ..written_interfaces import WrittenBiss, WrittenSsi
+from ..written_codes import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSpec
 from .manual import places_in_document
 from .parts import (
@@ -410,3 +410,22 @@ def check_typographic_quotes(spec: WrittenSpec, report: DocumentReport) -> None:
                 f'write "{inner_text}" with straight quotes'
             )
             report.add("typographic-quotes", path, message)
+
+
+def check_evidence_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the documents, implementations and examples that the evidence names exist.
+
+    The manual is a document too, with the name ``manual`` and the language code of each edition.
+    """
+    resolver = NameResolver(spec, report)
+    evidence = spec.evidence.part
+    path = spec.evidence.path
+    documents = spec.with_invalid_parts.names_in("documents")
+    languages = [edition.part.language for edition in spec.with_invalid_parts.manual.editions]
+    known_documents = ("manual", *languages, *documents)
+    for key in evidence.documents:
+        resolver.check_name((*path, "documents", key), "document", key, known_names=known_documents)
+    implementations_path = (*path, "implementations")
+    resolver.check_each_name(implementations_path, "document", evidence.implementations, known_names=documents)
+    examples = by_name(spec.with_invalid_parts.examples)
+    resolver.check_each_name((*path, "vectors"), "example", evidence.vectors, known_names=examples)

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator
 from ...model import INTERFACES, Alarm, Biss
 from ..problems import DocumentReport, quoted, suggest_word
 from ..written import LocatedPart
-from ..written_layouts import WrittenField, WrittenFieldGroup
+from ..written_fields import WrittenField, WrittenFieldGroup
 from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,

@@ -10,8 +10,8 @@ from ...model.interfaces import DataId
 from ...model.measurement import LayoutRange, Measurement
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
-from ..written_interfaces import WrittenRs485, WrittenSsi
-from ..written_layouts import WrittenField, WrittenGray, WrittenLayout
+from ..written_codes import WrittenRs485, WrittenSsi
+from ..written_fields import WrittenField, WrittenGray, WrittenLayout
 from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,

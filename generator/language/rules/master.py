@@ -12,10 +12,12 @@ from ...model.expressions import Expression, ExpressionError
 from ...model.part import Prose
 from ...model.part import key as described_key
 from ...say.text import count_with_unit
-from ..master_items import FILE_FORMATS, NUMBERS, WORDS
 from ..problems import DocumentReport, Path, join_words, quoted, suggest_word
 from ..written import WrittenPart
 from ..written_masters import (
+    FILE_FORMATS,
+    NUMBERS,
+    WORDS,
     WrittenAnyClock,
     WrittenChoice,
     WrittenCondition,

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 
 from ...model import Crc
 from ...say.plain_text import count_with_unit
-from ..document import ErratumTargets, Path
+from ..document import Path
 from ..hints import POLYNOMIAL, polynomial_powers
 from ..problems import DocumentReport, quoted
-from ..written_layouts import WrittenField
+from ..written_fields import WrittenField
 from ..written_parts import WrittenErratum, WrittenSpec
 from .parts import by_part_name, constant_width, field_lists, layouts_of_interfaces
-from .walk import is_derived, leaves_of, texts_in_our_words
+from .walk import ErratumTargets, is_derived, leaves_of, texts_in_our_words
 
 #: Bytes, as in ``41 42 in hexadecimal``.
 _BYTES_IN_HEXADECIMAL = re.compile(r"\b((?:[0-9A-F]{2} )*[0-9A-F]{2}) in hexadecimal")

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ..document import Path
 from ..problems import DocumentReport, quoted
-from ..schema_files import PROSE
+from ..schemas import PROSE
 from ..written_codes import WrittenCodePart, WrittenOrderCode
 from ..written_parts import WrittenSpec
 from .parts import by_name

@@ -9,9 +9,8 @@ from typing import NamedTuple
 from ...model.expressions import LARGEST_MULTIPLE, Expression, ExpressionError, Factor, Term
 from ..hints import expression_hint, number_hint
 from ..problems import DocumentReport, Path, join_words, quoted
-from ..written_codes import WrittenAlternative, WrittenParameter, WrittenRegister
-from ..written_interfaces import WrittenBiss, WrittenSpi
-from ..written_layouts import WrittenField
+from ..written_codes import WrittenAlternative, WrittenBiss, WrittenParameter, WrittenSpi
+from ..written_fields import WrittenField, WrittenRegister
 from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,

@@ -16,13 +16,12 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from ...model import INTERFACES, Alarm, Biss, Clock, Timing
 from ...model.measurement import Measurement
-from ..document import LEFT_OUT, Document
+from ..document import Document
+from ..files import is_second
 from ..problems import DocumentReport, Path
-from ..schema_files import is_second
 from ..written import LocatedPart
-from ..written_codes import WrittenParameter, WrittenRegister
-from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, WrittenSpi, WrittenSsi
-from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
+from ..written_codes import WrittenBiss, WrittenControlData, WrittenParameter, WrittenRs485, WrittenSpi, WrittenSsi
+from ..written_fields import WrittenField, WrittenFieldGroup, WrittenLayout, WrittenRegister
 from ..written_parts import WrittenSpec, WrittenStep
 
 #: A rule, called with a spec that contains only valid parts, and the report to which it adds problems.
@@ -35,6 +34,10 @@ Groups = Mapping[str, WrittenFieldGroup]
 #: An interface that does not exist has layouts too, so that their names are known.
 _INTERFACE_CLASSES: Mapping[str, type[WrittenInterface]] = MappingProxyType(
     {"ssi": WrittenSsi, "biss": WrittenBiss, "rs485": WrittenRs485, "spi": WrittenSpi}
+)
+#: Lists and maps that the path of an erratum omits, because their items are identified by name.
+KEYS_OMITTED_BY_ERRATA = frozenset(
+    "layouts fields combinations values parts steps arguments meanings data_ids contacts timings".split()
 )
 #: Largest number of fields of a layout or register, including the fields of its groups. Without groups, the schema
 #: limits it.
@@ -402,7 +405,7 @@ def as_affected_name(path: str) -> str:
     always kept.
     """
     *names, last_name = path.split(".")
-    kept_names = [name for name in names if name not in LEFT_OUT]
+    kept_names = [name for name in names if name not in KEYS_OMITTED_BY_ERRATA]
     return ".".join((*kept_names, last_name))
 
 

@@ -8,7 +8,7 @@ from ...model import INTERFACES, Verdict
 from ..document import Path
 from ..problems import DocumentReport, quoted, suggest_word
 from ..written_codes import WrittenAlternative
-from ..written_layouts import WrittenCombination, WrittenField
+from ..written_fields import WrittenCombination, WrittenField
 from ..written_parts import WrittenSpec
 from .flags import names_error
 from .parts import (

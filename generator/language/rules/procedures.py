@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from ...model import INTERFACES
 from ..problems import DocumentReport, Path, quoted
-from ..written_codes import WrittenRegister
-from ..written_interfaces import WrittenRs485
+from ..written_codes import WrittenRs485
+from ..written_fields import WrittenRegister
 from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
 from .parts import (
     NO_REGISTER,

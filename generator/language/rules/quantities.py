@@ -11,7 +11,7 @@ from ...model import Alarm, Quantity, Supply
 from ...model.expressions import Factor
 from ..problems import DocumentReport, Path, join_words, quoted
 from ..written import LocatedPart
-from ..written_layouts import WrittenField
+from ..written_fields import WrittenField
 from ..written_parts import WrittenSpec
 from .code_meanings import supply_named
 from .parameters import KEYS_IN_BITS, KIND_OF_UNIT_BY_KEY, expressions, list_factors

@@ -11,7 +11,7 @@ from ...model import Timing
 from ...model.clocks import CABLE_LIMITS, CableLength, Clock
 from ..problems import DocumentReport, Path, missing_keys_message, quoted
 from ..written import LocatedPart
-from ..written_interfaces import WrittenRs485, WrittenSpi, WrittenSsi
+from ..written_codes import WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
 from .parts import (
     WrittenInterface,

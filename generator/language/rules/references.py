@@ -12,11 +12,17 @@ from ...model import INTERFACES, Alarm, Biss, Measurement
 from ...model.steps import has_steps
 from ..document import Path
 from ..problems import DocumentReport, nearest_choice, quoted, suggest_word
-from ..schema_check import value_at
+from ..schema_check import remaining_value_at
 from ..written import LocatedPart
-from ..written_codes import WrittenOpenedBy, WrittenRegister, WrittenRegisterMeaning
-from ..written_interfaces import WrittenRs485
-from ..written_layouts import KIND_KEYS, WrittenField, WrittenFieldGroup
+from ..written_codes import WrittenRs485
+from ..written_fields import (
+    KIND_KEYS,
+    WrittenField,
+    WrittenFieldGroup,
+    WrittenOpenedBy,
+    WrittenRegister,
+    WrittenRegisterMeaning,
+)
 from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
@@ -341,25 +347,6 @@ def check_unused_crc(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("unused-crc", (*crc.path, "name"), f"{problem}; {remedy}")
 
 
-def check_evidence_references(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the documents, implementations and examples that the evidence names exist.
-
-    The manual is a document too, with the name ``manual`` and the language code of each edition.
-    """
-    resolver = NameResolver(spec, report)
-    evidence = spec.evidence.part
-    path = spec.evidence.path
-    documents = spec.with_invalid_parts.names_in("documents")
-    languages = [edition.part.language for edition in spec.with_invalid_parts.manual.editions]
-    known_documents = ("manual", *languages, *documents)
-    for key in evidence.documents:
-        resolver.check_name((*path, "documents", key), "document", key, known_names=known_documents)
-    implementations_path = (*path, "implementations")
-    resolver.check_each_name(implementations_path, "document", evidence.implementations, known_names=documents)
-    examples = by_name(spec.with_invalid_parts.examples)
-    resolver.check_each_name((*path, "vectors"), "example", evidence.vectors, known_names=examples)
-
-
 _NAME_PATTERN = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
@@ -379,7 +366,7 @@ class NameResolver:
         self._misspelt_names = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
             # A part in a list has its name under 'name', one in a map is a key itself.
-            name = value_at(whole_spec.data, path) if path[-1] == "name" else path[-1]
+            name = remaining_value_at(whole_spec.data, path) if path[-1] == "name" else path[-1]
             if isinstance(name, str) and not _NAME_PATTERN.fullmatch(name):
                 self._misspelt_names.add(name)
         self.groups = by_name(whole_spec.field_groups)

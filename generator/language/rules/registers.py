@@ -8,8 +8,7 @@ from typing import Literal, NamedTuple
 
 from ...model import INTERFACES
 from ..problems import DocumentReport, quoted
-from ..written_codes import WrittenPrintedDefault, WrittenRegister
-from ..written_layouts import WrittenField
+from ..written_fields import WrittenField, WrittenPrintedDefault, WrittenRegister
 from ..written_parts import WrittenErratum, WrittenSpec
 from .parts import (
     BitRange,

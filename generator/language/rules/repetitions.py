@@ -7,11 +7,10 @@ from operator import attrgetter
 from typing import NamedTuple
 
 from ..document import Path
+from ..files import family_of
 from ..problems import MISSING_PROSE, DocumentReport, quoted
-from ..schema_files import family_of
-from ..written_codes import WrittenRegister
-from ..written_interfaces import WrittenRs485
-from ..written_layouts import WrittenField
+from ..written_codes import WrittenRs485
+from ..written_fields import WrittenField, WrittenRegister
 from ..written_parts import WrittenSpec
 from .parts import (
     PlacedPart,

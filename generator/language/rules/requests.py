@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Spi
 from ..problems import DocumentReport, quoted, suggest_word
-from ..written_interfaces import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
-from ..written_layouts import WrittenField, WrittenLayout
+from ..written_codes import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
+from ..written_fields import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,

@@ -6,7 +6,7 @@ from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
 from ..problems import DocumentReport, join_words, missing_keys_message, quoted
 from ..written import WrittenPart
-from ..written_layouts import KIND_KEYS, NUMBER, WrittenField, WrittenLayout
+from ..written_fields import KIND_KEYS, NUMBER, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
     MAX_FIELDS,

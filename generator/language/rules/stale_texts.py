@@ -8,13 +8,13 @@ from decimal import Decimal
 from typing import Literal, NamedTuple
 
 from ...model import Characteristic
-from ..document import ErratumTargets, Path
+from ..document import Path
 from ..problems import DocumentReport, join_words, quoted, suggest_word
 from ..written import located
-from ..written_codes import WrittenRegister
+from ..written_fields import WrittenRegister
 from ..written_parts import WrittenErratum, WrittenExample, WrittenSpec
 from .parts import by_name
-from .walk import KEYS_OF_TEXTS, SECTIONS_NOT_ABOUT_ENCODER, is_derived, leaves, leaves_of, yield_texts
+from .walk import KEYS_OF_TEXTS, SECTIONS_NOT_ABOUT_ENCODER, ErratumTargets, is_derived, leaves, leaves_of, yield_texts
 
 #: Factors to the smallest unit of a quantity, by the units of texts and by the ends of keys.
 _UNIT_FACTORS: Mapping[str, Mapping[str, int]] = {

@@ -9,7 +9,7 @@ from itertools import takewhile
 from ...model import Biss
 from ..document import Path
 from ..problems import DocumentReport, quoted
-from ..written_codes import WrittenOpenedBy, WrittenRegister
+from ..written_fields import WrittenOpenedBy, WrittenRegister
 from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
 from .parts import (
     Groups,

@@ -14,15 +14,14 @@ from itertools import pairwise
 from ...model import Timing
 from ...model.clocks import Clock, Timeout
 from ...say.text import nanoseconds
-from ..document import ErratumTargets
 from ..problems import DocumentReport, Path, join_words, quoted
 from ..written import LocatedPart
-from ..written_codes import WrittenRegister
-from ..written_interfaces import WrittenBiss
+from ..written_codes import WrittenBiss
+from ..written_fields import WrittenRegister
 from ..written_parts import WrittenSpec
 from .parts import PlacedPart, by_name, has_erratum_at, interfaces, share_order_codes, timings
 from .rates import NS_PER_S
-from .walk import leaves
+from .walk import ErratumTargets, leaves
 
 #: Nanoseconds by the ends of keys and by the units in texts.
 _NANOSECONDS_PER_UNIT = {"ns": 1, "us": 1000, "µs": 1000, "ms": 1_000_000, "s": 1_000_000_000}
