@@ -119,7 +119,7 @@ class Document:
         text = ""
         node: Any = self.data
         for step in self.original(path):
-            child = _child_at(node, step)
+            child = child_at(node, step)
             if isinstance(node, list) and isinstance(step, int):
                 label = label_of(child)
                 has_plain_label = label is not None and _PLAIN_LABEL.fullmatch(label)
@@ -148,7 +148,7 @@ class Document:
         original_path: Path = ()
         for step in path:
             original_step = self._original_step(node, step, original_path)
-            node = _child_at(node, original_step)
+            node = child_at(node, original_step)
             original_path += (original_step,)
         return original_path
 
@@ -179,7 +179,7 @@ class Document:
         return self._indices[id(node)].get(label, label)
 
 
-def _child_at(node: Any, step: str | int) -> Any:
+def child_at(node: Any, step: str | int) -> Any:
     """Return the value at a key of a map or at an index of a list, or None if there is none."""
     if isinstance(node, list):
         return node[step] if isinstance(step, int) and 0 <= step < len(node) else None

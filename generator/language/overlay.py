@@ -155,7 +155,7 @@ class LayeredSpec:
 
         References of errata and of remedies to places that a change removed are left out.
         """
-        data = self._data
+        data: Any = self._data
         if self.applied:
             data = without_removed_paths(data, self._base.data)
             removed_names = names_of_characteristics(self._base.data) - names_of_characteristics(data)

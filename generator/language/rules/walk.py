@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from typing import Any
 
-from ..document import Document, label_of
+from ..document import Document, child_at, label_of
 from ..problems import DocumentReport, Path
 from ..schemas import PROSE
 from ..written_parts import WrittenSpec
@@ -197,17 +196,18 @@ def texts_in_our_words(spec: WrittenSpec, report: DocumentReport) -> Iterator[tu
 _NOT_IN_NAMES = re.compile(r"[^a-z0-9_]")
 
 
-def as_affected(root: Any, path: Path) -> str:
+def as_affected(root: object, path: Path) -> str:
     """Return a path in the form used by errata: ``registers.preset`` or ``interfaces.biss.word.crc``.
 
     Elements of lists are given by their names, and keys such as ``layouts`` below the top level are omitted. The path
     ends before the first element without a name.
     """
     named_steps: list[str] = []
+    node = root
     for depth, step in enumerate(path):
-        root = root[step]
+        node = child_at(node, step)
         is_list_item = isinstance(step, int)
-        step_name = label_of(root) if is_list_item else str(step)
+        step_name = label_of(node) if is_list_item else str(step)
         if step_name is None or _NOT_IN_NAMES.search(step_name):
             break
         is_omitted = step_name in KEYS_OMITTED_BY_ERRATA and not is_list_item and depth > 0
@@ -219,19 +219,19 @@ def as_affected(root: Any, path: Path) -> str:
 class ErratumTargets:
     """Finds the values to which the paths in ``affects`` of errata refer, in data that do not change."""
 
-    def __init__(self, data: Any) -> None:
+    def __init__(self, data: object) -> None:
         self._data = data
         #: Items by name, for each list that was searched.
-        self._items: dict[int, dict[object, list[Any]]] = {}
+        self._items: dict[int, dict[object, list[object]]] = {}
 
-    def at(self, affected: str) -> list[Any]:
+    def at(self, affected: str) -> list[object]:
         """Return every value in the data to which a path such as ``registers.preset`` refers."""
         nodes = [self._data]  # Everything to which the steps so far refer.
         for step in affected.split("."):
             nodes = [match for node in nodes for match in self._find_named(node, step)]
         return nodes
 
-    def _find_named(self, node: Any, step: str) -> list[Any]:
+    def _find_named(self, node: object, step: str) -> list[object]:
         """Return the values to which one step of a path can lead from a map or list.
 
         The step can be a key of the map, or the name of an element of the list, or of a list in the map.
@@ -249,10 +249,10 @@ class ErratumTargets:
                 matches.append(child[step])
         return matches
 
-    def _items_of(self, items: list[Any]) -> dict[object, list[Any]]:
+    def _items_of(self, items: list[object]) -> dict[object, list[object]]:
         """Return the items of a list by their names, each with all items of this name."""
         if id(items) not in self._items:
-            named_items: dict[object, list[Any]] = {}
+            named_items: dict[object, list[object]] = {}
             for list_item in items:
                 if isinstance(list_item, dict) and isinstance(list_item.get("name"), str):
                     named_items.setdefault(list_item["name"], []).append(list_item)
@@ -260,7 +260,7 @@ class ErratumTargets:
         return self._items[id(items)]
 
 
-def names_of_characteristics(spec_data: Mapping[str, Any]) -> set[str]:
+def names_of_characteristics(spec_data: Mapping[str, object]) -> set[str]:
     """Return the names of the characteristics in the data of a spec, which may be invalid."""
     characteristics = spec_data.get("characteristics")
     if not isinstance(characteristics, list):
@@ -269,7 +269,7 @@ def names_of_characteristics(spec_data: Mapping[str, Any]) -> set[str]:
     return {name for name in names if isinstance(name, str)}
 
 
-def without_steps(node: Any, removed_names: Collection[str]) -> Any:
+def without_steps(node: object, removed_names: Collection[str]) -> object:
     """Return the data of a spec without the names of removed characteristics in ``by_hand``.
 
     ``by_hand`` lists characteristics with steps for a person. The key is removed if no name remains.
@@ -291,7 +291,7 @@ def without_steps(node: Any, removed_names: Collection[str]) -> Any:
     return cleaned
 
 
-def without_removed_paths(spec_data: dict[str, Any], original_data: dict[str, Any]) -> dict[str, Any]:
+def without_removed_paths(spec_data: dict[str, object], original_data: dict[str, object]) -> dict[str, object]:
     """Return the data of a spec whose errata no longer affect places that a layer has removed.
 
     A path that does not exist in the original data either stays, because a rule reports it.
@@ -305,9 +305,13 @@ def without_removed_paths(spec_data: dict[str, Any], original_data: dict[str, An
     return {**spec_data, "errata": remaining_errata}
 
 
-def _erratum_without_removed_paths(erratum: Any, targets: ErratumTargets, original_targets: ErratumTargets) -> Any:
+def _erratum_without_removed_paths(
+    erratum: object, targets: ErratumTargets, original_targets: ErratumTargets
+) -> object:
     """Return an erratum without the paths in ``affects`` that exist only in the original data."""
-    affects = erratum.get("affects") if isinstance(erratum, dict) else None
+    if not isinstance(erratum, dict):
+        return erratum
+    affects = erratum.get("affects")
     if not isinstance(affects, list):
         return erratum
     removed_paths = {path for path in affects if original_targets.at(path) and not targets.at(path)}
