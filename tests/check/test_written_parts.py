@@ -24,7 +24,7 @@ from codewheel.model.key_types import name_of_part
 from codewheel.model.part import keys_of
 
 #: Methods of written parts whose argument is a key.
-_ASKING = ("has", "is_valid", "names_in", "place_of")
+_ASKING = ("has", "is_valid", "names_in", "path_of")
 RULES = Path(written_parts.__file__).parent / "rules"
 #: Most places at which rules may ask by text whether a key was given.
 MOST_PRESENCE_TESTS = 40
@@ -52,7 +52,7 @@ def test_a_key_can_be_a_reserved_word() -> None:
     layout = WrittenLayout({"from": "master"}, ("here",))
     assert layout.from_ == "master"
     assert layout.has("from")
-    assert layout.place_of("from") == ("here", "from")
+    assert layout.path_of("from") == ("here", "from")
 
 
 @pytest.mark.parametrize(

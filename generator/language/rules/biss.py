@@ -74,10 +74,10 @@ def check_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
             else:
                 remedy = "correct the address, or rename the register if it is a different one"
                 message = f"{problem} it {fixed_place.text}; {remedy}"
-            report.add("biss-protocol", register.place_of("address"), message)
+            report.add("biss-protocol", register.path_of("address"), message)
         elif register.length != fixed_place.length:
             message = f"{quoted(name)} has {register.length} bytes; in BiSS it has {fixed_place.length}"
-            report.add("biss-protocol", register.place_of("length"), f"{message}, {fixed_place.text}")
+            report.add("biss-protocol", register.path_of("length"), f"{message}, {fixed_place.text}")
 
 
 def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -105,7 +105,7 @@ def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
             f"correct the address, or rename the register to {quoted(fixed_name)} if that is the one you mean. If"
             f" this is what the manual says, add an erratum that affects registers.{name}.address"
         )
-        report.add("biss-protocol", register.place_of("address"), f"{problem}; {remedy}")
+        report.add("biss-protocol", register.path_of("address"), f"{problem}; {remedy}")
 
 
 def _profile_register_at(register: WrittenRegister) -> str | None:
@@ -137,7 +137,7 @@ def check_biss_byte_order(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"{quoted(name)} has its low byte first, but in BiSS the most significant byte has the lowest address."
                 f" If this is what the manual says, add an erratum that affects registers.{name}.byte_order"
             )
-            report.add("biss-protocol", register.place_of("byte_order"), message)
+            report.add("biss-protocol", register.path_of("byte_order"), message)
 
 
 def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -159,7 +159,7 @@ def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
         names_of_position = position_names(spec, Biss.name)
         contradictions = [
             *_contradictions_of_fields(sent_fields, crcs, frame_path),
-            *_contradictions_of_order(sent_fields, layout.place_of("name"), frame_path),
+            *_contradictions_of_order(sent_fields, layout.path_of("name"), frame_path),
             *_late_positions(sent_fields, names_of_position, frame_path),
         ]
         for contradiction in contradictions:
@@ -291,7 +291,7 @@ def check_biss_control(spec: WrittenSpec, report: DocumentReport) -> None:
         width = _CONTROL_FRAME_WIDTHS.get(field.name)
         if width is not None and isinstance(field.bits, int) and field.bits != width:
             message = f"{quoted(field.name)} has {field.bits} bits; in the BiSS control frame it has {width}"
-            report.add("biss-protocol", field.place_of("bits"), message)
+            report.add("biss-protocol", field.path_of("bits"), message)
         if field.name == "rw":
             _check_access_codes(field, report)
         crc = crcs.get(field.crc)
@@ -300,7 +300,7 @@ def check_biss_control(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"{quoted(field.crc)} is not the CRC of the BiSS control frame: 4 bits, poly 0x3, init 0, not"
                 " reflected, xorout 0xF; write these numbers. If the manual prints others, add an erratum with both"
             )
-            report.add("biss-protocol", field.place_of("crc"), problem)
+            report.add("biss-protocol", field.path_of("crc"), problem)
 
 
 def _is_control_crc(located_crc: LocatedPart[Crc]) -> bool:
@@ -317,7 +317,7 @@ def _check_access_codes(field: WrittenField, report: DocumentReport) -> None:
     for name, value in field.values.items():
         if name in _ACCESS_BITS and value.value != _ACCESS_BITS[name]:
             problem = f"{quoted(name)} is {value.value:02b}; in the BiSS control frame, 01 means write and 10"
-            report.add("biss-protocol", value.place_of("value"), f"{problem} means read")
+            report.add("biss-protocol", value.path_of("value"), f"{problem} means read")
 
 
 def check_slaves(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -367,4 +367,4 @@ def check_description_file(spec: WrittenSpec, report: DocumentReport) -> None:
             f"the file is for the manufacturer ID {id_in_file_name.upper()}h, but the register 'manufacturer_id' has"
             f" {id_of_register.upper()}h; correct one of the two"
         )
-        report.add("description-file", biss.place_of("description_file"), message)
+        report.add("description-file", biss.path_of("description_file"), message)

@@ -41,13 +41,13 @@ def check_order_code_references(spec: WrittenSpec, report: DocumentReport) -> No
     resolver = NameResolver(spec, report)
     parts_by_name = by_name(spec.with_invalid_parts.order_code.parts)
     for part in spec.order_code.parts:
-        open_only_with = _AllowedLabels(part.open_only_with, part.place_of("open_only_with"))
+        open_only_with = _AllowedLabels(part.open_only_with, part.path_of("open_only_with"))
         _check_allowed_labels(open_only_with, part.name, parts_by_name, resolver)
         for value in part.values.values():
             for parameter_name in value.sets:
                 resolver.check_name((*value.path, "sets", parameter_name), "parameter", parameter_name)
-            resolver.check_optional_name(value.place_of("interface"), "interface", value.interface)
-            only_with = _AllowedLabels(value.only_with, value.place_of("only_with"))
+            resolver.check_optional_name(value.path_of("interface"), "interface", value.interface)
+            only_with = _AllowedLabels(value.only_with, value.path_of("only_with"))
             _check_allowed_labels(only_with, part.name, parts_by_name, resolver)
 
 
@@ -204,7 +204,7 @@ def check_named_interface(spec: WrittenSpec, report: DocumentReport) -> None:
             if named_kinds and value.interface != named_kinds[0]:
                 name = interface_names.pop().replace("BISS", "BiSS")
                 problem = f"the meaning of {quoted(label)} mentions {name}, but the value selects {value.interface}"
-                report.add("interface-mismatch", value.place_of("interface"), problem)
+                report.add("interface-mismatch", value.path_of("interface"), problem)
 
 
 def check_labels(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -223,7 +223,7 @@ def check_labels(spec: WrittenSpec, report: DocumentReport) -> None:
             number = _evaluate_formula(expression, value.sets)
             if number is not None and int(label) != number:
                 message = f"the label {quoted(label)} must be {expression.render()}, which is {number} here"
-                report.add("label-mismatch", value.place_of("sets"), message)
+                report.add("label-mismatch", value.path_of("sets"), message)
 
 
 _ALIGNMENTS = {"left": "msb_left", "right": "lsb_right"}
@@ -255,7 +255,7 @@ def check_alignment(spec: WrittenSpec, report: DocumentReport) -> None:
             f" {quoted(ssi.alignment)}; correct one of the two. If both are right, add an erratum that affects"
             " interfaces.ssi.alignment"
         )
-        report.add("alignment-mismatch", ssi.place_of("alignment"), message)
+        report.add("alignment-mismatch", ssi.path_of("alignment"), message)
 
 
 _GRAY_WORD = re.compile(r"\bGray\b", re.IGNORECASE)
@@ -285,7 +285,7 @@ def check_named_gray_code(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"the meaning of {quoted(label)} says Gray, but no layout of {interface_name} has 'gray', "
                     "so decoders read it as binary"
                 )
-                report.add("output-code", value.place_of("meaning"), message)
+                report.add("output-code", value.path_of("meaning"), message)
 
 
 def _names_gray(code_value: WrittenCodeValue) -> bool:
@@ -327,7 +327,7 @@ def check_counts(spec: WrittenSpec, report: DocumentReport) -> None:
                         f"the meaning says {number_text} {unit_text}, but the value sets {number}; one of the two is"
                         " wrong. If the manual prints it so, give the reason in 'meaning_differs'"
                     )
-                    report.add("meaning-mismatch", value.place_of("meaning"), message)
+                    report.add("meaning-mismatch", value.path_of("meaning"), message)
 
 
 def _yield_formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
@@ -391,7 +391,7 @@ def check_widths(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"the meaning says {stated_lowest} to {stated_highest} bits, but the order codes set {lowest} to"
                 f" {highest}; one of the two is wrong"
             )
-            report.add("printed-number", parameter.place_of("meaning"), message)
+            report.add("printed-number", parameter.path_of("meaning"), message)
 
 
 def _ranges_set_by_codes(spec: WrittenSpec) -> dict[str, tuple[int, int]]:

@@ -269,7 +269,7 @@ def check_open_quotation(spec: WrittenSpec, report: DocumentReport) -> None:
     for erratum in spec.errata:
         if erratum.printed.count('"') % 2 == 1:
             message = "a quotation mark is not closed; text between two quotation marks is a verbatim quotation"
-            report.add("open-quotation", erratum.place_of("printed"), message)
+            report.add("open-quotation", erratum.path_of("printed"), message)
 
 
 def check_example_references(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -277,11 +277,11 @@ def check_example_references(spec: WrittenSpec, report: DocumentReport) -> None:
     resolver = NameResolver(spec, report)
     known_layouts = {frame.name: frame for frame in layouts_of_interfaces(spec.with_invalid_parts) if frame.name}
     for example in spec.examples:
-        resolver.check_optional_name(example.place_of("procedure"), "procedure", example.procedure)
-        resolver.check_optional_name(example.place_of("erratum"), "erratum", example.erratum)
-        resolver.check_optional_name(example.place_of("register"), "register", example.register)
-        resolver.check_optional_name(example.place_of("crc"), "CRC", example.crc)
-        resolver.check_optional_name(example.place_of("layout"), "layout", example.layout, known_names=known_layouts)
+        resolver.check_optional_name(example.path_of("procedure"), "procedure", example.procedure)
+        resolver.check_optional_name(example.path_of("erratum"), "erratum", example.erratum)
+        resolver.check_optional_name(example.path_of("register"), "register", example.register)
+        resolver.check_optional_name(example.path_of("crc"), "CRC", example.crc)
+        resolver.check_optional_name(example.path_of("layout"), "layout", example.layout, known_names=known_layouts)
         procedure = resolver.procedures.get(example.procedure)
         if procedure is not None:
             noun = f"argument of {quoted(example.procedure)} called"
@@ -330,7 +330,7 @@ def check_bytes_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"the text has the bytes {quoted(' '.join(frames_of_length[0]))}, but the example"
                 f" {quoted(example.name)} has {quoted(example.bytes)}; correct one of the two"
             )
-            report.add("left-behind", erratum.place_of("printed"), message)
+            report.add("left-behind", erratum.path_of("printed"), message)
 
 
 #: A page or a range of pages, such as ``30`` or ``9-14``.

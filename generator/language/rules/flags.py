@@ -54,7 +54,7 @@ def check_lone_levels(spec: WrittenSpec, report: DocumentReport) -> None:
                     f" {quoted(field_list.name)} are active {usual_level}; correct it, or say in its 'meaning' that it"
                     f" is active {flag.active}"
                 )
-                report.add("level-differs", flag.place_of("active"), message)
+                report.add("level-differs", flag.path_of("active"), message)
 
 
 def _states_level(flag: WrittenField) -> bool:
@@ -88,7 +88,7 @@ def check_repeated_flags(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"{quoted(flag.name)} has {quoted(key)} {value} here, but {first_value} on line {line}; correct one"
                     " of the two, or rename the flag if it is a different flag"
                 )
-                report.add("flag-differs", flag.place_of(key), message)
+                report.add("flag-differs", flag.path_of(key), message)
 
 
 def _differing_keys(flag: WrittenField, first_flag: WrittenField) -> Iterator[str]:
@@ -148,7 +148,7 @@ def check_combined_flags(spec: WrittenSpec, report: DocumentReport) -> None:
                 first_name = first_combining_flags.setdefault(combined_name, flag.name)
                 if flag.name != first_name:
                     message = f"{quoted(first_name)} also combines {quoted(combined_name)}"
-                    path = (*flag.place_of("sums_up"), index)
+                    path = (*flag.path_of("sums_up"), index)
                     report.add("summed-twice", path, f"{message}; remove it from one of the two")
         for group in groups.values():
             _report_flag_not_combined(group, first_combining_flags.keys(), field_list, report)
@@ -172,7 +172,7 @@ def _report_flag_not_combined(
             f"{quoted(flag.name)} is not combined by any flag of {quoted(field_list.name)}, unlike the rest of"
             f" {quoted(group.name)}; add it to 'sums_up' of a flag, or say in its 'meaning' that no flag combines it"
         )
-        report.add("not-summed", flag.place_of("name"), message)
+        report.add("not-summed", flag.path_of("name"), message)
 
 
 #: Verdicts on the position in ascending order of severity.
@@ -201,7 +201,7 @@ def check_combined_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"{quoted(flag.name)} makes the position {flag.makes_position}, but the most severe of the flags"
                     f" that it combines makes it {most_severe}; correct one of them"
                 )
-                report.add("summed-verdict", flag.place_of("makes_position"), message)
+                report.add("summed-verdict", flag.path_of("makes_position"), message)
 
 
 def check_explained_flags(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -212,7 +212,7 @@ def check_explained_flags(spec: WrittenSpec, report: DocumentReport) -> None:
             for index, diagnostic_bit in enumerate(flag.explained_by):
                 if diagnostic_bit in explained_flags:
                     problem = f"{quoted(diagnostic_bit)} already explains {quoted(explained_flags[diagnostic_bit])}"
-                    path = (*flag.place_of("explained_by"), index)
+                    path = (*flag.path_of("explained_by"), index)
                     report.add("explains-twice", path, f"{problem}; remove it from one of the two")
                 explained_flags.setdefault(diagnostic_bit, flag.name)
 
@@ -322,7 +322,7 @@ def check_usable_errors(spec: WrittenSpec, report: DocumentReport) -> None:
                     "write 'makes_position: not_usable', or usable_with_warning. "
                     "If the position is usable, explain it in a 'note' of the flag"
                 )
-                report.add("error-usable", field.place_of("makes_position"), message)
+                report.add("error-usable", field.path_of("makes_position"), message)
 
 
 def _report_usable_values(field: WrittenField, report: DocumentReport) -> None:
@@ -334,7 +334,7 @@ def _report_usable_values(field: WrittenField, report: DocumentReport) -> None:
                 f"the value {quoted(name)} leaves the position usable; write 'makes_position: not_usable', "
                 "or usable_with_warning. If the position is usable, explain it in a 'note' of the field"
             )
-            report.add("error-usable", value.place_of("makes_position"), message)
+            report.add("error-usable", value.path_of("makes_position"), message)
 
 
 def names_error(name: str, printed_name: str) -> bool:
@@ -360,7 +360,7 @@ def check_flag_sums(spec: WrittenSpec, report: DocumentReport) -> None:
             for index, name in enumerate(field.sums_up):
                 if name not in other_flags:
                     problem = f"there is no other flag {quoted(name)}{suggest_word(name, other_flags)}"
-                    report.add("undefined-reference", (*field.place_of("sums_up"), index), problem, cause=name)
+                    report.add("undefined-reference", (*field.path_of("sums_up"), index), problem, cause=name)
 
 
 def _yield_fields(field_list: FieldList, spec: WrittenSpec) -> Iterator[WrittenField]:

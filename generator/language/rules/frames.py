@@ -40,7 +40,7 @@ def check_layouts_without_requests(spec: WrittenSpec, report: DocumentReport) ->
         layout = frame.layout
         if layout is not None and frame.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
             message = f"a master sends no frame over {frame.interface}; write 'from: encoder'"
-            report.add("sender", layout.place_of("from"), message)
+            report.add("sender", layout.path_of("from"), message)
 
 
 def check_parities(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -95,7 +95,7 @@ def _report_uncovered_fields(
             f"{quoted(parity_field.name)} does not cover {join_words(map(quoted, uncovered_names))}; "
             f"add {pronoun} to 'parity_of', or name {pronoun} in a 'note' if the manual excludes {pronoun}"
         )
-        report.add("parity-coverage", parity_field.place_of("parity_of"), message)
+        report.add("parity-coverage", parity_field.path_of("parity_of"), message)
 
 
 def _names_of(field: WrittenField) -> set[str]:
@@ -220,7 +220,7 @@ def check_sent_requests(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"{quoted(step.data_id)} has the purpose {quoted(purpose)} and needs an address, which a step"
                     " cannot give; name the data ID of another request"
                 )
-                report.add("request-purpose", step.place_of("data_id"), message)
+                report.add("request-purpose", step.path_of("data_id"), message)
 
 
 def check_memory_accesses(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -254,7 +254,7 @@ def check_output_code(spec: WrittenSpec, report: DocumentReport) -> None:
             contradiction = _explain_contradiction(interface.output_code, frame, spec, has_gray=has_gray)
             if contradiction:
                 message = f"'output_code' is {interface.output_code}, but {quoted(frame.name)} {contradiction}"
-                report.add("output-code", interface.place_of("output_code"), message)
+                report.add("output-code", interface.path_of("output_code"), message)
                 break
 
 

@@ -413,7 +413,7 @@ def _check_date_in_history(
         return
     if date_in_history != manual.date:
         problem = f"revision {manual.revision} is dated {manual.date}, but {date_in_history} in 'history'"
-        report.add("date", manual.place_of("date"), problem)
+        report.add("date", manual.path_of("date"), problem)
 
 
 def _parse_date(date_text: str) -> datetime.date | None:

@@ -65,19 +65,19 @@ class _NamedText(NamedTuple):
 def _named_texts(spec: WrittenSpec) -> Iterator[_NamedText]:
     """Yield the texts about each parameter, part of an order code, data ID, field and value."""
     for name, parameter in spec.parameters.items():
-        yield _NamedText(name, parameter.meaning, parameter.place_of("meaning"))
+        yield _NamedText(name, parameter.meaning, parameter.path_of("meaning"))
     for code_part in spec.order_code.parts:
-        yield _NamedText(code_part.name, code_part.meaning, code_part.place_of("meaning"))
+        yield _NamedText(code_part.name, code_part.meaning, code_part.path_of("meaning"))
     rs485 = spec.interfaces.rs485
     if rs485 is not None:
         for data_id in rs485.data_ids:
             yield _NamedText(data_id.part.name, data_id.part.meaning, (*data_id.path, "meaning"))
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            yield _NamedText(field.name, field.meaning, field.place_of("meaning"))
-            yield _NamedText(field.name, field.when_active, field.place_of("when_active"))
+            yield _NamedText(field.name, field.meaning, field.path_of("meaning"))
+            yield _NamedText(field.name, field.when_active, field.path_of("when_active"))
             for value_name, value in field.values.items():
-                yield _NamedText(value_name, value.meaning, value.place_of("meaning"))
+                yield _NamedText(value_name, value.meaning, value.path_of("meaning"))
 
 
 def check_misspelt_fields(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -89,7 +89,7 @@ def check_misspelt_fields(spec: WrittenSpec, report: DocumentReport) -> None:
     counts: Counter[str] = Counter()
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            path_by_name.setdefault(field.name, field.place_of("name"))
+            path_by_name.setdefault(field.name, field.path_of("name"))
             counts[field.name] += 1
     compared_names = list(counts)[:_MOST_NAMES]
     for pair_of_names in combinations(compared_names, 2):
@@ -133,12 +133,12 @@ def check_numbers_in_printed_names(spec: WrittenSpec, report: DocumentReport) ->
     Only names with the same words are compared.
     """
     for register in spec.registers:
-        _compare_numbers(register.name, register.printed_name, register.place_of("printed_name"), report)
+        _compare_numbers(register.name, register.printed_name, register.path_of("printed_name"), report)
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            _compare_numbers(field.name, field.printed_name, field.place_of("printed_name"), report)
+            _compare_numbers(field.name, field.printed_name, field.path_of("printed_name"), report)
             for name, value in field.values.items():
-                _compare_numbers(name, value.printed_name, value.place_of("printed_name"), report)
+                _compare_numbers(name, value.printed_name, value.path_of("printed_name"), report)
 
 
 def _compare_numbers(name: str, printed_name: str, path: Path, report: DocumentReport) -> None:
@@ -165,7 +165,7 @@ def check_printed_widths(spec: WrittenSpec, report: DocumentReport) -> None:
                 count = abs(int(printed_range.group("first")) - int(printed_range.group("last"))) + 1
                 if width not in (count, 8 * count):
                     message = f"the range has {count} bits or bytes, but the field has {width} bits"
-                    report.add("printed-number", field.place_of("printed_name"), f"{message}; correct one of the two")
+                    report.add("printed-number", field.path_of("printed_name"), f"{message}; correct one of the two")
             _check_values_in_quotes(field, width, report)
 
 
@@ -184,7 +184,7 @@ def _check_values_in_quotes(field: WrittenField, width: int, report: DocumentRep
     for name, digits in other_digits.items():
         if is_binary:
             message = f"{quoted(digits)} is not a binary number of {width} bits, as in the other values of the field"
-            report.add("printed-number", field.values[name].place_of("printed_name"), message)
+            report.add("printed-number", field.values[name].path_of("printed_name"), message)
 
 
 #: Words of which one value cannot have both: in its name and in its meaning.
@@ -212,7 +212,7 @@ def check_name_and_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
             for name, value in field.values.items():
                 for word, opposite in _yield_contradictions(name, value.meaning):
                     message = f"{quoted(name)} has a meaning with {quoted(opposite)} and without {quoted(word)}"
-                    report.add("words-contradict", value.place_of("meaning"), f"{message}; correct one of the two")
+                    report.add("words-contradict", value.path_of("meaning"), f"{message}; correct one of the two")
 
 
 def _yield_contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
@@ -274,7 +274,7 @@ def check_procedure_name(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"the procedure {quoted(name)} has the same name as a value of {quoted(register_name)}, but writes"
                     f" {quoted(last_write.value)}; write that value, or rename the procedure"
                 )
-                report.add("procedure-name", last_write.place_of("value"), message)
+                report.add("procedure-name", last_write.path_of("value"), message)
 
 
 #: Letters that a word needs so that one differing letter is likely a mistake, not another word.

@@ -41,7 +41,7 @@ def check_characters(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"the meaning says {stated_bytes}, but 'equals' is {quoted(fixed_text)}, which is"
                     f" {expected_bytes} in hexadecimal; one of the two is wrong"
                 )
-                report.add("printed-number", field.place_of("equals"), message)
+                report.add("printed-number", field.path_of("equals"), message)
 
 
 def check_constant_bits(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -55,7 +55,7 @@ def check_constant_bits(spec: WrittenSpec, report: DocumentReport) -> None:
             for key, number in (("constant", field.constant), ("unused", field.unused)):
                 if number is not None and number != stated_number:
                     problem = f"the meaning says always {stated_numbers[0]}, but {quoted(key)} is {number}"
-                    report.add("printed-number", field.place_of(key), f"{problem}; one of the two is wrong")
+                    report.add("printed-number", field.path_of(key), f"{problem}; one of the two is wrong")
 
 
 def check_equal_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -98,7 +98,7 @@ def check_printed_number(spec: WrittenSpec, report: DocumentReport) -> None:
                 if printed_number is not None and printed_number != value.value:
                     problem = f"{quoted(name)} is printed as {value.printed_name}, which is {printed_number}"
                     message = f"{problem}, but 'value' is {value.value}"
-                    report.add("printed-number", value.place_of("value"), message)
+                    report.add("printed-number", value.path_of("value"), message)
 
 
 def _printed_number(printed_name: str, width: int | None) -> int | None:
@@ -135,7 +135,7 @@ def check_number_in_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"the meaning has {printed_numbers.pop():#x}, but {quoted(key)} is {fixed_number:#x}; "
                     "one of the two is wrong"
                 )
-                report.add("printed-number", field.place_of(key), message)
+                report.add("printed-number", field.path_of(key), message)
 
 
 def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
@@ -215,11 +215,11 @@ def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
     These are the numbers of its named values, and its fixed, default and expected numbers.
     """
     for name, value in field.values.items():
-        yield value.place_of("value"), f"the value {quoted(name)} is", value.value
+        yield value.path_of("value"), f"the value {quoted(name)} is", value.value
     numbers = {"constant": field.constant, "unused": field.unused, "default": field.default, "equals": field.equals}
     for key, number in numbers.items():
         if isinstance(number, int):
-            yield field.place_of(key), f"{quoted(key)} is", number
+            yield field.path_of(key), f"{quoted(key)} is", number
 
 
 def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -235,7 +235,7 @@ def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
             for path, subject, number in _numbers_in(field):
                 is_too_wide = number < 0 or number >> width > 0
                 # The number for which a stored 0 stands is sent as 0. A constant is sent as it is.
-                is_sent_as_zero = number == field.zero_means and path != field.place_of("constant")
+                is_sent_as_zero = number == field.zero_means and path != field.path_of("constant")
                 if is_too_wide and not is_sent_as_zero:
                     message = f"{subject} {number:#x}, which does not fit into {count_with_unit(width, 'bit')}"
                     report.add("value-too-wide", path, message)
@@ -320,7 +320,7 @@ def _texts_about_crcs(spec: WrittenSpec) -> Iterator[tuple[Path, str, Crc]]:
         affected_crcs = [crcs[name].part for name in affected_names if name in crcs]
         if len(affected_crcs) == 1:
             for key in ("used", "why"):
-                yield erratum.place_of(key), str(erratum.data.get(key, "")), affected_crcs[0]
+                yield erratum.path_of(key), str(erratum.data.get(key, "")), affected_crcs[0]
 
 
 def check_bits_of_fields(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -337,7 +337,7 @@ def check_bits_of_fields(spec: WrittenSpec, report: DocumentReport) -> None:
             is_named = match.group("name").casefold() in map(str.casefold, names)
             if is_named and field["at"] != int(match.group("bit")):
                 message = f"the text says bit {match['bit']}, but 'at' of the field is {field['at']}"
-                report.add("left-behind", erratum.place_of("used"), f"{message}; correct one of the two")
+                report.add("left-behind", erratum.path_of("used"), f"{message}; correct one of the two")
 
 
 def _affected_fields(erratum: WrittenErratum, targets: ErratumTargets) -> Iterator[dict[str, object]]:
@@ -358,7 +358,7 @@ def check_bytes_in_notes(spec: WrittenSpec, report: DocumentReport) -> None:
             bits = 8 * (2 + _NUMBER_WORDS.index(match.group("count")))
             if bits not in widths:
                 message = f"the text says {quoted(match[0])}, but no field of the layout has {bits} bits"
-                report.add("left-behind", layout.place_of("note"), f"{message}; correct one of the two")
+                report.add("left-behind", layout.path_of("note"), f"{message}; correct one of the two")
 
 
 def check_bits_in_notes(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -368,4 +368,4 @@ def check_bits_in_notes(spec: WrittenSpec, report: DocumentReport) -> None:
         for bits_in_text in _BITS_IN_TEXT.findall(example.note):
             if len(bits_in_text) == len(bits) and bits_in_text != bits:
                 message = f"the text has {bits_in_text}, but the bytes of the example are {bits} in binary"
-                report.add("left-behind", example.place_of("note"), f"{message}; correct one of the two")
+                report.add("left-behind", example.path_of("note"), f"{message}; correct one of the two")

@@ -232,7 +232,7 @@ def check_labels_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
         if unknown_labels:
             label = unknown_labels[0]
             message = f"{quoted(label)} is not in the order code; correct the text"
-            report.add("left-behind", erratum.place_of("used"), message, cause=label)
+            report.add("left-behind", erratum.path_of("used"), message, cause=label)
 
 
 def _known_labels(spec: WrittenSpec) -> set[str]:

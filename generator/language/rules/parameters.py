@@ -205,17 +205,17 @@ def check_parameter_origin(spec: WrittenSpec, report: DocumentReport) -> None:
         if len(origins) > 1:
             second_origin = origins[1]
             problem = f"{join_words(map(quoted, origins))} each define {quoted(name)}; keep one"
-            report.add("parameter-origin", parameter.place_of(second_origin), problem, at_key=True)
+            report.add("parameter-origin", parameter.path_of(second_origin), problem, at_key=True)
         if not parameter.by_code:
             continue
         limit_keys = [key for key in ("min", "max") if parameter.has(key)]
         if not parameter.read_from:
             problem = "'by_code' needs 'read_from', the register field that holds the code"
-            report.add("parameter-origin", parameter.place_of("by_code"), problem, at_key=True)
+            report.add("parameter-origin", parameter.path_of("by_code"), problem, at_key=True)
         elif limit_keys:
             limit_key = limit_keys[0]
             problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit_key)}"
-            report.add("parameter-origin", parameter.place_of(limit_key), problem, at_key=True)
+            report.add("parameter-origin", parameter.path_of(limit_key), problem, at_key=True)
 
 
 def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -230,7 +230,7 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
         own_parameters = [name for name, parameter in parameters if parameter.alternative == alternative.name]
         _check_answers(alternative, own_parameters, resolver)
     for name, parameter in spec.parameters.items():
-        path = parameter.place_of("alternative")
+        path = parameter.path_of("alternative")
         resolver.check_optional_name(path, "alternative", parameter.alternative, known_names=alternatives)
         alternative_of_parameter = alternatives.get(parameter.alternative)
         if alternative_of_parameter is not None and not _sets_parameter(alternative_of_parameter, name):
@@ -262,7 +262,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
         for name in answer.sets:
             first_answers.setdefault(name, answer_name)
     for answer_name, answer in alternative.values.items():
-        sets_path = answer.place_of("sets")
+        sets_path = answer.path_of("sets")
         for name in answer.sets:
             resolver.check_name((*sets_path, name), "parameter", name)
             if name in resolver.parameter_names and name not in own_parameters:
@@ -410,7 +410,7 @@ def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
         else:
             problem = f"is a multiple of {size.multiple} with the definitions of its parameters"
             limit = LARGEST_MULTIPLE
-        report.add("bad-expression", parameter.place_of("equals"), f"{quoted(name)} {problem}; the limit is {limit}")
+        report.add("bad-expression", parameter.path_of("equals"), f"{quoted(name)} {problem}; the limit is {limit}")
 
 
 def _find_size(name: str, parameters: Mapping[str, WrittenParameter], size_by_name: dict[str, _SumSize]) -> _SumSize:

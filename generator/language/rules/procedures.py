@@ -36,31 +36,31 @@ def check_procedure_references(spec: WrittenSpec, report: DocumentReport) -> Non
     """Check that the interfaces, registers, values and data IDs that procedures name exist."""
     resolver = NameResolver(spec, report)
     for procedure in spec.procedures:
-        resolver.check_optional_name(procedure.place_of("interface"), "interface", procedure.interface)
+        resolver.check_optional_name(procedure.path_of("interface"), "interface", procedure.interface)
         for argument in procedure.arguments:
-            resolver.check_optional_name(argument.place_of("of"), "register", argument.of)
+            resolver.check_optional_name(argument.path_of("of"), "register", argument.of)
             register = resolver.registers.get(argument.of)
             if register is not None:
                 noun = f"meaning of {quoted(argument.of)} called"
                 known_meanings = by_name(register.meanings)
-                resolver.check_optional_name(argument.place_of("as"), noun, argument.as_, known_names=known_meanings)
+                resolver.check_optional_name(argument.path_of("as"), noun, argument.as_, known_names=known_meanings)
         interface_data = spec.with_invalid_parts.interfaces.data.get(procedure.interface)
         data_ids = by_part_name(WrittenRs485(interface_data).data_ids)
         for step in procedure.steps:
             _check_names_in_step(step, procedure, resolver)
-            resolver.check_optional_name(step.place_of("data_id"), "data ID", step.data_id, known_names=data_ids)
+            resolver.check_optional_name(step.path_of("data_id"), "data ID", step.data_id, known_names=data_ids)
 
 
 def _check_names_in_step(step: WrittenStep, procedure: WrittenProcedure, resolver: NameResolver) -> None:
     """Check that the register, the field and the value that a step of a procedure names exist."""
     name = step.register
-    resolver.check_optional_name(step.place_of("register"), "register", name)
+    resolver.check_optional_name(step.path_of("register"), "register", name)
     register = resolver.registers.get(name)
     if register is None:
         return
     known_fields = resolver.bit_names(name)
     noun = f"field of {quoted(name)} called"
-    resolver.check_optional_name(step.place_of("field"), noun, step.field, known_names=known_fields)
+    resolver.check_optional_name(step.path_of("field"), noun, step.field, known_names=known_fields)
     has_unknown_field = bool(step.field) and step.field not in known_fields
     if not has_unknown_field:
         argument_names = [argument.name for argument in procedure.arguments]
@@ -76,7 +76,7 @@ def _check_written_value(
     reported, because it would change the other fields.
     """
     name = step.register
-    path = step.place_of("value")
+    path = step.path_of("value")
     possible_values = [*resolver.value_names(name, step.field), *argument_names]
     noun = f"argument, or value of {quoted(name)}, called"
     resolver.check_optional_name(path, noun, step.value, known_names=possible_values)
@@ -102,7 +102,7 @@ def check_written_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"no step writes the argument {quoted(argument.name)}; write it with"
                     f" 'value: {argument.name}', or remove the argument"
                 )
-                report.add("argument-not-written", argument.place_of("name"), message)
+                report.add("argument-not-written", argument.path_of("name"), message)
 
 
 #: Names of values that save parameters, such as ``save`` or ``store_all``.
@@ -167,13 +167,13 @@ def check_named_bank(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"{quoted(register.name)} is in a bank, but only BiSS has a register that selects banks; remove"
                 " 'bank', and describe in 'note' how the bank is selected"
             )
-            report.add("bank-not-selected", register.place_of("bank"), message, at_key=True)
+            report.add("bank-not-selected", register.path_of("bank"), message, at_key=True)
         elif not has_bank_select:
             message = (
                 f"{quoted(register.name)} is in bank {register.bank}; use 'bank_select' under 'biss' to name"
                 " the register that selects banks"
             )
-            report.add("bank-not-selected", register.place_of("bank"), message)
+            report.add("bank-not-selected", register.path_of("bank"), message)
 
 
 def check_selected_bank(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -196,7 +196,7 @@ def check_selected_bank(spec: WrittenSpec, report: DocumentReport) -> None:
             elif bank is not None and selected_bank not in (bank, _ANY_BANK):
                 problem = f"{quoted(step.register)} is in bank {bank}"
                 message = f"{problem}; write {bank} to {quoted(bank_register)} before this step"
-                report.add("bank-not-selected", step.place_of("register"), message)
+                report.add("bank-not-selected", step.path_of("register"), message)
 
 
 def _numbers_by_name(register: WrittenRegister, spec: WrittenSpec) -> dict[str, int | None]:
@@ -332,7 +332,7 @@ def check_register_of_argument(spec: WrittenSpec, report: DocumentReport) -> Non
                     f"the limits of {quoted(argument.name)} are those of {quoted(register_with_limits)}, but a step"
                     f" writes it to {quoted(written_names[0])}; correct one of the two"
                 )
-                report.add("argument-register", argument.place_of("of"), message)
+                report.add("argument-register", argument.path_of("of"), message)
 
 
 def check_counted_requests(spec: WrittenSpec, report: DocumentReport) -> None:

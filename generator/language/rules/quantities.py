@@ -192,7 +192,7 @@ def _check_threshold(spec: WrittenSpec, alarm: LocatedPart[Alarm], report: Docum
         return
     located_texts = [((*alarm.path, "meaning"), alarm.part.meaning)]
     for flag in _flags_of(spec, alarm.part):
-        located_texts += [(flag.place_of("meaning"), flag.meaning), (flag.place_of("when_active"), flag.when_active)]
+        located_texts += [(flag.path_of("meaning"), flag.meaning), (flag.path_of("when_active"), flag.when_active)]
     for path, text in located_texts:
         for number, unit in _VOLTAGE_IN_TEXT.findall(text):
             voltage_mv = Decimal(number) * _MILLIVOLTS_PER_UNIT[unit]
@@ -250,7 +250,7 @@ def check_units(spec: WrittenSpec, report: DocumentReport) -> None:
             if kind_of_unit(field.unit) != kind_of_unit(parameter_unit):
                 problem = f"field {quoted(field.name)} is in {field.unit}, but the parameter {quoted(field.equals)}"
                 message = f"{problem}, which it equals, is in {parameter_unit}"
-                report.add("unit-mismatch", field.place_of("unit"), message)
+                report.add("unit-mismatch", field.path_of("unit"), message)
     for path, text in expressions(spec):
         for factor in list_factors(text):
             if factor.parameter in parameters:

@@ -402,5 +402,5 @@ def _compare_with_port(rs485: WrittenRs485, settings: Iterable[_SettingInText], 
                 line, _ = report.document.position((*rs485.port.path, setting.key))
                 requirement = f"{quoted(setting.key)} of 'port' on line {line} requires {setting.expected_word}"
                 message = f"the text says {quoted(word)}, but {requirement}; correct one of the two"
-                report.add("port-mismatch", rs485.place_of("note"), message)
+                report.add("port-mismatch", rs485.path_of("note"), message)
                 return

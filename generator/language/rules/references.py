@@ -58,7 +58,7 @@ def check_field_references(spec: WrittenSpec, report: DocumentReport) -> None:
             if field.values_of and not may_use_data_ids:
                 problem = f"the interface {quoted(field_list.interface)} has no table of data IDs"
                 message = f"{problem}; list the values with 'values'"
-                report.add("undefined-reference", field.place_of("values_of"), message)
+                report.add("undefined-reference", field.path_of("values_of"), message)
         _check_layout(field_list, names, resolver)
 
 
@@ -78,8 +78,8 @@ def _check_layout(field_list: FieldList, known_fields: Sequence[str], resolver: 
     gray = layout.gray if layout is not None else None
     if gray is not None:
         known_numbers = [*known_fields, *field_list.joins]
-        resolver.check_optional_name(gray.place_of("of"), "field or joined number", gray.of, known_names=known_numbers)
-        resolver.check_optional_name(gray.place_of("when"), "parameter", gray.when)
+        resolver.check_optional_name(gray.path_of("of"), "field or joined number", gray.of, known_names=known_numbers)
+        resolver.check_optional_name(gray.path_of("when"), "parameter", gray.when)
     for name in field_list.selectors:
         resolver.check_name((*path, "when", name), "field", name, known_names=known_fields)
     for joined_number, names_of_parts in field_list.joins.items():
@@ -94,17 +94,17 @@ def _check_field(
     ``names_in_layout`` are the names of the fields of its layout. Several fields can be joined to one of the
     ``joined_numbers``, which also have names.
     """
-    resolver.check_optional_name(field.place_of("use"), "field group", field.use)
-    resolver.check_optional_name(field.place_of("crc"), "CRC", field.crc)
+    resolver.check_optional_name(field.path_of("use"), "field group", field.use)
+    resolver.check_optional_name(field.path_of("crc"), "CRC", field.crc)
     other_fields = [name for name in names_in_layout if name != field.name]
     fields_and_joins = [*other_fields, *joined_numbers]
-    parity_path = field.place_of("parity_of")
+    parity_path = field.path_of("parity_of")
     # A single name may be written without a list. In this case, its path has no index.
     is_single_name = isinstance(field.data.get("parity_of"), str)
     for index, name in enumerate(field.parity_of):
         name_path = parity_path if is_single_name else (*parity_path, index)
         resolver.check_name(name_path, "other field", name, known_names=fields_and_joins)
-    resolver.check_each_name(field.place_of("crc_of"), "other field", field.crc_of, known_names=other_fields)
+    resolver.check_each_name(field.path_of("crc_of"), "other field", field.crc_of, known_names=other_fields)
     for index, bit in enumerate(field.explained_by):
         resolver.check_bit_path((*field.path, "explained_by", index), bit)
 
@@ -116,7 +116,7 @@ def check_register_references(spec: WrittenSpec, report: DocumentReport) -> None
     """
     resolver = NameResolver(spec, report)
     for register in spec.registers:
-        resolver.check_optional_name(register.place_of("interface"), "interface", register.interface)
+        resolver.check_optional_name(register.path_of("interface"), "interface", register.interface)
         if register.interface is None and Biss.name not in spec.with_invalid_parts.interfaces.data:
             message = f"registers belong to {Biss.name} by default, but this device has no {Biss.name}; add 'interface'"
             report.add("undefined-reference", register.path, message)
@@ -124,10 +124,10 @@ def check_register_references(spec: WrittenSpec, report: DocumentReport) -> None
             _check_opener(register.opened_by, resolver)
         field_list = FieldList(FieldOwner.REGISTER, register, interface="")
         known_numbers = [*fields_by_name(field_list, resolver.groups), *register.join]
-        limits_path = register.place_of("limits_of")
+        limits_path = register.path_of("limits_of")
         noun = "field or joined number"
         resolver.check_optional_name(limits_path, noun, register.limits_of, known_names=known_numbers)
-        resolver.check_each_name(register.place_of("write_clears"), "register", register.write_clears)
+        resolver.check_each_name(register.path_of("write_clears"), "register", register.write_clears)
         for meaning in register.meanings:
             _check_meaning(meaning, resolver)
 
@@ -138,17 +138,17 @@ def _check_opener(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
     If the register has several fields, the spec must say which of them needs the value.
     """
     name = opener.register
-    resolver.check_optional_name(opener.place_of("register"), "register", name)
+    resolver.check_optional_name(opener.path_of("register"), "register", name)
     if name not in resolver.registers:
         return
     known_fields = resolver.bit_names(name)
     noun = f"field of {quoted(name)} called"
-    resolver.check_optional_name(opener.place_of("field"), noun, opener.field, known_names=known_fields)
+    resolver.check_optional_name(opener.path_of("field"), noun, opener.field, known_names=known_fields)
     is_field_known = opener.field in known_fields
     if opener.field and not is_field_known:
         return
     known_values = resolver.value_names(name, opener.field)
-    value_path = opener.place_of("value")
+    value_path = opener.path_of("value")
     resolver.check_optional_name(value_path, f"value of {quoted(name)} called", opener.value, known_names=known_values)
     is_ambiguous = not opener.field and len(known_fields) > 1
     if is_ambiguous and opener.value in known_values:
@@ -161,12 +161,12 @@ def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> N
 
     The field is written as ``register.field``.
     """
-    resolver.check_bit_path(meaning.place_of("when"), meaning.when)
+    resolver.check_bit_path(meaning.path_of("when"), meaning.when)
     register_name, _, field_name = meaning.when.partition(".")
     if register_name in resolver.registers and field_name in resolver.bit_names(register_name):
         noun = f"value of {quoted(meaning.when)} called"
         known_values = resolver.value_names(register_name, field_name)
-        resolver.check_optional_name(meaning.place_of("is"), noun, meaning.is_, known_names=known_values)
+        resolver.check_optional_name(meaning.path_of("is"), noun, meaning.is_, known_names=known_values)
 
 
 def check_device_references(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -178,8 +178,8 @@ def check_device_references(spec: WrittenSpec, report: DocumentReport) -> None:
     resolver = NameResolver(spec, report)
     for parameter in spec.parameters.values():
         if parameter.read_from:
-            resolver.check_bit_path(parameter.place_of("read_from"), parameter.read_from)
-        resolver.check_optional_name(parameter.place_of("interface"), "interface", parameter.interface)
+            resolver.check_bit_path(parameter.path_of("read_from"), parameter.read_from)
+        resolver.check_optional_name(parameter.path_of("interface"), "interface", parameter.interface)
     for hardware_input in spec.inputs:
         inverted_bit = hardware_input.part.inverts
         needed_bit = hardware_input.part.needs
@@ -197,7 +197,7 @@ def check_device_references(spec: WrittenSpec, report: DocumentReport) -> None:
             _check_measured_field(measurement, spec, resolver, report)
     biss = spec.interfaces.biss
     if biss is not None:
-        resolver.check_optional_name(biss.place_of("bank_select"), "register", biss.bank_select)
+        resolver.check_optional_name(biss.path_of("bank_select"), "register", biss.bank_select)
 
 
 def _check_measured_field(
@@ -320,12 +320,12 @@ def check_printed_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the registers, fields and errata exist that ``printed_defaults``, the manual's own list, names."""
     resolver = NameResolver(spec, report)
     for printed in spec.printed_defaults:
-        resolver.check_optional_name(printed.place_of("register"), "register", printed.register)
+        resolver.check_optional_name(printed.path_of("register"), "register", printed.register)
         if printed.register in resolver.registers:
             noun = f"field of {quoted(printed.register)} called"
             known_fields = resolver.bit_names(printed.register)
-            resolver.check_optional_name(printed.place_of("field"), noun, printed.field, known_names=known_fields)
-        resolver.check_optional_name(printed.place_of("erratum"), "erratum", printed.erratum)
+            resolver.check_optional_name(printed.path_of("field"), noun, printed.field, known_names=known_fields)
+        resolver.check_optional_name(printed.path_of("erratum"), "erratum", printed.erratum)
 
 
 def check_unused_crc(spec: WrittenSpec, report: DocumentReport) -> None:

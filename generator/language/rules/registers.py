@@ -40,7 +40,7 @@ def check_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"'address' {register.address:#04x} and 'length' {register.length} "
                 f"result in {_address_text(register.address, highest_address)}"
             )
-            report.add("addresses-mismatch", register.place_of("addresses"), message)
+            report.add("addresses-mismatch", register.path_of("addresses"), message)
 
 
 def _address_text(lowest: int, highest: int) -> str:
@@ -77,10 +77,10 @@ def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: Do
     differences = list(_differences_of_bytes(row, register) if row.bytes else _differences_of_bits(row, register))
     if differences and not row.erratum:
         difference = differences[0]
-        report.add("default-mismatch", row.place_of(difference.key), difference.message)
+        report.add("default-mismatch", row.path_of(difference.key), difference.message)
     elif not differences and row.erratum:
         message = f"the row is correct, so {quoted(row.erratum)} explains nothing; remove 'erratum'"
-        report.add("default-mismatch", row.place_of("erratum"), message)
+        report.add("default-mismatch", row.path_of("erratum"), message)
 
 
 class _Difference(NamedTuple):
@@ -160,7 +160,7 @@ def check_register_range(spec: WrittenSpec, report: DocumentReport) -> None:
         if end_address > highest_address:
             extent = f"{quoted(register.name)} extends to {end_address:#x}"
             message = f"{extent}, but {area_text} ends at {highest_address:#x}"
-            report.add("register-range", register.place_of("address"), message)
+            report.add("register-range", register.path_of("address"), message)
 
 
 _BIT = r"\d{1,3}(?::\d{1,3})?"
@@ -191,7 +191,7 @@ def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"the note says that bit {min(contradicting_bits)} is not used, but {quoted(field.name)} uses it; "
                     "one of the two is wrong"
                 )
-                report.add("unused-bits", field.place_of("at"), message)
+                report.add("unused-bits", field.path_of("at"), message)
 
 
 def _bits_at(place: int | str | None) -> range:
@@ -229,7 +229,7 @@ def check_repeated_access(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"all fields of {quoted(register.name)} have a fixed value ('equals'), so it should be read_only; "
                 "if the manual says read_write, say so in a 'note'"
             )
-            report.add("access-mismatch", register.place_of("access"), message)
+            report.add("access-mismatch", register.path_of("access"), message)
     for erratum in spec.errata:
         _check_access_in_erratum(spec, erratum, report)
 
@@ -253,7 +253,7 @@ def _check_access_in_erratum(spec: WrittenSpec, erratum: WrittenErratum, report:
         access = registers[name].access
         if access != stated_access:
             message = f"this says {stated_access}, but {quoted(name)} is {access}; one of the two is wrong"
-            report.add("access-mismatch", erratum.place_of("used"), message)
+            report.add("access-mismatch", erratum.path_of("used"), message)
 
 
 def check_zero_within_limits(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -273,7 +273,7 @@ def check_zero_within_limits(spec: WrittenSpec, report: DocumentReport) -> None:
                 message = (
                     f"zero stands for {meaning_of_zero}, which is above 'max' ({highest}); one of the two is wrong"
                 )
-                report.add("limit-does-not-fit", register.place_of("max"), message)
+                report.add("limit-does-not-fit", register.path_of("max"), message)
 
 
 def check_cleared_registers(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -287,7 +287,7 @@ def check_cleared_registers(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"{quoted(register.name)} clears itself, but its default is {default:#04x}; correct one of the two, or"
                 f" say in a 'note' that it returns to {default:02X}h"
             )
-            report.add("default-mismatch", register.place_of("default"), message)
+            report.add("default-mismatch", register.path_of("default"), message)
 
 
 def _contains_number(text: str, number: int) -> bool:
@@ -324,7 +324,7 @@ def check_read_only_registers(spec: WrittenSpec, report: DocumentReport) -> None
                 f"{quoted(register.name)} has {content_text}, and nothing says what to write there; write 'access:"
                 " read_only', or say in a 'note' what can be written"
             )
-            report.add("access-mismatch", register.place_of("access"), message)
+            report.add("access-mismatch", register.path_of("access"), message)
 
 
 def _is_flag_or_fixed(field: WrittenField) -> bool:
@@ -359,7 +359,7 @@ def check_returning_registers(spec: WrittenSpec, report: DocumentReport) -> None
         if _RETURNS_BY_ITSELF.search(register.note) and not register.clears_itself:
             message = "the note says that the register returns to 0; write 'clears_itself: true', or correct the note"
             key = "clears_itself" if register.has("clears_itself") else "name"
-            report.add("words-contradict", register.place_of(key), message)
+            report.add("words-contradict", register.path_of(key), message)
 
 
 #: An address or a command in a text, such as "register (1Fh)" or "command 03".

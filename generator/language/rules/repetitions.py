@@ -95,8 +95,8 @@ def _check_values(field: WrittenField, report: DocumentReport) -> None:
     printed_names = []
     long_meanings = []
     for name, value in field.values.items():
-        printed_name = _NamedText(value.printed_name, name, value.place_of("printed_name"))
-        meaning = _NamedText(value.meaning, name, value.place_of("meaning"))
+        printed_name = _NamedText(value.printed_name, name, value.path_of("printed_name"))
+        meaning = _NamedText(value.meaning, name, value.path_of("meaning"))
         printed_names.append(printed_name)
         has_three_words = meaning.text.count(" ") > 1  # Several values can be "not used".
         if has_three_words:
@@ -110,7 +110,7 @@ def _printed_name_of(register_or_field: WrittenRegister | WrittenField) -> _Name
     return _NamedText(
         text=register_or_field.printed_name,
         name=register_or_field.name or str(register_or_field.path[-1]),
-        path=register_or_field.place_of("printed_name"),
+        path=register_or_field.path_of("printed_name"),
     )
 
 
@@ -229,7 +229,7 @@ def check_duplicate_title(spec: WrittenSpec, report: DocumentReport) -> None:
         if first_path != erratum.path:
             line, _ = report.document.position((*first_path, "title"))
             message = f"the erratum on line {line} has the same title; say what differs in this one"
-            report.add("duplicate-name", erratum.place_of("title"), message)
+            report.add("duplicate-name", erratum.path_of("title"), message)
 
 
 def check_duplicate_field(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -317,7 +317,7 @@ def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister
         f"{_address_range(register)} {verb} {quoted(earlier_register.name)} on line {line}, "
         f"which has {_address_range(earlier_register)}"
     )
-    report.add("duplicate-address", register.place_of("address"), message)
+    report.add("duplicate-address", register.path_of("address"), message)
 
 
 def check_value_clash(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -329,7 +329,7 @@ def check_value_clash(spec: WrittenSpec, report: DocumentReport) -> None:
                 first_name = first_names.setdefault(value.value, name)
                 if first_name != name:
                     message = f"{value.value:#x} is already {quoted(first_name)}; a number can have only one name"
-                    report.add("value-clash", value.place_of("value"), message)
+                    report.add("value-clash", value.path_of("value"), message)
 
 
 def _names_for_all_order_codes(parts: Sequence[PlacedPart]) -> Iterator[LocatedValue]:

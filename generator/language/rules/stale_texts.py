@@ -66,7 +66,7 @@ def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
         messages = [_message_on_quantity(quantity, stated_by_kind) for quantity in quantities]
         first_message = next(filter(None, messages), "")
         if first_message:
-            report.add("left-behind", erratum.place_of(key), first_message, cause=first_message)
+            report.add("left-behind", erratum.path_of(key), first_message, cause=first_message)
 
 
 def _message_on_quantity(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
@@ -250,7 +250,7 @@ def check_byte_order_in_texts(spec: WrittenSpec, report: DocumentReport) -> None
             stated_order = f"{match['byte']}_byte_first"
             if register.byte_order != stated_order:
                 problem = f"the text says {quoted(match[0])}, but 'byte_order' is {register.byte_order}"
-                report.add("left-behind", register.place_of(key), f"{problem}; correct one of the two")
+                report.add("left-behind", register.path_of(key), f"{problem}; correct one of the two")
 
 
 #: A number such as ``0x3F``, ``3Fh`` or ``63``.
@@ -324,7 +324,7 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
         message += ", in the other byte order; correct 'byte_order', 'default' or the bytes"
     else:
         message += "; correct one of the two, or give the example another name"
-    report.add("left-behind", example.place_of("bytes"), message)
+    report.add("left-behind", example.path_of("bytes"), message)
 
 
 def _check_number_in_erratum(
@@ -335,7 +335,7 @@ def _check_number_in_erratum(
     ``numbers`` contains the number under the key for each part of the section, by name.
     """
     affected_numbers = _numbers_affected_by(erratum, key, numbers)
-    _check_number_in_text(erratum.used, key, affected_numbers, path=erratum.place_of("used"), report=report)
+    _check_number_in_text(erratum.used, key, affected_numbers, path=erratum.path_of("used"), report=report)
 
 
 def _numbers_affected_by(erratum: WrittenErratum, key: _KeyWithText, numbers: _NumberByName) -> _NumberByName:

@@ -47,7 +47,7 @@ def check_interface_of_steps(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"{quoted(step.register)} is a register of {interface_of_register}, but the procedure is for"
                     f" {procedure.interface}; correct the interface of one of the two"
                 )
-                report.add("interface-mismatch", step.place_of("register"), message, cause=procedure.name)
+                report.add("interface-mismatch", step.path_of("register"), message, cause=procedure.name)
 
 
 def check_polled_values(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -66,7 +66,7 @@ def check_polled_values(spec: WrittenSpec, report: DocumentReport) -> None:
             if bits_above_width:
                 bits_text = "1 bit" if width == 1 else f"{width} bits"
                 message = f"{quoted(step.field)} has {bits_text}, so it is never {step.until}"
-                report.add("value-too-wide", step.place_of("until"), message)
+                report.add("value-too-wide", step.path_of("until"), message)
 
 
 def _width_of(register: WrittenRegister, field_name: str, groups: Groups) -> int | None:
@@ -98,7 +98,7 @@ def check_waits_of_registers(spec: WrittenSpec, report: DocumentReport) -> None:
                     f" {waited_ms} ms; correct one of the two, or say in a 'note' of the procedure why it takes"
                     f" {waited_ms} ms"
                 )
-                report.add("wait-mismatch", waits[0].place_of("at_least_ms"), message)
+                report.add("wait-mismatch", waits[0].path_of("at_least_ms"), message)
 
 
 def _milliseconds_in_texts(procedure: WrittenProcedure) -> Iterator[int]:
@@ -163,7 +163,7 @@ def check_polled_levels(spec: WrittenSpec, report: DocumentReport) -> None:
             final_level = stated_level if match.group("conjunction") == "when" else 1 - stated_level
             if step.until != final_level:
                 problem = f"the meaning says {quoted(match[0])}, but 'until' is {step.until}"
-                report.add("words-contradict", step.place_of("until"), f"{problem}; one of the two is wrong")
+                report.add("words-contradict", step.path_of("until"), f"{problem}; one of the two is wrong")
 
 
 #: The level of a bit in a meaning such as ``0 until the value is saved``.
@@ -194,7 +194,7 @@ def _check_conditions_between_requests(step: WrittenStep, report: DocumentReport
         if value:
             key_text = quoted(key)
             problem = f"{key_text} applies to several requests, but the step {request_count}"
-            report.add("step-shape", step.place_of(key), f"{problem}; add 'times', or remove {key_text}", at_key=True)
+            report.add("step-shape", step.path_of(key), f"{problem}; add 'times', or remove {key_text}", at_key=True)
             return
 
 
@@ -215,11 +215,11 @@ def check_step_access(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"{quoted(step.register)} is write_only, so a step cannot keep its other bits; "
                     "describe it as one field with all its bits, and remove 'field'"
                 )
-                report.add("access-mismatch", step.place_of("field"), message)
+                report.add("access-mismatch", step.path_of("field"), message)
             is_impossible = bool(register.access) and _IMPOSSIBLE_ACCESS.get(step.do) == register.access
             if is_impossible:
                 message = f"{quoted(step.register)} is {register.access}, so a step cannot {step.do} it"
-                report.add("access-mismatch", step.place_of("register"), message)
+                report.add("access-mismatch", step.path_of("register"), message)
     _check_written_registers(spec, _names_with_access(registers, "read_only"), report)
     _check_read_registers(spec, _names_with_access(registers, "write_only"), report)
 
@@ -234,7 +234,7 @@ def _check_written_registers(spec: WrittenSpec, read_only_names: Collection[str]
         unlocking_register = register.opened_by.register if register.opened_by is not None else ""
         if unlocking_register in read_only_names:
             message = f"{quoted(unlocking_register)} is read_only, so it cannot unlock {quoted(register.name)}"
-            report.add("access-mismatch", (*register.place_of("opened_by"), "register"), message)
+            report.add("access-mismatch", (*register.path_of("opened_by"), "register"), message)
     bank_register = bank_select_register(spec)
     if bank_register in read_only_names:
         message = f"{quoted(bank_register)} is read_only, so it cannot select a bank"
@@ -247,7 +247,7 @@ def _check_read_registers(spec: WrittenSpec, write_only_names: Collection[str], 
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
         if register_name in write_only_names:
             message = f"{quoted(register_name)} is write_only, so {quoted(parameter_name)} cannot be read from it"
-            report.add("access-mismatch", parameter.place_of("read_from"), message)
+            report.add("access-mismatch", parameter.path_of("read_from"), message)
     for located_alarm in spec.alarms:
         alarm = located_alarm.part
         if alarm.register in write_only_names:
@@ -288,7 +288,7 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
         return None
     if not waits_ms:
         return write.path, "there is no wait here"
-    return waits[0].place_of("at_least_ms"), f"the wait here is {total_ms} ms"
+    return waits[0].path_of("at_least_ms"), f"the wait here is {total_ms} ms"
 
 
 def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -315,7 +315,7 @@ def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"{quoted(step.register)} must be unlocked by writing {quoted(opener.value)} to"
                     f" {quoted(opener.register)}, but {quoted(last_value)} was written there"
                 )
-                report.add("not-opened", step.place_of("register"), message)
+                report.add("not-opened", step.path_of("register"), message)
 
 
 def _writes_to_opener(step: WrittenStep, opener: WrittenOpenedBy) -> bool:

@@ -171,7 +171,7 @@ def check_lengths_of_errata(spec: WrittenSpec, report: DocumentReport) -> None:
             length = Decimal(number_text.replace(",", "")) * _NANOMETRES_PER_UNIT[unit]
             if length not in lengths_in_tables:
                 message = f"no table that it affects has {number_text} {unit}; correct one of the two"
-                report.add("left-behind", erratum.place_of("used"), message)
+                report.add("left-behind", erratum.path_of("used"), message)
                 break
 
 

@@ -97,9 +97,9 @@ def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentRe
         affected_timings = [fact for fact in affected_facts if _is_timing(fact)]
         times_of_only_timing = cached_times.times_in(affected_timings[0]) if len(affected_timings) == 1 else set()
         if affected_times and used_times.isdisjoint(affected_times | named_times):
-            _report_time(time_matches[0], affected_times, erratum.place_of("used"), report)
+            _report_time(time_matches[0], affected_times, erratum.path_of("used"), report)
         elif times_of_only_timing and used_times.isdisjoint(times_of_only_timing):
-            _report_time(time_matches[0], times_of_only_timing, erratum.place_of("used"), report)
+            _report_time(time_matches[0], times_of_only_timing, erratum.path_of("used"), report)
 
 
 class _CachedTimes:
@@ -277,7 +277,7 @@ def check_intervals(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"the interval is {interval_us} µs, but the shortest time in 'timings' of rs485 is {known_text};"
                     " correct one of the two, or add the interval to 'timings'"
                 )
-                report.add("time-repeated", step.place_of("every_at_least_us"), message)
+                report.add("time-repeated", step.path_of("every_at_least_us"), message)
 
 
 #: Place of the timeouts of BiSS, and the path of their printed values in errata.
