@@ -108,7 +108,7 @@ release: .venv/.tested
 
 # The parts of the spec language that are described by classes, in the JSON Schema.
 schema: .venv/.installed
-	@$(PY) -m codewheel.language.part_schema
+	@$(PY) -m codewheel.language.schemas
 
 spec-page: schema
 	@$(PY) -m codewheel.language.language_page docs/transcribe

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from codewheel.language.schema_files import is_second
+from codewheel.language.files import is_second
 
 from .campaign import TriedMutant
 from .effects import Effect

@@ -35,8 +35,8 @@ def run(arguments: argparse.Namespace) -> int:
         CommandError: The family does not exist (exit code 2), it has problems, or its sheet cannot be read (exit code
             1).
     """
+    from ..language.files import word_sheet_path
     from ..language.problems import ProblemReport
-    from ..language.schema_files import word_sheet_path
     from ..readings.cloze import as_lines, open_gaps, read_sheet, sheet
     from .facts import family_named
     from .read_specs import specs_to_judge

@@ -328,7 +328,7 @@ def _read_side(
     """
     from tempfile import TemporaryDirectory
 
-    from ..language.migrate import migrate
+    from ..language.schema_check import migrate
     from ..loading.library import load_families
     from ..loading.revisions import RevisionError, revision_in, write_revision
 

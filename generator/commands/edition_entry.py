@@ -10,7 +10,7 @@ import yaml
 
 from ..changes.rules import Change
 from ..language.document import label_of, resolve, steps_of, value_at
-from ..language.rules.values import HEXADECIMAL
+from ..language.rules.numbers import HEXADECIMAL
 from ..loading.library import Family
 from ..model import Variant
 

@@ -49,7 +49,7 @@ def checked_line(text: str) -> EncoderLine:
 
 def line_problems(error: LineError) -> CommandError:
     """Print all problems of a line to standard error, and return the ``CommandError`` to raise."""
-    from ..language.excerpt import excerpt, visible
+    from ..language.document import excerpt, visible
 
     for column, message in error.problems:
         print(f"column {column}: {visible(message)}", *excerpt(error.text, column), sep="\n", file=sys.stderr)

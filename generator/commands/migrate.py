@@ -17,7 +17,7 @@ from .terminal import CommandError
 if TYPE_CHECKING:
     import argparse
 
-    from ..language.migrate import Edit
+    from ..language.schema_check import Edit
 
 EXAMPLES = ("codewheel migrate my_encoder.yaml", "codewheel migrate --check my_encoder.yaml")
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
@@ -73,8 +73,7 @@ def _print_decisions(paths: Sequence[Path], changes: int) -> int:
 
 def _specs_and_second_readings(paths: Iterable[Path]) -> Iterator[Path]:
     """Yield the specs, each followed by its second reading if it has one."""
-    from ..language.files import find_files, is_folder
-    from ..language.schema_files import second_reading_path
+    from ..language.files import find_files, is_folder, second_reading_path
 
     for path in paths:
         specs = find_files(path).specs if is_folder(path) else (path,)
@@ -90,9 +89,9 @@ def _migrate_file(path: Path, *, only_check: bool) -> int:
 
     A file that cannot be read has no changes.
     """
-    from ..language.migrate import migrate
     from ..language.problems import ProblemReport
     from ..language.read import read_document
+    from ..language.schema_check import migrate
 
     document = read_document(path, ProblemReport())
     edits = migrate(document) if document is not None else ()
@@ -111,7 +110,7 @@ def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
     Raises:
         CommandError: It cannot be written. The exit code is 1.
     """
-    from ..language.migrate import edited
+    from ..language.schema_check import edited
 
     content = path.read_bytes()
     mark = _BYTE_ORDER_MARK if content.startswith(_BYTE_ORDER_MARK) else b""

@@ -154,7 +154,7 @@ def _refuse_invalid_name(name: str) -> None:
     Raises:
         NameRefused: The name is not valid, or something else in the tool or in generated files has this name.
     """
-    from ..language.rules.names import TAKEN
+    from ..language.rules.repetitions import TAKEN
 
     if not _is_valid_name(name):
         rule = "use lowercase letters, digits and underscores"
@@ -196,7 +196,7 @@ def _suggested_name(name: str) -> str:
 
     If a family cannot have that name, or it is the given one, return an example.
     """
-    from ..language.rules.names import TAKEN
+    from ..language.rules.repetitions import TAKEN
 
     with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     suggestion = with_underscores[:_LONGEST_NAME]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Sequence
 
-from ..language.excerpt import visible
+from ..language.document import visible
 from ..language.problems import quoted
 from ..model import Alternative, Device, Layout, Variant
 from ..order_codes.reduction import for_interface, reduced_to_codes

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache, content_of
-from ..language.files import MANUFACTURER, family_files, spec_files
-from ..language.schema_files import is_second
+from ..language.files import MANUFACTURER, family_files, is_second, spec_files
 from ..loading.stored import store_device, stored_device
 
 if TYPE_CHECKING:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from .document import Document
+from .files import family_of
 from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, ProblemReport
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
+from .rules.numbers import check_number_base
 from .rules.order_code import are_codes_complete
-from .rules.values import check_number_base
-from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, without_places
-from .schema_files import family_of, schema_without_references, with_stand_ins
+from .schema_check import SOME_SOURCE, FileKind, SchemaResult, check_schema, place_to_remove, without_places
+from .schemas import PROSE, schema_without_references
 from .written_parts import WrittenSpec
 
 #: Stand-ins for missing keys at the top level, so that the rest can be built and checked.
@@ -152,4 +154,26 @@ def _with_stand_ins(checked_data: dict[str, Any], has_valid_codes: bool, documen
     completed_data["interfaces"] = {
         interface_name: {"layouts": [], **interface} for interface_name, interface in interfaces.items()
     }
+    return completed_data
+
+
+def with_stand_ins(file_data: Any, schema: Mapping[str, Any]) -> Any:
+    """Return the data of a second reading with a stand-in for each missing key for prose that device files must have.
+
+    ``schema`` is the schema of the same data in device files, without references.
+    """
+    if isinstance(file_data, list):
+        return [with_stand_ins(inner, schema.get("items", {})) for inner in file_data]
+    if not isinstance(file_data, dict):
+        return file_data
+    schema_by_key = schema.get("properties", {})
+    schema_of_other_keys = schema.get("additionalProperties")
+    if not isinstance(schema_of_other_keys, dict):  # False: no other keys are allowed.
+        schema_of_other_keys = {}
+    completed_data = {}
+    for key, value in file_data.items():
+        completed_data[key] = with_stand_ins(value, schema_by_key.get(key) or schema_of_other_keys)
+    for key in schema.get("required", ()):
+        if key not in completed_data and key in PROSE:
+            completed_data[key] = SOME_SOURCE if key == "source" else "?"
     return completed_data

@@ -1,4 +1,4 @@
-"""A spec as plain data, with the place of each value in its file, and the paths that overlays name.
+"""A spec as plain data, with the place of each value in its file, and the lines of the file as a terminal shows them.
 
 Nothing is modified in place. To change a value, each map and list on its path is copied, together with the marks of its
 place in the file. New values keep the marks of the file from which they come.
@@ -7,7 +7,8 @@ place in the file. New values keep the marks of the file from which they come.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+import unicodedata
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -118,7 +119,7 @@ class Document:
         text = ""
         node: Any = self.data
         for step in self.original(path):
-            child = _child_at(node, step)
+            child = child_at(node, step)
             if isinstance(node, list) and isinstance(step, int):
                 label = label_of(child)
                 has_plain_label = label is not None and _PLAIN_LABEL.fullmatch(label)
@@ -147,7 +148,7 @@ class Document:
         original_path: Path = ()
         for step in path:
             original_step = self._original_step(node, step, original_path)
-            node = _child_at(node, original_step)
+            node = child_at(node, original_step)
             original_path += (original_step,)
         return original_path
 
@@ -178,7 +179,7 @@ class Document:
         return self._indices[id(node)].get(label, label)
 
 
-def _child_at(node: Any, step: str | int) -> Any:
+def child_at(node: Any, step: str | int) -> Any:
     """Return the value at a key of a map or at an index of a list, or None if there is none."""
     if isinstance(node, list):
         return node[step] if isinstance(step, int) and 0 <= step < len(node) else None
@@ -199,11 +200,6 @@ def label_of(list_item: Any) -> str | None:
 
 
 _PATH_STEP = re.compile(r"\[([0-9]+)\]|\.?([^.\[\]]+)")
-#: Lists and maps that the path of an erratum omits, because their items are identified by name.
-LEFT_OUT = frozenset(
-    "layouts fields combinations values parts steps arguments meanings data_ids contacts timings".split()
-)
-_NOT_IN_NAMES = re.compile(r"[^a-z0-9_]")
 
 #: Function from a map or list to its replacement.
 _Edit = Callable[[Any, SourceMark], tuple[Any, SourceMark]]
@@ -371,69 +367,78 @@ def _with_edited_parent(root: Any, mark: SourceMark, parent_path: Path, edit: _E
     return new_data, replace(mark, children={**mark.children, key: new_child_mark})
 
 
-def as_affected(root: Any, path: Path) -> str:
-    """Return a path in the form used by errata: ``registers.preset`` or ``interfaces.biss.word.crc``.
+def excerpt(line_text: str, column: int, width: int = 80) -> list[str]:
+    """Return two lines: the part of a line around a column, and a caret below the column. Empty for a blank line."""
+    if not line_text.strip():
+        return []
+    window, caret = _cut_window(line_text, column, max(width, 20) - 4)
+    return [f"    {window}", f"    {' ' * caret}^"]
 
-    Elements of lists are given by their names, and keys such as ``layouts`` below the top level are omitted. The path
-    ends before the first element without a name.
+
+def visible(text: str) -> str:
+    """Return a text in which every character that controls a terminal is replaced by an escape such as ``\\x1b``."""
+    return "".join(map(_visible_character, text))
+
+
+def _visible_character(character: str) -> str:
+    """Return a character, or an escape such as ``\\x1b`` if it controls the terminal."""
+    if unicodedata.category(character) not in ("Cc", "Cf", "Cs", "Zl", "Zp"):
+        return character
+    if character == "\t":
+        return "\\t"
+    code = ord(character)
+    if code < 0x100:
+        return f"\\x{code:02x}"
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+
+
+def _measure_columns(text: str) -> int:
+    """Return the width of a text in a terminal: two columns for a wide character, none for a combining one."""
+    wide_count = sum(unicodedata.east_asian_width(character) in "WF" for character in text)
+    combining_count = sum(unicodedata.combining(character) != 0 for character in text)
+    return len(text) + wide_count - combining_count
+
+
+def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
+    """Return the part of a line to show, without its indentation, and the offset of the caret in it, in columns.
+
+    A line with more than ``width`` columns is cut so that the caret is visible, with more text before it than after.
     """
-    named_steps: list[str] = []
-    for depth, step in enumerate(path):
-        root = root[step]
-        is_list_item = isinstance(step, int)
-        step_name = label_of(root) if is_list_item else str(step)
-        if step_name is None or _NOT_IN_NAMES.search(step_name):
-            break
-        is_omitted = step_name in LEFT_OUT and not is_list_item and depth > 0
-        if not is_omitted:
-            named_steps.append(step_name)
-    return ".".join(named_steps)
+    indentation = len(line_text) - len(line_text.lstrip(" "))
+    stripped = line_text.strip(" ")
+    caret_index = max(0, min(column - 1 - indentation, len(stripped)))
+    # Each character takes at least one column, so nothing farther away can be shown. A line may have millions.
+    start = max(0, caret_index - width)
+    characters_before = [_visible_character(character) for character in stripped[start:caret_index]]
+    characters_after = [_visible_character(character) for character in stripped[caret_index : caret_index + width + 1]]
+    is_too_long = start > 0 or _measure_columns("".join(characters_before + characters_after)) > width
+    if is_too_long:
+        characters_before = _cut_at_start(characters_before, width * 2 // 3, is_cut_already=start > 0)
+        characters_after = _cut_at_end(characters_after, width - _measure_columns("".join(characters_before)))
+    text_before = "".join(characters_before)
+    return text_before + "".join(characters_after), _measure_columns(text_before)
 
 
-def leads_somewhere(root: Any, affected: str) -> bool:
-    """Return True if a path of an erratum refers to something in the data."""
-    return bool(ErratumTargets(root).at(affected))
+def _cut_at_start(characters: list[str], width: int, *, is_cut_already: bool) -> list[str]:
+    """Return the last characters that fit in ``width`` columns, after three dots if any were omitted, now or before."""
+    fitting_count = _count_fitting(characters[::-1], width)
+    if not is_cut_already and fitting_count == len(characters):
+        return characters
+    return ["...", *characters[len(characters) - fitting_count :]]
 
 
-class ErratumTargets:
-    """Finds the values to which the paths in ``affects`` of errata refer, in data that do not change."""
+def _cut_at_end(characters: list[str], width: int) -> list[str]:
+    """Return the characters if they fit in ``width`` columns, otherwise as many as fit before three dots."""
+    if _measure_columns("".join(characters)) <= width:
+        return characters
+    return [*characters[: _count_fitting(characters, width - 3)], "..."]
 
-    def __init__(self, data: Any) -> None:
-        self._data = data
-        #: Items by name, for each list that was searched.
-        self._items: dict[int, dict[object, list[Any]]] = {}
 
-    def at(self, affected: str) -> list[Any]:
-        """Return every value in the data to which a path such as ``registers.preset`` refers."""
-        nodes = [self._data]  # Everything to which the steps so far refer.
-        for step in affected.split("."):
-            nodes = [match for node in nodes for match in self._find_named(node, step)]
-        return nodes
-
-    def _find_named(self, node: Any, step: str) -> list[Any]:
-        """Return the values to which one step of a path can lead from a map or list.
-
-        The step can be a key of the map, or the name of an element of the list, or of a list in the map.
-        """
-        if isinstance(node, list):
-            return self._items_of(node).get(step, [])
-        if not isinstance(node, dict):
-            return []
-        matches = [node[step]] if step in node else []
-        # Paths of errata omit the lists of fields, layouts and steps, and the map of values.
-        for key, child in node.items():
-            if isinstance(child, list):
-                matches += self._items_of(child).get(step, [])
-            elif key == "values" and isinstance(child, dict) and step in child:
-                matches.append(child[step])
-        return matches
-
-    def _items_of(self, items: list[Any]) -> dict[object, list[Any]]:
-        """Return the items of a list by their names, each with all items of this name."""
-        if id(items) not in self._items:
-            named_items: dict[object, list[Any]] = {}
-            for list_item in items:
-                if isinstance(list_item, dict) and isinstance(list_item.get("name"), str):
-                    named_items.setdefault(list_item["name"], []).append(list_item)
-            self._items[id(items)] = named_items
-        return self._items[id(items)]
+def _count_fitting(characters: Sequence[str], width: int) -> int:
+    """Return the number of characters at the beginning that fit in ``width`` columns."""
+    used_columns = 0
+    for count, character in enumerate(characters):
+        used_columns += _measure_columns(character)
+        if used_columns > width:
+            return count
+    return len(characters)

@@ -1,4 +1,4 @@
-"""Find the specs in a folder, the specs that ship with the tool, and the files on which a family's model depends.
+"""The files of specs: how their names belong together, which files in a folder are specs, and the specs of the tool.
 
 A file given by name is always read. Folders also contain other YAML files, such as CI settings, so specs are recognized
 by their keys.
@@ -12,9 +12,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from pathlib import Path
-
-from .schema_files import is_second, is_word_sheet, keys_of
+from pathlib import Path, PurePath
 
 SUFFIXES = (".yaml", ".yml")
 #: Any of these keys at the top level makes a YAML file a spec.
@@ -197,7 +195,9 @@ def _is_device(keys: frozenset[str]) -> bool:
 
 def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
     """Return True for two or more keys that only devices have. Other tools may use one, such as ``parameters``."""
-    return len(keys & (keys_of("device") - keys_of("manufacturer"))) >= 2
+    from .schemas import keys_of_file_kind  # Decoding with a stored model loads no schema.
+
+    return len(keys & (keys_of_file_kind("device") - keys_of_file_kind("manufacturer"))) >= 2
 
 
 def top_keys(path: Path) -> frozenset[str] | None:
@@ -268,3 +268,39 @@ def family_files(spec: Path, names_in: Callable[[Path], Iterable[str]] = os.list
     file_names = sorted(name for name in names_in(spec.parent) if name.startswith(f"{spec.stem}."))
     files = [spec.with_name(name) for name in file_names]
     return [*files, spec.with_name(MANUFACTURER)]
+
+
+#: Suffix of a second reading, next to the file that it belongs to: ``encoder.second.yaml``.
+SECOND_READING_SUFFIX = ".second"
+#: Suffix of a sheet of turning words, next to the file that it belongs to: ``encoder.words.yaml``.
+WORD_SHEET_SUFFIX = ".words"
+
+
+def is_second(file: Path | str) -> bool:
+    """Return True if a file has the name of a second reading."""
+    return PurePath(file).stem.endswith(SECOND_READING_SUFFIX)
+
+
+def second_reading_path(spec: Path) -> Path:
+    """Return the path of the second reading of a spec."""
+    return spec.with_name(f"{spec.stem}{SECOND_READING_SUFFIX}{spec.suffix}")
+
+
+def is_word_sheet(file: Path | str) -> bool:
+    """Return True if a file has the name of a sheet of turning words."""
+    return PurePath(file).stem.endswith(WORD_SHEET_SUFFIX)
+
+
+def word_sheet_path(spec: Path) -> Path:
+    """Return the path of the sheet of turning words of a spec."""
+    return spec.with_name(f"{spec.stem}{WORD_SHEET_SUFFIX}{spec.suffix}")
+
+
+def coverage_path(spec: Path) -> Path:
+    """Return the path of the file that counts the readings of the facts of a spec."""
+    return spec.with_name(f"{spec.stem}.coverage.json")
+
+
+def family_of(file: str) -> str:
+    """Return the name of the family in a file: the stem, without the suffix of a second reading or of a sheet."""
+    return PurePath(file).stem.removesuffix(SECOND_READING_SUFFIX).removesuffix(WORD_SHEET_SUFFIX)

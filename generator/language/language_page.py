@@ -14,7 +14,7 @@ from typing import Any
 
 from ..say.markdown import anchor_of, code_span, escape, markdown_link, table, wrap_markdown
 from .problems import join_words
-from .schema_files import NO_FACTS, ONLY_SECOND, PROSE, load_schema
+from .schemas import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
 Shape = Mapping[str, Any]
 #: Largest number of entries of a list or mapping, unless its description gives another limit.

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, unsupported_hint, value_hint, word_hint
 from .problems import WORDS_ONLY, Path, join_words, missing_keys_message, nearest_choice, quoted, suggest_word
-from .schema_files import is_only_in_device_files
+from .schemas import is_only_in_device_files
 
 _JSON_TYPES_IN_WORDS = {
     "integer": "a whole number",

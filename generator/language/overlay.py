@@ -17,10 +17,8 @@ from .document import (
     Document,
     MissingPath,
     Path,
-    as_affected,
     from_file,
     label_of,
-    leads_somewhere,
     mark_at,
     named_path,
     resolve,
@@ -29,8 +27,8 @@ from .document import (
     without_value,
 )
 from .problems import ProblemReport, quoted, suggest_word
-from .removed_places import names_of_characteristics, without_removed_paths, without_steps
-from .rules.values import check_source_format
+from .rules.manual import check_source_format
+from .rules.walk import ErratumTargets, as_affected, names_of_characteristics, without_removed_paths, without_steps
 from .written_parts import WrittenSpec
 
 #: Suffix of overlays found next to their spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
@@ -157,7 +155,7 @@ class LayeredSpec:
 
         References of errata and of remedies to places that a change removed are left out.
         """
-        data = self._data
+        data: Any = self._data
         if self.applied:
             data = without_removed_paths(data, self._base.data)
             removed_names = names_of_characteristics(self._base.data) - names_of_characteristics(data)
@@ -322,7 +320,8 @@ class LayeredSpec:
         affected = as_affected(self._data, path)
         affected_parent = as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
-        affects = affected if leads_somewhere(self._data, affected) else affected_parent
+        has_remaining_value = bool(ErratumTargets(self._data).at(affected))  # Such as another field of this name.
+        affects = affected if has_remaining_value else affected_parent
         is_known = target.change.kind != "unknown"
         self._record_change(target.change, was=target.short_place, now="", affects=affects, is_known=is_known)
 

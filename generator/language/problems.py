@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 from itertools import groupby, takewhile
 from typing import Any
 
-from .document import Document
+from .document import Document, excerpt, visible
 from .document import Path as Path
-from .excerpt import excerpt, visible
 
 #: Stands for prose that is missing, so that the rest of an item can be checked.
 MISSING_PROSE = "?"

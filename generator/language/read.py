@@ -19,10 +19,9 @@ import yaml
 
 from . import files
 from .document import Document, Path, SourceMark
+from .files import family_of, is_second, is_word_sheet
 from .problems import ProblemReport, quoted
-from .scalars import INTEGER_TEXT, is_text, resolve_scalar
-from .schema_files import family_of, is_second, is_word_sheet
-from .yaml_mistakes import CorrectedEvents, explain
+from .yaml_text import INTEGER_TEXT, LINE_BREAK, YAML_LOADER, CorrectedEvents, explain, resolve_scalar
 
 #: Largest size of a file.
 MAX_BYTES = 4 * 2**20
@@ -40,8 +39,6 @@ MAX_DIGITS = 40
 _UNSEEN = r"\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e0fff"
 FORBIDDEN = re.compile(f"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff{_UNSEEN}]")
 
-LINE_BREAK = re.compile(r"\r\n|\r|\n")
-_YAML_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _CORE_TAG = "tag:yaml.org,2002:"
 _TAGGED_TYPES: dict[str, tuple[type, ...]] = {
@@ -104,10 +101,8 @@ class _Parser:
     ) -> None:
         self._report_error = report_error
         self._report_stand_in = report_stand_in
-        parser_events = iter(yaml.parse(text, Loader=_YAML_LOADER))
-        corrected_events = CorrectedEvents(
-            parser_events, lines=LINE_BREAK.split(text), is_text=is_text, complain=self._report
-        )
+        parser_events = iter(yaml.parse(text, Loader=YAML_LOADER))
+        corrected_events = CorrectedEvents(parser_events, lines=LINE_BREAK.split(text), complain=self._report)
         self._events = iter(corrected_events)
         #: Values by anchor. None while the value is being read.
         self._anchors: dict[str, _Value | None] = {}

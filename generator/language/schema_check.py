@@ -1,127 +1,31 @@
-"""The check of a file against its JSON Schema, and a quick test for files without errors.
+"""The check of a file against its JSON Schema, and the migration of keys that had another name.
 
-The keys of each part are in device.schema.json. The quick test supports only the keywords that our schemas use. In any
-doubt the answer is no, and jsonschema decides and finds the errors. Importing jsonschema takes several times as long as
-this test takes for a whole spec. Editors use the same JSON Schemas. We write our own messages, because the messages of
-a validator talk about instances and properties to someone who is transcribing a manual.
+Most files pass a quick test (see ``schemas.py``). For others, jsonschema finds the errors. Editors use the same JSON
+Schemas. We write our own messages, because the messages of a validator talk about instances and properties to someone
+who is transcribing a manual.
 """
 
 from __future__ import annotations
 
 import functools
-import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from .document import Document, Path
+from .files import is_second
 from .messages import RENAMED, RuleFinding, explain
 from .problems import MAX_PROBLEMS, MISSING_PROSE, TOO_MANY, WORDS_ONLY, ProblemReport
-from .schema_files import is_second, load_schema, schema_without_references
+from .schemas import follows_schema, load_schema, matches, schema_without_references
+from .yaml_text import LINE_BREAK
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError
 
-
-_PYTHON_TYPES: Mapping[str, tuple[type, ...]] = {
-    "object": (dict,),
-    "array": (list,),
-    "string": (str,),
-    "integer": (int,),
-    "number": (int, float),
-    "boolean": (bool,),
-}
-
-
-def follows_schema(checked_value: Any, schema: Mapping[str, Any]) -> bool:
-    """Return True if a value certainly follows a JSON Schema without references. False means that it may not.
-
-    If the schema has a keyword that this quick test does not support, the result is False.
-    """
-    return all(key in _CHECKS and _CHECKS[key](checked_value, expected, schema) for key, expected in schema.items())
-
-
-def matches(pattern: str, checked_text: str) -> bool:
-    """Return True if a pattern of a schema matches the whole text.
-
-    JSON Schema searches for the pattern, so that a name could end in a line break.
-    """
-    return re.fullmatch(pattern, checked_text.replace("\n", "\0")) is not None
-
-
-def _follows_type(checked_value: Any, type_names: str | list[str], _: object) -> bool:
-    """Return True if a value has one of the types under the keyword ``type``. True is a boolean, not an integer."""
-    names = [type_names] if isinstance(type_names, str) else type_names
-    return any(type(checked_value) in _PYTHON_TYPES.get(name, ()) for name in names)
-
-
-def _follows_enum(checked_value: Any, allowed_values: list[Any], _: object) -> bool:
-    """Return True if a value is one of those under the keyword ``enum``, and has the same type."""
-    allowed_values_of_type = [allowed for allowed in allowed_values if type(allowed) is type(checked_value)]
-    return checked_value in allowed_values_of_type
-
-
-def _follows_properties(checked_value: Any, schema_by_key: Mapping[str, Any], _: object) -> bool:
-    """Return True if the values in a map follow the schemas of their keys under the keyword ``properties``.
-
-    Other keys, and values that are not maps, are accepted.
-    """
-    if not isinstance(checked_value, dict):
-        return True
-    known_keys = [key for key in checked_value if key in schema_by_key]
-    return all(follows_schema(checked_value[key], schema_by_key[key]) for key in known_keys)
-
-
-def _follows_additional_properties(checked_value: Any, schema_of_others: Any, schema: Mapping[str, Any]) -> bool:
-    """Return True if the keys of a map that are not in ``properties`` follow the keyword ``additionalProperties``.
-
-    The keyword is False if no other keys are allowed, or the schema of their values.
-    """
-    if not isinstance(checked_value, dict):
-        return True
-    known_keys = schema.get("properties", ())
-    other_values = [inner for key, inner in checked_value.items() if key not in known_keys]
-    if not isinstance(schema_of_others, dict):
-        return not other_values
-    return all(follows_schema(inner, schema_of_others) for inner in other_values)
-
-
-def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
-    """Return a test for a keyword that applies only to one type, such as ``minItems`` to lists.
-
-    Values of other types pass it.
-    """
-    return lambda value, expected, _: type(value) not in _PYTHON_TYPES[type_name] or test(value, expected)
-
-
-_CHECKS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
-    **dict.fromkeys(("$schema", "$id", "title", "description"), lambda value, expected, schema: True),
-    "type": _follows_type,
-    "enum": _follows_enum,
-    "const": lambda value, expected, schema: _follows_enum(value, [expected], schema),
-    "properties": _follows_properties,
-    "additionalProperties": _follows_additional_properties,
-    "propertyNames": _only_for_type(
-        "object", lambda value, expected: all(follows_schema(key, expected) for key in value)
-    ),
-    "required": _only_for_type("object", lambda value, expected: all(key in value for key in expected)),
-    "minProperties": _only_for_type("object", lambda value, expected: len(value) >= expected),
-    "maxProperties": _only_for_type("object", lambda value, expected: len(value) <= expected),
-    "items": _only_for_type("array", lambda value, expected: all(follows_schema(inner, expected) for inner in value)),
-    "minItems": _only_for_type("array", lambda value, expected: len(value) >= expected),
-    "maxItems": _only_for_type("array", lambda value, expected: len(value) <= expected),
-    "pattern": _only_for_type("string", lambda value, expected: matches(expected, value)),
-    "minLength": _only_for_type("string", lambda value, expected: len(value) >= expected),
-    "maxLength": _only_for_type("string", lambda value, expected: len(value) <= expected),
-    "minimum": _only_for_type("number", lambda value, expected: value >= expected),
-    "maximum": _only_for_type("number", lambda value, expected: value <= expected),
-}
-
-
 #: A source that passes every rule.
-_SOME_SOURCE = "Cover"
+SOME_SOURCE = "Cover"
 
 
 class FileKind(Enum):
@@ -262,7 +166,7 @@ def without_places(
     document.kept_indices.clear()
     data: dict[str, Any] = _copy_without(document.data, cut, (), document.kept_indices)
     for path, stand_ins_by_key in stand_ins.items():
-        mapping = value_at(data, path, document.kept_indices)
+        mapping = remaining_value_at(data, path, document.kept_indices)
         if isinstance(mapping, dict):
             mapping.update(stand_ins_by_key)
     return data
@@ -300,7 +204,7 @@ def _stand_ins(error: Any) -> dict[str, str]:
     missing_keys = [key for key in error.validator_value if key not in error.instance]
     stand_ins = dict.fromkeys(missing_keys, MISSING_PROSE)
     if "source" in stand_ins:
-        stand_ins["source"] = _SOME_SOURCE
+        stand_ins["source"] = SOME_SOURCE
     return stand_ins
 
 
@@ -358,7 +262,7 @@ def _copy_without(node: Any, cut: Collection[Path], path: Path, kept_indices: di
     return node
 
 
-def value_at(root: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
+def remaining_value_at(root: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
     """Return the value at a path of the file in data from which parts were removed, or None if it was removed itself.
 
     ``kept_indices`` contains, by the path of each list that lost elements, the original indices of the others.
@@ -418,7 +322,7 @@ def _is_explained(finding: RuleFinding, findings: Sequence[RuleFinding], file_da
     names_interface = "interface" in finding.path[-2:] or "interfaces" in finding.path[-2:]
     if finding.rule != "not-allowed" or not names_interface:
         return False
-    interface = value_at(file_data, finding.path)
+    interface = remaining_value_at(file_data, finding.path)
     return isinstance(interface, str) and ("interfaces", interface) in wrong_key_paths
 
 
@@ -443,3 +347,51 @@ def _build_validator(file_kind: str) -> Any:
     return extend(Draft202012Validator, validators={"pattern": pattern}, type_checker=types)(
         schema_without_references(file_kind)
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """A key with a new name, at a line and a column that count from 1."""
+
+    line: int
+    column: int
+    old: str
+    new: str
+
+
+def migrate(document: Document) -> tuple[Edit, ...]:
+    """Rename keys of a document from earlier versions of the spec language, and return the edits for its text.
+
+    The data and the marks of the document are changed in place.
+    """
+    edits = []
+    for path, new_key in renamed_keys(document):
+        *steps_to_parent, old_key = path
+        parent_path = tuple(steps_to_parent)
+        mapping = remaining_value_at(document.data, parent_path)
+        line, column = document.position(path, at_key=True)
+        if old_key not in mapping:
+            continue  # An alias repeats a map that has been migrated.
+        edits.append(Edit(line=line, column=column, old=str(old_key), new=new_key))
+        _rename_key(mapping, old_key, new_key)
+        _rename_key(document.mark(parent_path).children, old_key, new_key)
+    return tuple(edits)
+
+
+def _rename_key(mapping: dict[Any, Any], old_key: str | int, new_key: str) -> None:
+    """Rename a key of a map, in place, without changing the order of its entries."""
+    renamed = {new_key if key == old_key else key: value for key, value in mapping.items()}
+    mapping.clear()
+    mapping.update(renamed)
+
+
+def edited(spec_text: str, edits: Iterable[Edit]) -> str:
+    """Return the text of a spec after these edits."""
+    line_starts = [0, *(line_break.end() for line_break in LINE_BREAK.finditer(spec_text))]
+    # The last edit first, so that the positions of the others stay valid.
+    for edit in sorted(edits, key=lambda edit: (edit.line, edit.column), reverse=True):
+        position = line_starts[edit.line - 1] + edit.column - 1  # Lines and columns count from 1.
+        key_start = spec_text.index(edit.old, position)  # A key may be in quotes.
+        key_end = key_start + len(edit.old)
+        spec_text = spec_text[:key_start] + edit.new + spec_text[key_end:]
+    return spec_text

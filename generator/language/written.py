@@ -105,7 +105,7 @@ class WrittenPart:
         entries = self.data.get(name)
         return list(entries) if isinstance(entries, dict) else []
 
-    def place_of(self, name: str) -> Path:
+    def path_of(self, name: str) -> Path:
         """Return the path of a key."""
         return (*self.path, name)
 

@@ -1,130 +1,37 @@
-"""Registers, parameters and order codes, as they are written in specs. See ``written_parts.py``."""
+"""Order codes and what they select, as they are written in specs: parameters and interfaces, and answers of the user.
+
+See ``written_parts.py``.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Literal
 
-from ..model.facts import (
-    Supply,
-)
+from ..model.clocks import CableLength, Clock, Timeout
+from ..model.data_channels import DataChannels
+from ..model.facts import Supply, Timing
+from ..model.interfaces import DataId, MemoryAccess, Network, Port
+from ..model.measurement import Measurement
 from ..model.part import (
     NOTHING,
-    AddressRange,
-    BitRange,
     CodeNumber,
     CodePattern,
     Count,
     Formula,
-    HexBytes,
     InterfaceName,
-    Joins,
     Label,
     Name,
-    Names,
-    OtherBits,
+    OneOrMore,
     ParameterValue,
     Prose,
     RegisterBit,
     SourceText,
     key,
     note_key,
-    printed_name_key,
 )
 from .written import LocatedPart, WrittenPart, written
-from .written_layouts import (
-    WrittenField,
-)
-
-
-@written("Register that must hold a value before this one can be written.")
-class WrittenOpenedBy(WrittenPart):
-    register: Name = key("Name of that register.")
-    field: Name = key(
-        "Field of that register that must hold the value, if the register has several fields.", default=""
-    )
-    value: Name = key("Named value that it must hold.")
-
-
-@written("One meaning.")
-class WrittenRegisterMeaning(WrittenPart):
-    name: Name = key("Name of the meaning.")
-    when: RegisterBit = key("Bit that selects the meaning, as register.field.")
-    is_: Name = key("Named value of that field.")
-    min: Formula | None = key("Lowest value with this meaning.", default=None)
-    max: Formula | None = key("Highest value with this meaning.", default=None)
-    meaning: Prose = key("Effect of a value with this meaning.", default="")
-    source: SourceText = key("", default="")
-
-
-@written("One register of one or more bytes.")
-class WrittenRegister(WrittenPart):
-    name: Name = key("Name of the register.")
-    printed_name: Prose = printed_name_key(default="")
-    names: Names = key("", default=NOTHING)
-    meaning: Prose = key("Content or effect of the register.", default="")
-    interface: InterfaceName | None = key("Interface through which the register is accessed.", default=None)
-    address: int = key("Address of the first byte.", minimum=0, maximum=65535)
-    length: int = key("Number of bytes.", minimum=1, maximum=64)
-    addresses: AddressRange | None = key(
-        "First and last address as the manual prints them, as in 0x4B-0x4D, or the address of a single "
-        "byte. 'check' compares them with 'address' and 'length'.",
-        default=None,
-    )
-    access: Literal["read_only", "read_write", "write_only"] = key("Access rights of a master.")
-    byte_order: Literal["", "low_byte_first", "high_byte_first"] = key(
-        "Byte at the first address: low or high. Required for registers of two or more bytes, except "
-        "over SPI, which sends a register as one number.",
-        default="",
-    )
-    default: Count | None = key("Factory default, as one number.", default=None)
-    min: Formula | None = key("Lowest value that may be written.", default=None)
-    max: Formula | None = key("Highest value that may be written.", default=None)
-    limits_of: Name = key("Field or join to which min and max apply. Default: the whole register.", default="")
-    opened_by: WrittenOpenedBy | None = key("", default=None)
-    clears_itself: bool = key("True if the register returns to its default on its own after a write.", default=False)
-    wait_at_least_ms: int | None = key(
-        "Minimum wait after a write before the next command, in milliseconds.", minimum=1, maximum=3600000, default=None
-    )
-    above_max: Literal["", "default", "refused"] = key(
-        "The encoder's reaction to a value above the maximum.", default=""
-    )
-    write_clears: tuple[Name, ...] = key("Registers that are set to zero by a write to this one.", default=())
-    meanings: tuple[WrittenRegisterMeaning, ...] = key(
-        "For a register whose meaning depends on a bit elsewhere: each meaning with its own limits.",
-        least=2,
-        default=(),
-    )
-    reserved: Literal["", "maker"] = key("Write 'maker' if only the manufacturer may use this.", default="")
-    bank: Count | None = key(
-        "For a BiSS register in a banked area: its bank number, which must be selected first in the "
-        "register 'bank_select'.",
-        default=None,
-    )
-    volatile: bool = key(
-        "True if a value written to the register is lost at power-off unless it is saved.", default=False
-    )
-    fields: tuple[WrittenField, ...] = key(
-        "Fields of the register. Without them, the register is one number.", most=512, default=()
-    )
-    join: Joins = key("", default=NOTHING)
-    other_bits: OtherBits = key("", default="")
-    note: Prose = note_key(default="")
-    source: SourceText = key("")
-
-
-@written("A row of the manual's list of defaults: the bytes of a register, or the value of some of its bits.")
-class WrittenPrintedDefault(WrittenPart):
-    register: Name = key("Name of the register.")
-    bytes: HexBytes = key("All bytes of the register, as printed.", default="")
-    at: BitRange | None = key(
-        "For a row about some bits: the bit number, or a range with the high bit first.", default=None
-    )
-    field: Name = key("For a row about some bits: their field, if these bits are exactly one field.", default="")
-    value: Count | None = key("Number in these bits.", default=None)
-    is_: Name = key("Named value of the field, printed next to the number.", default="")
-    erratum: Name = key("Erratum that explains an incorrect row.", default="")
-    source: SourceText = key("")
+from .written_fields import WrittenField, WrittenLayout
 
 
 @written("A quantity that differs between order codes.")
@@ -265,3 +172,178 @@ class WrittenAlternative(WrittenPart):
         least=2,
     )
     source: SourceText = key("")
+
+
+_BY_CODE = (
+    "If it differs between order codes, it is a list whose entries have 'only'. Each order code matches exactly one"
+    " entry."
+)
+_CLOCK = (
+    f"Clock frequencies. {_BY_CODE} For example: [{{max_hz: 700000, only: X-24..., source: '5'}}, {{max_hz: 1300000,"
+    " only: X-32..., source: '5'}]."
+)
+
+
+@written("Synchronous serial interface.")
+class WrittenSsi(WrittenPart):
+    source: SourceText = key("")
+    clock: OneOrMore[LocatedPart[Clock]] = key(_CLOCK)
+    alignment: Literal["msb_left", "lsb_right"] = key(
+        "Alignment of the word: left (MSB with the first clock, zeros after the word) or right (zeros before the word)."
+    )
+    alignment_source: SourceText = key(
+        "Source for this encoder's alignment. Default: the source of the interface.", default=""
+    )
+    output_code: Literal["", "binary", "gray", "by_order_code"] = key(
+        "Position encoding (binary or Gray), as stated in the manual for this interface. Decoders "
+        "follow the key gray of a layout, and check compares the two.",
+        default="",
+    )
+    output_code_source: SourceText = key(
+        "Source for this encoder's code. Default: the source of the interface.", default=""
+    )
+    signals: Prose = key("Electrical standard of the signals.", default="")
+    cable_lengths: tuple[LocatedPart[CableLength], ...] = key(
+        "Highest clock frequency by cable length, as in [{shorter_than_m: 50, at_most_hz: 400000}, "
+        "{shorter_than_m: 100, at_most_hz: 300000}]. A row that applies to some order codes has the key 'only'.",
+        least=0,
+        default=(),
+    )
+    measurement: LocatedPart[Measurement] | None = key("", default=None)
+    timings: tuple[LocatedPart[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    layouts: tuple[WrittenLayout, ...] = key("Layouts of the word.", most=256)
+    note: Prose = note_key(default="")
+
+
+@written(
+    "Fields of the control frame that the manual describes. The fields are not a complete "
+    "frame, so no layout is generated."
+)
+class WrittenControlData(WrittenPart):
+    fields: tuple[WrittenField, ...] = key("Fields, in the order of the manual.", most=512)
+    note: Prose = key("Information that the manual does not give.", default="")
+    source: SourceText = key("")
+
+
+@written("BiSS C-mode.")
+class WrittenBiss(WrittenPart):
+    source: SourceText = key("")
+    clock: OneOrMore[LocatedPart[Clock]] = key(_CLOCK)
+    signals: Prose = key("Electrical standard of the signals.", default="")
+    description_file: str = key(
+        "Name of the device description file that, according to the manual, is installed in the master.",
+        pattern=r"^[A-Za-z0-9_.-]+$",
+        longest=64,
+        default="",
+    )
+    bank_select: Name = key("Register that selects the bank of the banked area.", default="")
+    profile: Prose = key("Encoder profile that the manual names.", default="")
+    network: LocatedPart[Network] | None = key("", default=None)
+    timeout: OneOrMore[LocatedPart[Timeout]] = key(f"Timeout after a frame. {_BY_CODE}", default=())
+    channels: LocatedPart[DataChannels] | None = key("", default=None)
+    control_data: WrittenControlData | None = key("", default=None)
+    measurement: LocatedPart[Measurement] | None = key("", default=None)
+    timings: tuple[LocatedPart[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    layouts: tuple[WrittenLayout, ...] = key("Layouts of the single cycle data.", most=256)
+    note: Prose = note_key(default="")
+
+
+@written("One request.")
+class WrittenRs485Exchange(WrittenPart):
+    request: Name = key("Layout that the master sends.")
+    reply: Name = key(
+        "Layout that the encoder sends in reply. Omit this key if the encoder does not answer.", default=""
+    )
+    purpose: Literal["position", "other"] = key("Effect of the request.")
+    source: SourceText = key("", default="")
+
+
+@written(
+    "RS-485 with requests and replies. Give either data_ids or exchanges. data_ids: frames like "
+    "those of Tamagawa's T-format, whose first byte is a control field with one of up to 32 data "
+    "IDs. exchanges: any other requests with their replies, such as an address, a command and a "
+    "checksum. So are requests and replies of MODBUS RTU, if each has a fixed length. EnDat, Nikon's A-format and "
+    "register banks are not supported."
+)
+class WrittenRs485(WrittenPart):
+    source: SourceText = key("")
+    port: LocatedPart[Port] = key("")
+    data_ids: tuple[LocatedPart[DataId], ...] = key(
+        "Data IDs, each with the control field that the manual prints for it. Required unless there are exchanges.",
+        default=(),
+    )
+    exchanges: tuple[WrittenRs485Exchange, ...] = key(
+        "Requests with their replies, if they have no data IDs. The constants in a request "
+        "distinguish it from other requests. Values that the reply repeats from the request, such as an "
+        "address, are fields with the same name in both.",
+        most=64,
+        default=(),
+    )
+    memory_access: tuple[LocatedPart[MemoryAccess], ...] = key(
+        "The encoder's replies to a memory access, depending on the busy flag.", least=0, default=()
+    )
+    measurement: LocatedPart[Measurement] | None = key("", default=None)
+    timings: tuple[LocatedPart[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    layouts: tuple[WrittenLayout, ...] = key("Requests and replies.", most=256)
+    note: Prose = note_key(default="")
+
+
+@written("One request.")
+class WrittenSpiExchange(WrittenPart):
+    request: Name = key("Layout that the master sends.")
+    reply: Name = key("Layout that the encoder sends in reply.")
+    purpose: Literal["position", "read", "write", "other"] = key(
+        "Effect of the request. read: the field address of the request selects a register, and the field data of "
+        "the reply contains the register's value. write: the fields address and data select a register and give "
+        "its new value. If address and data are in two words, list the words in order. other: anything else."
+    )
+    word_bits: Formula | None = key(
+        "Number of bits in the request and in its reply, 8 to 64. Default: word_bits of the interface.", default=None
+    )
+    source: SourceText = key("", default="")
+
+
+@written(
+    "SPI, where each word from the master can be a request, and each word from the encoder can be a reply. "
+    "Every layout is word_bits wide, as set in its exchange or in the interface, and is sent most significant bit "
+    "first. Each register has a single address, and its value is the field data of a frame. Chip select, and timings "
+    "other than those listed, are not described."
+)
+class WrittenSpi(WrittenPart):
+    source: SourceText = key("")
+    mode: int = key(
+        "SPI mode: in modes 0 and 1 the clock idles low, in modes 2 and 3 it idles high. Modes 0 and 2 sample data "
+        "on the first edge, modes 1 and 3 on the second.",
+        minimum=0,
+        maximum=3,
+    )
+    word_bits: Formula = key(
+        "Bits in a word, during which the chip select stays active: 8 to 64. An exchange can have its own value."
+    )
+    reply: Literal["same_word", "next_word"] = key(
+        "Word in which the encoder answers a request: the same word, or the next word."
+    )
+    clock: OneOrMore[LocatedPart[Clock]] = key(_CLOCK)
+    exchanges: tuple[WrittenSpiExchange, ...] = key(
+        "Requests with their replies. Omit this key if the encoder ignores the words that the master sends. "
+        "The encoder then has a single layout.",
+        most=64,
+        default=(),
+    )
+    measurement: LocatedPart[Measurement] | None = key("", default=None)
+    timings: tuple[LocatedPart[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    layouts: tuple[WrittenLayout, ...] = key("Requests and replies.", most=64)
+    note: Prose = note_key(default="")
+
+
+@written(
+    "Interfaces of the family, each with its layouts: clocked words (ssi), BiSS C (biss), requests "
+    "and replies as bytes (rs485), or words with requests and replies (spi). Encoders with other "
+    "interfaces are not supported.",
+    needs_a_key=True,
+)
+class WrittenInterfaces(WrittenPart):
+    ssi: WrittenSsi | None = key("", default=None)
+    biss: WrittenBiss | None = key("", default=None)
+    rs485: WrittenRs485 | None = key("", default=None)
+    spi: WrittenSpi | None = key("", default=None)

@@ -1,6 +1,6 @@
 """The parts of a spec whose written form differs from the model.
 
-The JSON Schema follows from these classes (see ``part_schema.py``), and rules read them.
+The JSON Schema follows from these classes (see ``schemas.py``), and rules read them.
 """
 
 from __future__ import annotations
@@ -60,19 +60,8 @@ from ..model.part import (
     note_key,
 )
 from .written import LocatedPart, WrittenPart, written
-from .written_codes import (
-    WrittenAlternative,
-    WrittenOrderCode,
-    WrittenParameter,
-    WrittenPrintedDefault,
-    WrittenRegister,
-)
-from .written_interfaces import (
-    WrittenInterfaces,
-)
-from .written_layouts import (
-    WrittenFieldGroup,
-)
+from .written_codes import WrittenAlternative, WrittenInterfaces, WrittenOrderCode, WrittenParameter
+from .written_fields import WrittenFieldGroup, WrittenPrintedDefault, WrittenRegister
 
 
 @written("One value.")

@@ -13,7 +13,7 @@ from ..language.problems import ProblemReport, quoted
 from ..language.rules.connectors import signal_names
 from ..language.rules.parts import as_affected_name, errata_at, has_erratum_at
 from ..language.rules.walk import leaves, mapping, maps_in_list
-from ..language.schema_files import PROSE
+from ..language.schemas import PROSE
 
 #: Number of steps in the path of an interface, such as ``interfaces.ssi``.
 _STEPS_OF_INTERFACE = 2

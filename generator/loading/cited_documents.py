@@ -8,7 +8,7 @@ from pathlib import PurePath
 
 from ..language.document import Document
 from ..language.problems import ProblemReport, quoted
-from ..language.rules.cited_places import problems_of_other_manual
+from ..language.rules.manual import problems_of_other_manual
 from ..language.rules.walk import leaves, mapping, sources
 from ..language.written_parts import WrittenManual, WrittenSpec
 

@@ -11,10 +11,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..language.document import MissingPath, Path, as_affected, resolve
+from ..language.document import MissingPath, Path, resolve
 from ..language.overlay import CHANGE_KINDS, LayeredSpec, LayerKind, OverlayLayer
 from ..language.problems import DocumentReport, ProblemReport, join_words, quoted
-from ..language.rules.walk import leaves
+from ..language.rules.walk import as_affected, leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
 from ..order_codes.reduction import for_codes
 from .change_titles import change_title

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
 
+from ..language.files import coverage_path
 from ..language.problems import DocumentReport, ProblemReport
 from ..language.rules.walk import is_placeholder, placeholder_names
-from ..language.schema_files import coverage_path
 from ..model import Device, Release, ReleasedChange, TimesRead
 from ..say.plain_text import first_of
 from .from_mapping import Raw

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..language.document import Path
+from ..language.files import is_second
 from ..language.problems import DocumentReport
-from ..language.schema_files import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression, is_power_of_two
 

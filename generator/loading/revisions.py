@@ -18,7 +18,7 @@ from tempfile import TemporaryFile
 from threading import Event, Timer
 from typing import IO
 
-from ..language.excerpt import visible
+from ..language.document import visible
 from ..language.files import SUFFIXES
 from ..language.problems import suggest_word
 from ..language.read import MAX_BYTES

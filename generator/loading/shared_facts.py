@@ -10,8 +10,7 @@ from ..language.document import Document, Path
 from ..language.problems import ProblemReport, quoted
 from ..language.rules.parts import by_name, by_part_name, has_erratum_at
 from ..language.written import LocatedPart
-from ..language.written_codes import WrittenRegister
-from ..language.written_layouts import WrittenField
+from ..language.written_fields import WrittenField, WrittenRegister
 from ..language.written_parts import WrittenSpec
 from ..model import Crc
 from .alike_facts import compare_connectors, compare_facts

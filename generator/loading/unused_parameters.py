@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ..language.files import is_second
 from ..language.problems import DocumentReport, join_words, quoted
 from ..language.rules.walk import leaves
-from ..language.schema_files import is_second
 from ..model import Variant
 from ..model.expressions import Expression, ExpressionError
 from .from_mapping import Raw, parameters_of_flags, set_parameters

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 
 from ..language.problems import DocumentReport, Path
 from ..language.rules.parts import field_lists, interfaces
-from ..language.written_interfaces import WrittenRs485
+from ..language.written_codes import WrittenRs485
 from ..language.written_parts import WrittenProcedure, WrittenSpec
 from ..model import (
     CrcExample,

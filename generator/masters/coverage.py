@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from ..language.master_items import NUMBERS
 from ..language.problems import join_words
+from ..language.written_masters import NUMBERS
 from ..model import Biss, Interface, PlacedLayout, channel_frame
 from ..model.expressions import Expression
 from ..model.record import dataclass

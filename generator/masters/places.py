@@ -8,8 +8,8 @@ from functools import partial
 from itertools import groupby
 from typing import Any
 
-from ..language.master_items import TYPES
 from ..language.problems import join_words
+from ..language.written_masters import TYPES
 from ..model.record import dataclass
 from ..say.plain_text import count_with_unit
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from ..language.master_items import NUMBERS, STEPS, WORDS
+from ..language.written_masters import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
 from ..say.plain_text import decimal
 from ..say.text import count_with_unit, hertz

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 from ..language.document import Path
-from ..language.rules.parameters import kind_of_unit
+from ..language.rules.quantities import kind_of_unit
 from ..model import (
     Digits,
     ModifyStep,

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..language.document import Path, label_of
-from ..language.schema_files import PROSE
+from ..language.schemas import PROSE
 from ..loading.from_mapping import parse_sources
 from .reading import ComparedFact, FactClass, PrintedNumbers, SpecReading
 

@@ -12,9 +12,10 @@ import pytest
 from codewheel.commands.decode.plain_data import decoded_data
 from codewheel.dump.plain import device_dump, variant_dump
 from codewheel.dump.schema import show_schema
+from codewheel.language.files import is_second, is_word_sheet
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
-from codewheel.language.schema_files import is_second, is_word_sheet, load_schema
+from codewheel.language.schemas import load_schema
 from codewheel.loading.from_mapping import parse_sources
 from codewheel.model import Device, FrameExample, Variant
 from codewheel.model.expressions import Expression, ExpressionError

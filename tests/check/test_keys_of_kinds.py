@@ -11,8 +11,8 @@ import yaml
 from codewheel.language.check import check_document
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
-from codewheel.language.schema_files import load_schema
-from codewheel.language.written_layouts import KIND_KEYS, WrittenField
+from codewheel.language.schemas import load_schema
+from codewheel.language.written_fields import KIND_KEYS, WrittenField
 from codewheel.language.written_parts import WrittenExample, WrittenStep
 from codewheel.loading.fields import LayoutContext, kind_of
 from codewheel.model import Kind, Number

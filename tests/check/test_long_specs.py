@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 from codewheel.commands.check import as_data, as_text
 from codewheel.commands.cli import main
-from codewheel.language import document, messages, problems
+from codewheel.language import messages, problems
 from codewheel.language.problems import MAX_FOUND, MAX_PROBLEMS, TOO_MANY, ProblemReport
-from codewheel.language.rules import order_code, quantities
-from codewheel.language.schema_files import load_schema
+from codewheel.language.rules import order_code, times, walk
+from codewheel.language.schemas import load_schema
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import TargetError
@@ -213,8 +213,8 @@ def test_too_many_patterns_of_labels_are_refused(tmp_path: Path) -> None:
 
 def test_times_below_a_place_are_found_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nodes: list[int] = []
-    times = quantities._nanoseconds_in
-    monkeypatch.setattr(quantities, "_nanoseconds_in", lambda node: nodes.append(id(node)) or times(node))
+    nanoseconds_in = times._nanoseconds_in
+    monkeypatch.setattr(times, "_nanoseconds_in", lambda node: nodes.append(id(node)) or nanoseconds_in(node))
     before = len(nodes)
     load_spec(tmp_path, MINIMAL.read_text())
     nodes_without_errata = len(nodes) - before
@@ -232,7 +232,7 @@ def test_a_path_is_looked_up_without_reading_its_list_again() -> None:
             Items.reads += 1
             return super().__iter__()
 
-    affected = document.ErratumTargets({"registers": Items([{"name": f"r{index}"} for index in range(50)])})
+    affected = walk.ErratumTargets({"registers": Items([{"name": f"r{index}"} for index in range(50)])})
     for index in range(50):
         assert affected.at(f"registers.r{index}") == [{"name": f"r{index}"}]
     assert Items.reads == 1

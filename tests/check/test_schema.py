@@ -12,11 +12,12 @@ import pytest
 import yaml
 from codewheel.language.check import check_document
 from codewheel.language.document import Document
+from codewheel.language.files import is_second, is_word_sheet
 from codewheel.language.messages import KEYWORDS, PATTERNS, explain
 from codewheel.language.problems import MAX_PROBLEMS, ProblemReport
 from codewheel.language.read import read_document
-from codewheel.language.schema_check import FileKind, check_schema, follows_schema
-from codewheel.language.schema_files import is_second, is_word_sheet, load_schema, schema_without_references
+from codewheel.language.schema_check import FileKind, check_schema
+from codewheel.language.schemas import follows_schema, load_schema, schema_without_references
 from codewheel.loading.device import build_device
 from codewheel.model import Manufacturer
 from jsonschema import Draft202012Validator

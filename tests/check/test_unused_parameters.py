@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.language.schema_files import load_schema
+from codewheel.language.schemas import load_schema
 from codewheel.loading.library import load_library
 from codewheel.loading.unused_parameters import EXPRESSION_KEYS
 

@@ -10,7 +10,7 @@ from itertools import chain
 from typing import Any
 
 import pytest
-from codewheel.language.schema_files import load_schema
+from codewheel.language.schemas import load_schema
 from spec_words import nodes_of, read_specs
 
 #: Manufacturer whose whole manuals were read. Its words existed before other encoders were described.

@@ -482,7 +482,7 @@ def test_labels_of_an_edition_are_among_those_also_written(tmp_path: Path) -> No
 
 def test_both_files_mean_the_same_by_a_change() -> None:
     """The words of a change are in two schemas, because editors read each schema alone."""
-    from codewheel.language.schema_files import load_schema
+    from codewheel.language.schemas import load_schema
 
     device, overlay = load_schema("device")["$defs"], load_schema("overlay")["$defs"]
     assert {name: device[name] for name in overlay} == overlay

@@ -15,9 +15,9 @@ from codewheel.changes.families import compare_family
 from codewheel.changes.rules import RULES
 from codewheel.dump import plain, schema
 from codewheel.dump.xml import schema_text, to_xml
-from codewheel.language.part_schema import described_parts
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
+from codewheel.language.schemas import described_parts
 from codewheel.language.written import WrittenPart
 from codewheel.model import Device, Register
 from codewheel.model.key_types import name_of_part

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.language.part_schema import described_parts, part_schema, schema_with_parts
+from codewheel.language.schemas import described_parts, part_schema, schema_with_parts
 from codewheel.language.written_parts import WrittenSpec
 from codewheel.model.key_types import data_notation, key_type
 from codewheel.model.part import NOTHING, STEPS, Count, Name, Prose, fact, key, keys_of, part
@@ -53,7 +53,7 @@ def test_the_schema_of_a_part_follows_from_its_class() -> None:
 def test_a_changed_description_reaches_the_schema(monkeypatch: pytest.MonkeyPatch) -> None:
     text = SCHEMA.read_text(encoding="utf-8")
     changed_parts: dict[str, Any] = described_parts() | {"Led": Brake}
-    monkeypatch.setattr("codewheel.language.part_schema.described_parts", lambda: changed_parts)
+    monkeypatch.setattr("codewheel.language.schemas.described_parts", lambda: changed_parts)
     changed_lines = set(schema_with_parts(text).splitlines()) - set(text.splitlines())
     assert any('"level_mv"' in line for line in changed_lines)
 

@@ -6,7 +6,7 @@ from typing import Any, get_args
 
 import pytest
 from codewheel.dump.schema import show_schema
-from codewheel.language.schema_files import load_schema
+from codewheel.language.schemas import load_schema
 from codewheel.loading.examples import _EXAMPLES
 from codewheel.loading.from_mapping import _STEPS
 from codewheel.loading.interfaces import _INTERFACES

@@ -16,7 +16,7 @@ from typing import Any
 import file_readers as readers
 import pytest
 from codewheel.commands.cli import main
-from codewheel.language.master_items import FILE_FORMATS
+from codewheel.language.written_masters import FILE_FORMATS
 from codewheel.masters.frame_parts import NoRecord
 from codewheel.masters.groups import records_of
 from codewheel.masters.record import EncoderFacts, record

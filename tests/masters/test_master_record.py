@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from codewheel.language.master_items import NUMBERS, WORDS
+from codewheel.language.written_masters import NUMBERS, WORDS
 from codewheel.loading.library import load_library
 from codewheel.masters.frame_parts import NoRecord
 from codewheel.masters.record import EncoderFacts, Undecided, record

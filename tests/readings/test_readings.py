@@ -15,7 +15,7 @@ from codewheel.commands.check.specs import check_specs
 from codewheel.commands.cli import main
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
-from codewheel.language.schema_files import is_only_in_device_files
+from codewheel.language.schemas import is_only_in_device_files
 from codewheel.loading.library import load_families
 from codewheel.model.members import PARTS_BY_CLASS
 from codewheel.readings.reading import FactClass, SpecReading

@@ -20,7 +20,7 @@ import subprocess
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from codewheel.language.schema_files import is_second
+from codewheel.language.files import is_second
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Device, Flag, Layout, Text
 from codewheel.plan.crcs import CoveredData, CrcFunction, CrcMethod

@@ -12,9 +12,8 @@ from typing import Any
 from ...cache import NO_CACHE, Cache, content_of
 from ...language.document import Document
 from ...language.document import Path as SpecPath
-from ...language.files import family_files
+from ...language.files import coverage_path, family_files, second_reading_path, word_sheet_path
 from ...language.problems import ProblemReport
-from ...language.schema_files import coverage_path, second_reading_path, word_sheet_path
 from ...loading.evidence import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
 from ...loading.overlays import Family

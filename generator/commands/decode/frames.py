@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...language.excerpt import visible
+from ...language.document import visible
 from ...language.problems import quoted
 from ...model import (
     INTERFACES,

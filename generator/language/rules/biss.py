@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -9,8 +10,7 @@ from typing import NamedTuple
 from ...model import Biss, Crc
 from ..problems import DocumentReport, Path, quoted
 from ..written import LocatedPart
-from ..written_codes import WrittenRegister
-from ..written_layouts import WrittenField
+from ..written_fields import WrittenField, WrittenRegister
 from ..written_parts import WrittenSpec
 from .parts import (
     bank_select_register,
@@ -74,10 +74,10 @@ def check_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
             else:
                 remedy = "correct the address, or rename the register if it is a different one"
                 message = f"{problem} it {fixed_place.text}; {remedy}"
-            report.add("biss-protocol", register.place_of("address"), message)
+            report.add("biss-protocol", register.path_of("address"), message)
         elif register.length != fixed_place.length:
             message = f"{quoted(name)} has {register.length} bytes; in BiSS it has {fixed_place.length}"
-            report.add("biss-protocol", register.place_of("length"), f"{message}, {fixed_place.text}")
+            report.add("biss-protocol", register.path_of("length"), f"{message}, {fixed_place.text}")
 
 
 def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -105,7 +105,7 @@ def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
             f"correct the address, or rename the register to {quoted(fixed_name)} if that is the one you mean. If"
             f" this is what the manual says, add an erratum that affects registers.{name}.address"
         )
-        report.add("biss-protocol", register.place_of("address"), f"{problem}; {remedy}")
+        report.add("biss-protocol", register.path_of("address"), f"{problem}; {remedy}")
 
 
 def _profile_register_at(register: WrittenRegister) -> str | None:
@@ -137,7 +137,7 @@ def check_biss_byte_order(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"{quoted(name)} has its low byte first, but in BiSS the most significant byte has the lowest address."
                 f" If this is what the manual says, add an erratum that affects registers.{name}.byte_order"
             )
-            report.add("biss-protocol", register.place_of("byte_order"), message)
+            report.add("biss-protocol", register.path_of("byte_order"), message)
 
 
 def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -159,7 +159,7 @@ def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
         names_of_position = position_names(spec, Biss.name)
         contradictions = [
             *_contradictions_of_fields(sent_fields, crcs, frame_path),
-            *_contradictions_of_order(sent_fields, layout.place_of("name"), frame_path),
+            *_contradictions_of_order(sent_fields, layout.path_of("name"), frame_path),
             *_late_positions(sent_fields, names_of_position, frame_path),
         ]
         for contradiction in contradictions:
@@ -291,7 +291,7 @@ def check_biss_control(spec: WrittenSpec, report: DocumentReport) -> None:
         width = _CONTROL_FRAME_WIDTHS.get(field.name)
         if width is not None and isinstance(field.bits, int) and field.bits != width:
             message = f"{quoted(field.name)} has {field.bits} bits; in the BiSS control frame it has {width}"
-            report.add("biss-protocol", field.place_of("bits"), message)
+            report.add("biss-protocol", field.path_of("bits"), message)
         if field.name == "rw":
             _check_access_codes(field, report)
         crc = crcs.get(field.crc)
@@ -300,7 +300,7 @@ def check_biss_control(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"{quoted(field.crc)} is not the CRC of the BiSS control frame: 4 bits, poly 0x3, init 0, not"
                 " reflected, xorout 0xF; write these numbers. If the manual prints others, add an erratum with both"
             )
-            report.add("biss-protocol", field.place_of("crc"), problem)
+            report.add("biss-protocol", field.path_of("crc"), problem)
 
 
 def _is_control_crc(located_crc: LocatedPart[Crc]) -> bool:
@@ -317,4 +317,54 @@ def _check_access_codes(field: WrittenField, report: DocumentReport) -> None:
     for name, value in field.values.items():
         if name in _ACCESS_BITS and value.value != _ACCESS_BITS[name]:
             problem = f"{quoted(name)} is {value.value:02b}; in the BiSS control frame, 01 means write and 10"
-            report.add("biss-protocol", value.place_of("value"), f"{problem} means read")
+            report.add("biss-protocol", value.path_of("value"), f"{problem} means read")
+
+
+def check_slaves(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a BiSS bus can have several slaves, and a point-to-point connection only one.
+
+    An erratum can explain a manual that says otherwise.
+    """
+    biss = spec.interfaces.biss
+    network = biss.network if biss is not None else None
+    if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
+        return
+    topology, has_several_slaves = network.part.topology, network.part.multiple_slaves
+    is_consistent = has_several_slaves == (topology == "bus")
+    affected_path = ".".join(map(str, network.path))
+    if not is_consistent and not has_erratum_at(report.document, affected_path):
+        slaves_text = "several slaves" if has_several_slaves else "one slave"
+        message = (
+            f"the topology is {quoted(topology)}, but the interface has {slaves_text}; correct one of"
+            f" them. If this is what the manual says, add an erratum that affects {affected_path}"
+        )
+        report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
+
+
+#: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
+_DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
+
+
+def check_description_file(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the file name of the BiSS device description contains the manufacturer ID that the register holds.
+
+    The register holds two ASCII characters, and the file name contains their four hexadecimal digits.
+    """
+    biss = spec.interfaces.biss
+    register = by_name(spec.registers).get("manufacturer_id")
+    if biss is None or register is None or interface_name_of(register) != Biss.name:
+        return
+    file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file)
+    if file_name is None:
+        return
+    fixed_texts = [field.equals for field in register.fields if isinstance(field.equals, str)]
+    ascii_texts = [text for text in fixed_texts if text.isascii()]
+    id_of_register = "".join(ascii_texts).encode("ascii").hex()  # 4c41 for LA.
+    id_in_file_name = file_name[1]
+    is_complete = len(id_of_register) == 4
+    if is_complete and id_of_register != id_in_file_name.casefold():
+        message = (
+            f"the file is for the manufacturer ID {id_in_file_name.upper()}h, but the register 'manufacturer_id' has"
+            f" {id_of_register.upper()}h; correct one of the two"
+        )
+        report.add("description-file", biss.path_of("description_file"), message)

@@ -1,19 +1,20 @@
-"""Rules for the values of order codes: the names in them, their settings in words, and labels that are numbers."""
+"""Rules for the values of order codes: the names in them, and what labels and meanings say about their settings."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...model.expressions import Expression, ExpressionError
+from ...model.expressions import Expression, ExpressionError, resolve_parameters
 from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..written_codes import WrittenCodePart, WrittenCodeValue
 from ..written_parts import WrittenSpec
-from .name_resolver import NameResolver
-from .parts import by_name, layouts_of_interfaces
+from .frames import gray_of, layouts_with_position
+from .parts import by_name, has_erratum_at, interfaces, layouts_of_interfaces, measurements
+from .references import NameResolver
 
 #: Names of interfaces in manuals, without RS-485, which is also the name of the signals.
 _INTERFACE_NAMES = {"ssi": re.compile(r"\bSSI\b"), "biss": re.compile(r"\bBiSS\b", re.IGNORECASE)}
@@ -40,13 +41,13 @@ def check_order_code_references(spec: WrittenSpec, report: DocumentReport) -> No
     resolver = NameResolver(spec, report)
     parts_by_name = by_name(spec.with_invalid_parts.order_code.parts)
     for part in spec.order_code.parts:
-        open_only_with = _AllowedLabels(part.open_only_with, part.place_of("open_only_with"))
+        open_only_with = _AllowedLabels(part.open_only_with, part.path_of("open_only_with"))
         _check_allowed_labels(open_only_with, part.name, parts_by_name, resolver)
         for value in part.values.values():
             for parameter_name in value.sets:
                 resolver.check_name((*value.path, "sets", parameter_name), "parameter", parameter_name)
-            resolver.check_optional_name(value.place_of("interface"), "interface", value.interface)
-            only_with = _AllowedLabels(value.only_with, value.place_of("only_with"))
+            resolver.check_optional_name(value.path_of("interface"), "interface", value.interface)
+            only_with = _AllowedLabels(value.only_with, value.path_of("only_with"))
             _check_allowed_labels(only_with, part.name, parts_by_name, resolver)
 
 
@@ -203,7 +204,7 @@ def check_named_interface(spec: WrittenSpec, report: DocumentReport) -> None:
             if named_kinds and value.interface != named_kinds[0]:
                 name = interface_names.pop().replace("BISS", "BiSS")
                 problem = f"the meaning of {quoted(label)} mentions {name}, but the value selects {value.interface}"
-                report.add("interface-mismatch", value.place_of("interface"), problem)
+                report.add("interface-mismatch", value.path_of("interface"), problem)
 
 
 def check_labels(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -212,30 +213,197 @@ def check_labels(spec: WrittenSpec, report: DocumentReport) -> None:
     Only labels whose value sets all parameters of the expression are checked.
     """
     for part in spec.order_code.parts:
-        expression = _parse_expression(part.label_is)
+        expression = _parse_formula(part.label_is)
         if expression is None:
             continue
         for label, value in part.values.items():
             sets_all_parameters = all(name in value.sets for name in expression.parameters)
             if not label.isdecimal() or not sets_all_parameters:
                 continue
-            number = _evaluate_expression(expression, value.sets)
+            number = _evaluate_formula(expression, value.sets)
             if number is not None and int(label) != number:
                 message = f"the label {quoted(label)} must be {expression.render()}, which is {number} here"
-                report.add("label-mismatch", value.place_of("sets"), message)
+                report.add("label-mismatch", value.path_of("sets"), message)
 
 
-def _parse_expression(formula: int | str | None) -> Expression | None:
-    """Return a formula as an expression, or None if there is none or it is not valid."""
+_ALIGNMENTS = {"left": "msb_left", "right": "lsb_right"}
+#: A bit and the side to which it is aligned, as in ``MSB left-aligned`` and ``LSB aligned to the right``.
+_ALIGNMENT_IN_TEXT = re.compile(r"\b[ML]SB (?:(?=\w+[ -]aligned)|aligned to the )(left|right)\b", re.IGNORECASE)
+
+
+def check_alignment(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that ``alignment`` of SSI is the alignment that the table of contents and the order code name.
+
+    Nothing is checked if they name none or both.
+    """
+    ssi = spec.interfaces.ssi
+    texts = [section.title for section in spec.manual.contents.values()]
+    for part in spec.order_code.parts:
+        texts += [value.meaning for value in part.values.values()]
+    named_alignments: set[str] = set()
+    for text in texts:
+        for side in _ALIGNMENT_IN_TEXT.findall(text):
+            named_alignments.add(_ALIGNMENTS[side.casefold()])
+    if ssi is None or not ssi.alignment or len(named_alignments) != 1:
+        return
+    if has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
+        return
+    named_alignment = named_alignments.pop()
+    if ssi.alignment != named_alignment:
+        message = (
+            f"the table of contents or the order code says {quoted(named_alignment)}, but 'alignment' is"
+            f" {quoted(ssi.alignment)}; correct one of the two. If both are right, add an erratum that affects"
+            " interfaces.ssi.alignment"
+        )
+        report.add("alignment-mismatch", ssi.path_of("alignment"), message)
+
+
+_GRAY_WORD = re.compile(r"\bGray\b", re.IGNORECASE)
+#: Gray can also be a color, except in the meaning of an interface.
+_GRAY_CODE = re.compile(r"\bGray[ -]code\b", re.IGNORECASE)
+_BINARY_WORD = re.compile(r"\bbinary\b", re.IGNORECASE)
+
+
+def check_named_gray_code(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an interface whose order codes name Gray code has a layout in Gray code.
+
+    A value of an order code belongs to the interface that it selects, or to the only interface. If it selects none of
+    several interfaces, it is not checked.
+    """
+    interface_names = [interface_name for interface_name, _ in interfaces(spec)]
+    only_interface = interface_names[0] if len(interface_names) == 1 else ""
+    for part in spec.order_code.parts:
+        for label, value in part.values.items():
+            if not _names_gray(value):
+                continue
+            # No layout has an empty interface name, so the result then contains no layouts.
+            interface_name = value.interface or only_interface
+            position_layouts = layouts_with_position(spec, interface_name)
+            has_gray = any(gray_of(frame) is not None for frame in position_layouts)
+            if position_layouts and not has_gray:
+                message = (
+                    f"the meaning of {quoted(label)} says Gray, but no layout of {interface_name} has 'gray', "
+                    "so decoders read it as binary"
+                )
+                report.add("output-code", value.path_of("meaning"), message)
+
+
+def _names_gray(code_value: WrittenCodeValue) -> bool:
+    """Return True if the meaning of an order code value names Gray code, and not binary code too.
+
+    If the value selects no interface, "Gray" alone may be a color.
+    """
+    gray_pattern = _GRAY_WORD if code_value.interface else _GRAY_CODE
+    says_gray = gray_pattern.search(code_value.meaning) is not None
+    says_binary = _BINARY_WORD.search(code_value.meaning) is not None
+    return says_gray and not says_binary
+
+
+_COUNT_IN_TEXT = re.compile(r"(?<![\d.,])(\d[\d,]*) (counts per (?:turn|revolution)|revolutions|turns)\b")
+_BITS_RANGE = re.compile(r"(?<![\d.,])(\d+) to (\d+) bits\b")
+
+
+def check_counts(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the counts or revolutions in the meaning of an order code value follow from the value's settings.
+
+    They are computed with the formulas of the measurement, if the value sets all parameters in them. With several
+    measurements, the formula of the last one applies.
+    """
+    formulas = dict(_yield_formulas(spec))
+    definitions = _collect_definitions(spec)
+    for part in spec.order_code.parts:
+        for value in part.values.values():
+            if value.meaning_differs:
+                continue
+            parameters = resolve_parameters(value.sets, definitions)
+            for number_text, unit_text in _COUNT_IN_TEXT.findall(value.meaning):
+                formula = formulas.get("counts" if unit_text.startswith("counts") else "turns")
+                number = _evaluate_formula(formula, parameters) if formula is not None else None
+                if number is None:
+                    continue
+                possible_spellings = (str(number), f"{number:,}")  # Manuals print 4096 or 4,096.
+                if number_text not in possible_spellings:
+                    message = (
+                        f"the meaning says {number_text} {unit_text}, but the value sets {number}; one of the two is"
+                        " wrong. If the manual prints it so, give the reason in 'meaning_differs'"
+                    )
+                    report.add("meaning-mismatch", value.path_of("meaning"), message)
+
+
+def _yield_formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
+    """Yield the formulas of measurements: ``("counts", …)`` for the counts per turn, ``("turns", …)`` for the turns."""
+    for measurement in measurements(spec):
+        for unit, key in (("counts", "counts_per_turn"), ("turns", "turns")):
+            formula = _parse_formula(measurement.data[key]) if measurement.has(key) else None
+            if formula is not None:
+                yield unit, formula
+
+
+def _collect_definitions(spec: WrittenSpec) -> dict[str, Expression]:
+    """Return the formulas of the parameters that are calculated, by name."""
+    formulas = {name: _parse_formula(parameter.equals) for name, parameter in spec.parameters.items()}
+    return {name: formula for name, formula in formulas.items() if formula is not None}
+
+
+def _parse_formula(formula_text: object) -> Expression | None:
+    """Return a number or formula as an expression. None if it is missing or invalid, which another rule reports."""
+    if not isinstance(formula_text, (int, str)) or formula_text == "":
+        return None
     try:
-        return None if formula is None else Expression.parse(formula)
-    except ExpressionError:  # Reported by the rule on expressions.
+        return Expression.parse(formula_text)
+    except ExpressionError:
         return None
 
 
-def _evaluate_expression(expression: Expression, parameters: Mapping[str, int]) -> int | None:
-    """Return the value of an expression, or None if an exponent is out of range."""
+def _evaluate_formula(formula: Expression, parameters: Mapping[str, int]) -> int | None:
+    """Return the number of a formula, or None if a parameter is missing or the number is out of range."""
+    has_all_parameters = parameters.keys() >= set(formula.parameters)
+    if not has_all_parameters:
+        return None
     try:
-        return expression.value(parameters)
+        return formula.value(parameters)
     except ExpressionError:  # The exponent is out of range. Another rule reports it.
         return None
+
+
+def check_widths(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a range such as ``12 to 16 bits`` in the meaning of a parameter is the range that order codes set.
+
+    Order codes set the parameter, or the parameters from which it is calculated. The range is calculated with all of
+    these at their lowest, and with all at their highest.
+    """
+    ranges = _ranges_set_by_codes(spec)
+    definitions = _collect_definitions(spec)
+    lowest_numbers = {name: lowest for name, (lowest, _) in ranges.items()}
+    highest_numbers = {name: highest for name, (_, highest) in ranges.items()}
+    lowest_parameters = resolve_parameters(lowest_numbers, definitions)
+    highest_parameters = resolve_parameters(highest_numbers, definitions)
+    for name, parameter in spec.parameters.items():
+        if parameter.unit != "bits" or name not in lowest_parameters or name not in highest_parameters:
+            continue
+        stated_ranges = _BITS_RANGE.findall(parameter.meaning)
+        if len(stated_ranges) != 1:
+            continue
+        stated_lowest, stated_highest = map(int, stated_ranges[0])
+        lowest, highest = lowest_parameters[name], highest_parameters[name]
+        if (stated_lowest, stated_highest) != (lowest, highest):
+            message = (
+                f"the meaning says {stated_lowest} to {stated_highest} bits, but the order codes set {lowest} to"
+                f" {highest}; one of the two is wrong"
+            )
+            report.add("printed-number", parameter.path_of("meaning"), message)
+
+
+def _ranges_set_by_codes(spec: WrittenSpec) -> dict[str, tuple[int, int]]:
+    """Return the lowest and the highest number to which order codes set each parameter: ``{"bits": (12, 16)}``.
+
+    The result is empty if some values of the order code can be combined only with certain others (``only_with``).
+    """
+    numbers_by_parameter: dict[str, list[int]] = {}
+    for part in spec.order_code.parts:
+        for value in part.values.values():
+            if value.only_with:
+                return {}
+            for name, number in value.sets.items():
+                numbers_by_parameter.setdefault(name, []).append(number)
+    return {name: (min(set_numbers), max(set_numbers)) for name, set_numbers in numbers_by_parameter.items()}

@@ -1,4 +1,4 @@
-"""Rules for the contacts of connectors, their numbers, and the wires of cables."""
+"""Rules for the signals of connectors and cables, and for the numbers of contacts."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 from .parts import is_second_reading
+from .references import NameResolver
 
 #: Contacts without a signal.
 _UNCONNECTED_SIGNAL = re.compile(
@@ -245,6 +246,13 @@ def signal_names(signal: str) -> list[str]:
     # Only the names are needed, so the contact has no place, name or order codes.
     contact = _Contact(path=(), name="", signal=signal, only="")
     return [name.casefold() for name in contact.names]
+
+
+def check_connector_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the interfaces that a connector is wired for exist."""
+    resolver = NameResolver(spec, report)
+    for connector in spec.connectors:
+        resolver.check_each_name((*connector.path, "interfaces"), "interface", connector.part.interfaces)
 
 
 def check_contact_numbers(spec: WrittenSpec, report: DocumentReport) -> None:

@@ -1,4 +1,4 @@
-"""Rules for frames: senders, coverage by parity bits, requests by data ID, memory accesses."""
+"""Rules for frames: senders, parity bits, data IDs, and the measurement and Gray code of the position in them."""
 
 from __future__ import annotations
 
@@ -7,19 +7,24 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Biss, Rs485, Ssi
 from ...model.interfaces import DataId
+from ...model.measurement import LayoutRange, Measurement
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
-from ..written_interfaces import WrittenRs485
-from ..written_layouts import WrittenField, WrittenLayout
+from ..written_codes import WrittenRs485, WrittenSsi
+from ..written_fields import WrittenField, WrittenGray, WrittenLayout
 from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
     FieldOwner,
     Groups,
     by_name,
-    has_erratum_at,
+    fields_by_name,
+    interfaces,
     is_second_reading,
     layouts_of_interfaces,
+    measurements,
+    position_names,
+    readable_names,
     with_groups_expanded,
 )
 
@@ -35,7 +40,7 @@ def check_layouts_without_requests(spec: WrittenSpec, report: DocumentReport) ->
         layout = frame.layout
         if layout is not None and frame.interface in _WITHOUT_REQUESTS and layout.from_ == "master":
             message = f"a master sends no frame over {frame.interface}; write 'from: encoder'"
-            report.add("sender", layout.place_of("from"), message)
+            report.add("sender", layout.path_of("from"), message)
 
 
 def check_parities(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -90,7 +95,7 @@ def _report_uncovered_fields(
             f"{quoted(parity_field.name)} does not cover {join_words(map(quoted, uncovered_names))}; "
             f"add {pronoun} to 'parity_of', or name {pronoun} in a 'note' if the manual excludes {pronoun}"
         )
-        report.add("parity-coverage", parity_field.place_of("parity_of"), message)
+        report.add("parity-coverage", parity_field.path_of("parity_of"), message)
 
 
 def _names_of(field: WrittenField) -> set[str]:
@@ -108,27 +113,6 @@ def _covered_fields(layout: WrittenLayout, parity_of: Sequence[str]) -> Iterator
     """Yield the names of the fields that a parity bit covers. A joined number stands for the fields in it."""
     for name in parity_of:
         yield from layout.join.get(name, [name])
-
-
-def check_slaves(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a BiSS bus can have several slaves, and a point-to-point connection only one.
-
-    An erratum can explain a manual that says otherwise.
-    """
-    biss = spec.interfaces.biss
-    network = biss.network if biss is not None else None
-    if network is None or not network.is_valid("topology") or not network.is_valid("multiple_slaves"):
-        return
-    topology, has_several_slaves = network.part.topology, network.part.multiple_slaves
-    is_consistent = has_several_slaves == (topology == "bus")
-    affected_path = ".".join(map(str, network.path))
-    if not is_consistent and not has_erratum_at(report.document, affected_path):
-        slaves_text = "several slaves" if has_several_slaves else "one slave"
-        message = (
-            f"the topology is {quoted(topology)}, but the interface has {slaves_text}; correct one of"
-            f" them. If this is what the manual says, add an erratum that affects {affected_path}"
-        )
-        report.add("network-mismatch", (*network.path, "multiple_slaves"), message)
 
 
 def check_layouts_by_data_id(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -236,7 +220,7 @@ def check_sent_requests(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"{quoted(step.data_id)} has the purpose {quoted(purpose)} and needs an address, which a step"
                     " cannot give; name the data ID of another request"
                 )
-                report.add("request-purpose", step.place_of("data_id"), message)
+                report.add("request-purpose", step.path_of("data_id"), message)
 
 
 def check_memory_accesses(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -250,3 +234,205 @@ def check_memory_accesses(spec: WrittenSpec, report: DocumentReport) -> None:
             message = f"there is already a row for {access} with 'busy' {busy_flag}; correct one of the two"
             report.add("memory-access-repeated", (*reply.path, "busy"), message)
         earlier_replies.add((access, busy_flag))
+
+
+#: Placeholder for the name of the position in a message.
+_UNKNOWN_POSITION = "POSITION"
+
+
+def check_output_code(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that ``output_code`` of SSI, Gray or binary, is the code in which its layouts send the position.
+
+    Only the first layout with another code is reported.
+    """
+    for interface_name, interface in interfaces(spec):
+        if not isinstance(interface, WrittenSsi) or not interface.output_code:
+            continue
+        position_layouts = layouts_with_position(spec, interface_name)
+        has_gray = any(gray_of(frame) is not None for frame in position_layouts)
+        for frame in position_layouts:
+            contradiction = _explain_contradiction(interface.output_code, frame, spec, has_gray=has_gray)
+            if contradiction:
+                message = f"'output_code' is {interface.output_code}, but {quoted(frame.name)} {contradiction}"
+                report.add("output-code", interface.path_of("output_code"), message)
+                break
+
+
+def gray_of(field_list: FieldList) -> WrittenGray | None:
+    """Return the key ``gray`` of a layout, which names the number that is sent in Gray code, or None without it."""
+    return field_list.layout.gray if field_list.layout is not None else None
+
+
+def _explain_contradiction(output_code: str, layout: FieldList, spec: WrittenSpec, *, has_gray: bool) -> str:
+    """Return how a layout contradicts ``output_code`` of its interface, with the fix. Empty if it does not.
+
+    The key ``gray`` of a layout means that the position is in Gray code, either always or, with ``when``, if that
+    parameter of the order code is not 0. ``has_gray`` is True if any layout of the interface has this key.
+    """
+    gray = gray_of(layout)
+    if gray is None:
+        # With ``by_order_code``, it is enough if another layout has the key.
+        is_by_order_code = output_code == "by_order_code"
+        if output_code == "binary" or (is_by_order_code and has_gray):
+            return ""
+        position_name = _find_position(layout, spec)
+        condition = ", when: PARAMETER" if is_by_order_code else ""
+        example = f"'gray: {{of: {position_name}{condition}}}'"
+        return f"has no 'gray', so decoders read the position as binary; add {example} to it"
+    match output_code:
+        case "binary":
+            correct_code = "by_order_code" if gray.when else "gray"
+            return f"has 'gray'; write 'output_code: {correct_code}', or remove 'gray'"
+        case "by_order_code" if not gray.when:
+            return "is always in Gray code; write 'output_code: gray', or add 'when' to 'gray'"
+        case "gray" if 0 in _numbers_set_by_codes(spec, layout.interface, gray.when):
+            return f"is binary where {quoted(gray.when)} is 0; write 'output_code: by_order_code'"
+    return ""
+
+
+def layouts_with_position(spec: WrittenSpec, interface_name: str) -> list[FieldList]:
+    """Return the layouts that the encoder sends over an interface and that contain the position.
+
+    If no layout has a field with the name of the position, all layouts that the encoder sends are returned.
+    """
+    layouts = [frame for frame in layouts_of_interfaces(spec) if frame.interface == interface_name]
+    sent_layouts = [frame for frame in layouts if frame.is_from_encoder]
+    with_position = [frame for frame in sent_layouts if _find_position(frame, spec) != _UNKNOWN_POSITION]
+    return with_position or sent_layouts
+
+
+def _find_position(field_list: FieldList, spec: WrittenSpec) -> str:
+    """Return the name of the joined number or field for the position in a layout, or ``POSITION`` if there is none."""
+    names_of_position = position_names(spec, field_list.interface)
+    groups = by_name(spec.with_invalid_parts.field_groups)
+    for name in (*field_list.joins, *fields_by_name(field_list, groups)):
+        if name in names_of_position:
+            return name
+    return _UNKNOWN_POSITION
+
+
+def _numbers_set_by_codes(spec: WrittenSpec, interface_name: str, parameter: str) -> set[int]:
+    """Return the numbers to which the order codes for an interface set a parameter.
+
+    A value of an order code that selects no interface applies to every interface.
+    """
+    numbers: set[int] = set()
+    for part in spec.order_code.parts:
+        for value in part.values.values():
+            applies = not value.interface or value.interface == interface_name
+            if applies and parameter in value.sets:
+                numbers.add(value.sets[parameter])
+    return numbers
+
+
+#: Keys of the measurement of an angle, and of a length.
+_KEYS_OF_ANGLE: tuple[str, ...] = ("counts_per_turn", "turns")
+_KEYS_OF_LENGTH: tuple[str, ...] = ("step_um", "step_nm", "per_counts", "modulus")
+
+
+def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a measurement has the keys for an angle if the movement is rotary, or for a length if it is linear.
+
+    The size of a count is required. ``highest``, the highest position, also needs ``turns`` or ``modulus``, after which
+    the position wraps around.
+    """
+    movement = spec.movement
+    if not movement:
+        return
+    # ``unit_key`` gives the size of a count. After ``total_key``, the position wraps around.
+    if movement == "rotary":
+        unit_key, total_key, foreign_keys = "counts_per_turn", "turns", _KEYS_OF_LENGTH
+    else:
+        unit_key, total_key, foreign_keys = "step_um", "modulus", _KEYS_OF_ANGLE
+    raw_measurements = {measurement.path: measurement for measurement in measurements(spec.with_invalid_parts)}
+    for measurement in measurements(spec):
+        raw_measurement = raw_measurements[measurement.path]
+        # A key rejected by the schema was removed. It must not be reported as missing, too.
+        is_complete = measurement.data.keys() == raw_measurement.data.keys()
+        has_unit = measurement.has(unit_key) or measurement.part.step_nm is not None
+        if is_complete and not has_unit:
+            unit_text = "'step_um', or 'step_nm' with 'per_counts'," if movement == "linear" else quoted(unit_key)
+            message = f"{unit_text} is missing; the measurement of a {movement} encoder needs it"
+            report.add("measurement-shape", measurement.path, message, at_key=True)
+        for key in foreign_keys:
+            if measurement.has(key):
+                message = f"{quoted(key)} does not apply to a {movement} encoder"
+                report.add("measurement-shape", (*measurement.path, key), message, at_key=True)
+        if movement == "linear":
+            _check_step(measurement, report)
+        if measurement.has("highest") and not raw_measurement.has(total_key):
+            problem = f"'highest' has no effect without {quoted(total_key)}; add it, or remove 'highest'"
+            report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
+
+
+def check_position_range_shape(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a layout with its own range of the position contains the position, and that the range has valid keys.
+
+    The position is the field or joined number that the measurement of the interface or of the device names.
+    """
+    groups = by_name(spec.with_invalid_parts.field_groups)
+    own_measurements = {name: interface.measurement for name, interface in interfaces(spec.with_invalid_parts)}
+    raw_frames = {frame.owner.path: frame for frame in layouts_of_interfaces(spec.with_invalid_parts)}
+    for frame in layouts_of_interfaces(spec):
+        own_range = frame.layout.position_range if frame.layout is not None else None
+        if own_range is None or not own_range.is_given:
+            continue
+        own_measurement = own_measurements[frame.interface]
+        has_own_measurement = own_measurement is not None and own_measurement.is_given
+        measurement = own_measurement if has_own_measurement else spec.with_invalid_parts.measurement
+        # The path in the file differs if invalid layouts before this one were removed.
+        raw_frame = raw_frames[report.document.original(frame.owner.path)]
+        if measurement is None or not measurement.is_given:
+            problem = "'position_range' needs a 'measurement', which gives the unit of the position"
+            message = f"{problem}; add it to the interface or the encoder"
+            report.add("measurement-shape", own_range.path, message, at_key=True)
+        elif not raw_frame.is_from_encoder or measurement.part.of not in readable_names(raw_frame, groups):
+            position_name = quoted(measurement.part.of)
+            problem = f"{quoted(raw_frame.name)} does not carry the position, {position_name}, to the master"
+            report.add("measurement-shape", own_range.path, f"{problem}; remove 'position_range'", at_key=True)
+        _check_range_keys(own_range, measurement, spec.movement, report)
+
+
+def _check_range_keys(
+    own_range: LocatedPart[LayoutRange],
+    measurement: LocatedPart[Measurement] | None,
+    movement: str,
+    report: DocumentReport,
+) -> None:
+    """Check that the range of a layout has the keys of the movement, and no other keys next to ``wraps: false``.
+
+    ``highest`` needs a number of turns or a modulus, in the range or in the measurement.
+    """
+    path = own_range.path
+    total_key = "turns" if movement == "rotary" else "modulus"
+    foreign_key = "modulus" if movement == "rotary" else "turns"
+    if own_range.has(foreign_key) and movement in ("rotary", "linear"):
+        problem = f"{quoted(foreign_key)} does not apply to a {movement} encoder; write {quoted(total_key)}"
+        report.add("measurement-shape", (*path, foreign_key), problem, at_key=True)
+    if not own_range.part.wraps:
+        contradicting_keys = [key for key in ("turns", "modulus", "highest") if own_range.has(key)]
+        if contradicting_keys:
+            key = contradicting_keys[0]
+            problem = f"{quoted(key)} contradicts 'wraps: false'; remove one of the two"
+            report.add("measurement-shape", (*path, key), problem, at_key=True)
+        return
+    has_total = own_range.has(total_key) or own_range.has("modulus")
+    if measurement is not None and not has_total:
+        has_total = measurement.has(total_key) or measurement.has("modulus")
+    if own_range.has("highest") and not has_total:
+        problem = f"'highest' has no effect without {quoted(total_key)}; add it, or remove 'highest'"
+        report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
+
+
+def _check_step(located_measurement: LocatedPart[Measurement], report: DocumentReport) -> None:
+    """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
+    measurement = located_measurement.part
+    path = located_measurement.path
+    has_step_um = measurement.step_um is not None
+    has_step_nm = measurement.step_nm is not None
+    if has_step_um and has_step_nm:
+        problem = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
+        report.add("measurement-shape", (*path, "step_nm"), problem, at_key=True)
+    elif measurement.per_counts is not None and not has_step_nm:
+        problem = "'per_counts' is only for 'step_nm', the number of nanometres for that many counts"
+        report.add("measurement-shape", (*path, "per_counts"), problem, at_key=True)

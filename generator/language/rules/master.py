@@ -12,10 +12,12 @@ from ...model.expressions import Expression, ExpressionError
 from ...model.part import Prose
 from ...model.part import key as described_key
 from ...say.text import count_with_unit
-from ..master_items import FILE_FORMATS, NUMBERS, WORDS
 from ..problems import DocumentReport, Path, join_words, quoted, suggest_word
 from ..written import WrittenPart
 from ..written_masters import (
+    FILE_FORMATS,
+    NUMBERS,
+    WORDS,
     WrittenAnyClock,
     WrittenChoice,
     WrittenCondition,
@@ -61,14 +63,14 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
         cited_part = _CitedPart(node, path)
         condition = WrittenCondition(node, path)
         if cited_part.source:
-            _check_source(cited_part.source, cited_part.place_of("source"), master, report)
+            _check_source(cited_part.source, cited_part.path_of("source"), master, report)
         is_condition_or_limit = bool(condition.item)
         if is_condition_or_limit:
             _check_condition(condition, report)
         for place in cited_part.places:
             _check_place(place, master, report)
     for note in master.notes:
-        _check_braces(note.text, _ITEM_NAMES, note.place_of("text"), report)
+        _check_braces(note.text, _ITEM_NAMES, note.path_of("text"), report)
     for index, setting in enumerate(master.settings):
         _check_setting(setting, _with_invalid_keys(index, report), report)
     _check_writing(master, report)
@@ -80,7 +82,7 @@ def _check_files(master: WrittenMaster, report: DocumentReport) -> None:
     listed_formats: set[str] = set()
     for file in master.files:
         if file.format in listed_formats:
-            report.add("duplicate-name", file.place_of("format"), f"{quoted(file.format)} is listed twice")
+            report.add("duplicate-name", file.path_of("format"), f"{quoted(file.format)} is listed twice")
         listed_formats.add(file.format)
         _check_file(file, master, report)
 
@@ -148,7 +150,7 @@ def _check_condition(condition: WrittenCondition, report: DocumentReport) -> Non
     """Check that a condition lists the words that an item can be, or for a number its bounds or possible numbers."""
     item_name = condition.item
     path = condition.path
-    if not _check_item_name(item_name, condition.place_of("item"), report):
+    if not _check_item_name(item_name, condition.path_of("item"), report):
         return
     is_word = item_name in WORDS
     noun = "word" if is_word else "number"
@@ -199,8 +201,8 @@ def _check_setting(setting: WrittenSetting, with_invalid_keys: WrittenSetting, r
 
     ``with_invalid_keys`` is the same setting with its invalid keys, so that an invalid value does not count as missing.
     """
-    _check_braces(setting.name, _ITEM_NAMES, setting.place_of("name"), report)
-    _check_braces(setting.at, _ITEM_NAMES, setting.place_of("at"), report)
+    _check_braces(setting.name, _ITEM_NAMES, setting.path_of("name"), report)
+    _check_braces(setting.at, _ITEM_NAMES, setting.path_of("at"), report)
     value_keys = [key for key in _VALUE_KEYS_OF_SETTINGS if with_invalid_keys.has(key)]
     if len(value_keys) > 1:
         message = f"{quoted(setting.name)} has {join_words(map(quoted, value_keys))}; keep one of them"
@@ -219,14 +221,14 @@ def _check_setting_value(setting: WrittenSetting, value_key: str, report: Docume
     """
     for key, text in (("as", setting.as_), ("bound", setting.bound)):
         if text and value_key != "value":
-            report.add("setting-shape", setting.place_of(key), f"'{key}' needs 'value'", at_key=True)
+            report.add("setting-shape", setting.path_of(key), f"'{key}' needs 'value'", at_key=True)
     if setting.as_ == "boolean" and setting.bound:
-        report.add("setting-shape", setting.place_of("bound"), "a boolean cannot be a bound", at_key=True)
+        report.add("setting-shape", setting.path_of("bound"), "a boolean cannot be a bound", at_key=True)
     if setting.value is not None:
-        _check_expression(setting.value, setting.place_of("value"), report)
+        _check_expression(setting.value, setting.path_of("value"), report)
     if setting.choice is not None:
         _check_choice(setting.choice, report)
-    _check_braces(setting.text, _ITEM_NAMES, setting.place_of("text"), report)
+    _check_braces(setting.text, _ITEM_NAMES, setting.path_of("text"), report)
     if setting.string is not None:
         _check_string(setting.string, report)
     if setting.any_clock is not None:
@@ -271,7 +273,7 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
     if is_bits != has_bit_range:
         report.add("setting-shape", place.path, "use the type 'bits' and the key 'at' together or not at all")
     if has_bit_range and not _BIT_RANGE.fullmatch(str(place.at)):
-        report.add("setting-shape", place.place_of("at"), "'at' is a bit number, or a range such as 7:6")
+        report.add("setting-shape", place.path_of("at"), "'at' is a bit number, or a range such as 7:6")
     _check_bounds(_Bound("min", place.min), _Bound("max", place.max), place.path, report)
 
 
@@ -282,7 +284,7 @@ def _check_channels(place: WrittenPlace, master: WrittenMaster, report: Document
         channel_counts[device.name] = 1 if device.channels is None else len(device.channels)
     if not channel_counts:  # A master without devices counts as a device.
         channel_counts = {master.title: 1}
-    _check_devices(place.on or (), place.place_of("on"), list(channel_counts), report)
+    _check_devices(place.on or (), place.path_of("on"), list(channel_counts), report)
     devices_of_place = [name for name in channel_counts if place.on is None or name in place.on]
     for key in _PER_CHANNEL:
         values_by_channel = place.data.get(key)
@@ -293,7 +295,7 @@ def _check_channels(place: WrittenPlace, master: WrittenMaster, report: Document
             if len(values_by_channel) != channel_count:
                 count_text = count_with_unit(channel_count, "channel")
                 message = f"'{key}' needs one entry for each channel of {device_name}, which has {count_text}"
-                report.add("setting-shape", place.place_of(key), message, at_key=True)
+                report.add("setting-shape", place.path_of(key), message, at_key=True)
 
 
 def _check_devices(names: Sequence[str], path: Path, known_devices: Sequence[str], report: DocumentReport) -> None:
@@ -307,7 +309,7 @@ def _check_devices(names: Sequence[str], path: Path, known_devices: Sequence[str
 def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a file names existing devices and settings, and that it has ``names`` if its format needs them."""
     known_devices = [device.name for device in master.devices] or [master.title]  # A master without devices is one.
-    _check_devices(file.on, file.place_of("on"), known_devices, report)
+    _check_devices(file.on, file.path_of("on"), known_devices, report)
     for key, keyed_by_setting in (("names", file.names), ("words", file.words)):
         for setting_name in keyed_by_setting:
             _check_setting_name(setting_name, (*file.path, key, setting_name), master, report, at_key=True)
@@ -319,7 +321,7 @@ def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: Document
         message = f"the format {quoted(file.format)} has no names of its own; remove 'names'"
         report.add("setting-shape", file.path, message)
     names_in_file = tuple(file.names.values())
-    _check_braces(file.line, names_in_file, file.place_of("line"), report)
+    _check_braces(file.line, names_in_file, file.path_of("line"), report)
 
 
 def _check_setting_name(
@@ -349,7 +351,7 @@ def _check_writing(master: WrittenMaster, report: DocumentReport) -> None:
             # In the exception, each setting of the cycle is a predecessor of the next one.
             _, settings_of_cycle = error.args
             cycle_text = " after ".join(quoted(name) for name in reversed(settings_of_cycle))
-            report.add("value-clash", condition.place_of("after"), f"circular order: {cycle_text}")
+            report.add("value-clash", condition.path_of("after"), f"circular order: {cycle_text}")
             earlier_settings.clear()  # Otherwise the next conditions would report this cycle again.
 
 
@@ -385,14 +387,14 @@ def _check_expression(expression_text: int | str, path: Path, report: DocumentRe
 def _check_choice(choice: WrittenChoice, report: DocumentReport) -> None:
     """Check that a choice by an item of the record has only values that the item can have, and each only once."""
     item_name = choice.of
-    if not _check_item_name(item_name, choice.place_of("of"), report):
+    if not _check_item_name(item_name, choice.path_of("of"), report):
         return
     earlier_values: set[int | str] = set()
     for case in choice.cases:
         case_value = case.is_
-        is_possible = _check_case_value(item_name, case_value, case.place_of("is"), report)
+        is_possible = _check_case_value(item_name, case_value, case.path_of("is"), report)
         if is_possible and case_value in earlier_values:
-            report.add("duplicate-name", case.place_of("is"), f"{quoted(case_value)} already has a case")
+            report.add("duplicate-name", case.path_of("is"), f"{quoted(case_value)} already has a case")
         earlier_values.add(case_value)
 
 
@@ -412,15 +414,15 @@ def _check_string(string_rule: WrittenString, report: DocumentReport) -> None:
     It must contain the position, as one field or as the fields multiturn and singleturn, and only known names in
     braces.
     """
-    _check_braces(string_rule.start, _ITEM_NAMES, string_rule.place_of("start"), report)
+    _check_braces(string_rule.start, _ITEM_NAMES, string_rule.path_of("start"), report)
     described_fields = {field.of for field in string_rule.fields}
     has_both_parts = {"multiturn", "singleturn"} <= described_fields
     if "position" not in described_fields and not has_both_parts:
         message = "there is no entry for the position; add one for position, or for multiturn and singleturn"
-        report.add("missing-key", string_rule.place_of("fields"), message)
+        report.add("missing-key", string_rule.path_of("fields"), message)
     names_of_fields = ("bits", "name", *_ITEM_NAMES)
     for field in string_rule.fields:
-        _check_braces(field.text, names_of_fields, field.place_of("text"), report)
+        _check_braces(field.text, names_of_fields, field.path_of("text"), report)
 
 
 def _check_braces(text_with_items: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:

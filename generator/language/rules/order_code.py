@@ -155,7 +155,7 @@ def check_also_written(spec: WrittenSpec, report: DocumentReport) -> None:
             f"{quoted(spelling.pattern)} has {used_text}; "
             f"each part ({names_of_parts}) must occur exactly once, as in {quoted(spec.order_code.pattern)}"
         )
-        report.add("also-written", spelling.place_of("pattern"), message)
+        report.add("also-written", spelling.path_of("pattern"), message)
 
 
 def _check_spelling(
@@ -178,7 +178,7 @@ def _check_spelling(
     problem = _problem_of_expression(spelling.then)
     if problem:
         message = f"{quoted(spelling.then)} is not a valid regular expression: {problem}"
-        report.add("also-written", spelling.place_of("then"), message)
+        report.add("also-written", spelling.path_of("then"), message)
 
 
 def _without_blanks(label: str) -> str:
@@ -212,7 +212,7 @@ def _without_prose(node: object) -> object:
 def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the pattern of the order code has each part once, and only allowed characters between the parts."""
     pattern = spec.order_code.pattern
-    path = spec.order_code.place_of("pattern")
+    path = spec.order_code.path_of("pattern")
     used_parts = _PART_IN_BRACES.findall(pattern)
     known_parts = [part.name for part in spec.order_code.parts]
     literals_and_names = _PART_IN_BRACES.split(pattern)  # In turn, beginning and ending with literal text.
@@ -234,7 +234,7 @@ def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
     for part in spec.order_code.parts:
         if part.name not in used_parts:
             message = f"the pattern {quoted(pattern)} does not contain {{{part.name}}}"
-            report.add("order-code-pattern", part.place_of("name"), message)
+            report.add("order-code-pattern", part.path_of("name"), message)
 
 
 def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -254,7 +254,7 @@ def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
         problem = _problem_of_expression(part.open)
         if problem:
             message = f"{quoted(part.open)} is not a valid regular expression: {problem}"
-            report.add("order-code-pattern", part.place_of("open"), message)
+            report.add("order-code-pattern", part.path_of("open"), message)
 
 
 def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:

@@ -1,17 +1,17 @@
-"""Rules for parameters and alternatives: the origin of their values, the places that may use them, and units."""
+"""Rules for parameters, alternatives and expressions: the origin of values, their use, and the size of sums."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from ...model.expressions import Factor
+from ...model.expressions import LARGEST_MULTIPLE, Expression, ExpressionError, Factor, Term
+from ..hints import expression_hint, number_hint
 from ..problems import DocumentReport, Path, join_words, quoted
-from ..written_codes import WrittenAlternative, WrittenParameter, WrittenRegister
-from ..written_interfaces import WrittenBiss, WrittenSpi
-from ..written_layouts import WrittenField
+from ..written_codes import WrittenAlternative, WrittenBiss, WrittenParameter, WrittenSpi
+from ..written_fields import WrittenField, WrittenRegister
 from ..written_parts import WrittenSpec
-from .name_resolver import NameResolver
 from .parts import (
     FieldList,
     FieldOwner,
@@ -26,22 +26,12 @@ from .parts import (
     measurements,
     with_groups_expanded,
 )
-from .sums import list_terms
+from .references import NameResolver
 
-#: Kinds of units, each with the units as manuals name them.
-_UNITS_BY_KIND = {
-    "bits": ("bit", "bits"),
-    "micrometres": ("um", "µm", "μm", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"),
-    "nanometres": ("nm", "nanometre", "nanometres", "nanometer", "nanometers"),
-    "another length": ("mm", "cm", "m", "millimetre", "millimetres", "millimeters", "inch", "inches"),
-    "revolutions": ("revolution", "revolutions", "turn", "turns", "rev", "revs"),
-    "counts": ("count", "counts", "step", "steps", "position", "positions", "increments"),
-}
-_KIND_BY_UNIT = {unit: kind for kind, units in _UNITS_BY_KIND.items() for unit in units}
 #: Keys of fields whose expressions are in bits.
-_KEYS_IN_BITS = ("bits", "low_bit")
+KEYS_IN_BITS = ("bits", "low_bit")
 #: Kind of unit of each number of a measurement.
-_KIND_BY_KEY = {
+KIND_OF_UNIT_BY_KEY = {
     "counts_per_turn": "counts",
     "turns": "revolutions",
     "step_um": "micrometres",
@@ -50,11 +40,6 @@ _KIND_BY_KEY = {
     "modulus": "counts",
     "highest": "counts",
 }
-
-
-def kind_of_unit(unit: str) -> str:
-    """Return the kind of a unit, such as ``micrometres`` for ``µm`` and ``um``, or the unit itself if it is unknown."""
-    return _KIND_BY_UNIT.get(unit, unit)
 
 
 def check_parameter_interface(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -89,7 +74,7 @@ def expressions(spec: WrittenSpec) -> _Expressions:
         for part_with_limits in (register, *register.meanings):
             yield from _expressions_under(part_with_limits, ("min", "max"))
     for measurement in measurements(spec):
-        yield from _expressions_under(measurement, _KIND_BY_KEY)
+        yield from _expressions_under(measurement, KIND_OF_UNIT_BY_KEY)
     for field_list in layouts_of_interfaces(spec):
         yield from _expressions_of_position_range(field_list)
         yield from _expressions_of_gray_code(field_list, ("excess",))
@@ -122,7 +107,7 @@ def parameter_uses(spec: WrittenSpec) -> Iterator[ParameterUse]:
         # A measurement of the device applies to each interface without its own.
         measurement = interface.measurement if interface.has("measurement") else spec.measurement
         if measurement is not None:
-            yield from _with_interface(name, _expressions_under(measurement, _KIND_BY_KEY))
+            yield from _with_interface(name, _expressions_under(measurement, KIND_OF_UNIT_BY_KEY))
         yield from _with_interface(name, _expressions_of_interface(interface))
 
 
@@ -153,7 +138,7 @@ def _expressions_of_gray_code(field_list: FieldList, keys: Iterable[str]) -> _Ex
 def _expressions_of_position_range(field_list: FieldList) -> _Expressions:
     """Yield the expressions in the position range of a layout, if it differs from the range of the interface."""
     if field_list.layout is not None and field_list.layout.position_range is not None:
-        yield from _expressions_under(field_list.layout.position_range, _KIND_BY_KEY)
+        yield from _expressions_under(field_list.layout.position_range, KIND_OF_UNIT_BY_KEY)
 
 
 def _expressions_under(part: PlacedPart, keys: Iterable[str]) -> _Expressions:
@@ -189,7 +174,7 @@ def all_parameters(expression_text: object, parameters: Mapping[str, WrittenPara
 
     Each name is yielded once. ``parameters`` contains all parameters of the spec. Unknown names are left out.
     """
-    factors_to_visit = _list_factors(expression_text)
+    factors_to_visit = list_factors(expression_text)
     visited_names: set[str] = set()
     # The list grows during the loop, so that parameters named directly come before those that define them.
     for factor in factors_to_visit:
@@ -198,10 +183,10 @@ def all_parameters(expression_text: object, parameters: Mapping[str, WrittenPara
             visited_names.add(name)
             yield name
             # A parameter without ``equals`` adds no factors.
-            factors_to_visit += _list_factors(parameters[name].equals)
+            factors_to_visit += list_factors(parameters[name].equals)
 
 
-def _list_factors(expression_text: object) -> list[Factor]:
+def list_factors(expression_text: object) -> list[Factor]:
     """Return the factors of all terms of an expression as it is written. Empty for text that is not an expression.
 
     A factor is a parameter, or two to the power of a parameter.
@@ -220,17 +205,17 @@ def check_parameter_origin(spec: WrittenSpec, report: DocumentReport) -> None:
         if len(origins) > 1:
             second_origin = origins[1]
             problem = f"{join_words(map(quoted, origins))} each define {quoted(name)}; keep one"
-            report.add("parameter-origin", parameter.place_of(second_origin), problem, at_key=True)
+            report.add("parameter-origin", parameter.path_of(second_origin), problem, at_key=True)
         if not parameter.by_code:
             continue
         limit_keys = [key for key in ("min", "max") if parameter.has(key)]
         if not parameter.read_from:
             problem = "'by_code' needs 'read_from', the register field that holds the code"
-            report.add("parameter-origin", parameter.place_of("by_code"), problem, at_key=True)
+            report.add("parameter-origin", parameter.path_of("by_code"), problem, at_key=True)
         elif limit_keys:
             limit_key = limit_keys[0]
             problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit_key)}"
-            report.add("parameter-origin", parameter.place_of(limit_key), problem, at_key=True)
+            report.add("parameter-origin", parameter.path_of(limit_key), problem, at_key=True)
 
 
 def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -245,7 +230,7 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
         own_parameters = [name for name, parameter in parameters if parameter.alternative == alternative.name]
         _check_answers(alternative, own_parameters, resolver)
     for name, parameter in spec.parameters.items():
-        path = parameter.place_of("alternative")
+        path = parameter.path_of("alternative")
         resolver.check_optional_name(path, "alternative", parameter.alternative, known_names=alternatives)
         alternative_of_parameter = alternatives.get(parameter.alternative)
         if alternative_of_parameter is not None and not _sets_parameter(alternative_of_parameter, name):
@@ -277,7 +262,7 @@ def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str
         for name in answer.sets:
             first_answers.setdefault(name, answer_name)
     for answer_name, answer in alternative.values.items():
-        sets_path = answer.place_of("sets")
+        sets_path = answer.path_of("sets")
         for name in answer.sets:
             resolver.check_name((*sets_path, name), "parameter", name)
             if name in resolver.parameter_names and name not in own_parameters:
@@ -305,7 +290,7 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
     # The parameter under 'when', which turns Gray code on, is not an expression.
     used_texts += [(use.path, use.text) for use in parameter_uses(spec) if use.path[-1] == "when"]
     for path, text in used_texts:
-        used_names = [factor.parameter for factor in _list_factors(text)]
+        used_names = [factor.parameter for factor in list_factors(text)]
         names_set_by_answers = [name for name in used_names if name in parameters_set_by_answers]
         if not names_set_by_answers:
             continue
@@ -313,7 +298,7 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
         alternative_name = parameters_set_by_answers[first_name].alternative
         alternative = alternatives.get(alternative_name)
         problem = f"{quoted(first_name)} is set by the alternative {quoted(alternative_name)}"
-        if path[-1] not in _KEYS_IN_BITS:
+        if path[-1] not in KEYS_IN_BITS:
             remedy = "use it only in 'bits' or 'low_bit' of a field"
             message = f"{problem}, so only frames and registers can depend on it; {remedy}"
             report.add("alternative-use", path, message)
@@ -323,54 +308,12 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("alternative-use", path, f"{problem}, whose default applies without a choice; {remedy}")
 
 
-def check_units(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a field whose value equals a parameter has its unit, and that parameters in expressions fit there.
-
-    Exponents and widths of fields must be in bits, and numbers of a measurement in its units. Parameters with unknown
-    units are not checked in expressions.
-    """
-    parameters = spec.with_invalid_parts.parameters
-    for field_list in field_lists(spec):
-        for field in field_list.fields:
-            # None unless ``equals`` is only the name of a parameter.
-            parameter = parameters.get(str(field.equals))
-            parameter_unit = parameter.unit if parameter is not None else ""
-            if not field.unit or not parameter_unit:
-                continue
-            if kind_of_unit(field.unit) != kind_of_unit(parameter_unit):
-                problem = f"field {quoted(field.name)} is in {field.unit}, but the parameter {quoted(field.equals)}"
-                message = f"{problem}, which it equals, is in {parameter_unit}"
-                report.add("unit-mismatch", field.place_of("unit"), message)
-    for path, text in expressions(spec):
-        for factor in _list_factors(text):
-            if factor.parameter in parameters:
-                unit = parameters[factor.parameter].unit
-                _check_unit_of_factor(path, factor, unit, report)
-
-
-def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
-    """Check that a parameter in the expression at ``path`` has the unit that is needed there, if both are known.
-
-    ``factor`` is the parameter in the expression, and ``unit`` its unit.
-    """
-    key = str(path[-1])
-    is_exponent = factor.power
-    needed_kind = "bits" if is_exponent or key in _KEYS_IN_BITS else _KIND_BY_KEY.get(key)
-    kind = _KIND_BY_UNIT.get(unit)
-    if needed_kind is None or kind is None or kind == needed_kind:
-        return
-    quoted_place = f"the exponent in 2^{factor.parameter}" if is_exponent else quoted(key)
-    needed_unit = "µm" if needed_kind == "micrometres" else needed_kind
-    message = f"{quoted(factor.parameter)} is in {unit}, but {quoted_place} must be in {needed_unit}"
-    report.add("unit-mismatch", path, message)
-
-
 def check_parameter_cycle(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself, directly or through other parameters."""
     definitions: dict[str, list[str]] = {}
     for name, parameter in spec.parameters.items():
         if parameter.equals is not None:
-            definitions[name] = [factor.parameter for factor in _list_factors(parameter.equals)]
+            definitions[name] = [factor.parameter for factor in list_factors(parameter.equals)]
     searched_names: set[str] = set()
     for name in definitions:
         cycle = _find_cycle(name, definitions, searched_names)
@@ -404,3 +347,88 @@ def _find_cycle(start: str, definitions: Mapping[str, list[str]], searched_names
             trail.append(name)
             pending.append(iter(definitions[name]))
     return []
+
+
+def check_expressions(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that every expression is valid, and that every parameter in it exists."""
+    resolver = NameResolver(spec, report)
+    for path, text in expressions(spec):
+        try:
+            names = Expression.parse(text).parameters
+        except ExpressionError as error:
+            key = str(path[-1])
+            hint = expression_hint(str(text)) or number_hint(key, text)
+            if not hint:
+                hint = "; write an expression such as singleturn_bits + 8"
+            report.add("bad-expression", path, f"{error}{hint}")
+            continue
+        for name in names:
+            resolver.check_name(path, "parameter", name)
+
+
+#: Most terms of a sum of parameters, with all definitions inserted.
+_MOST_TERMS = 256
+
+
+def list_terms(expression_text: object) -> tuple[Term, ...]:
+    """Return the terms of an expression as it is written. Empty for text that is not an expression."""
+    if not isinstance(expression_text, (int, str)):
+        return ()
+    try:
+        return Expression.parse(expression_text).terms
+    except ExpressionError:  # Reported by the rule on expressions.
+        return ()
+
+
+class _SumSize(NamedTuple):
+    """Number of terms of a parameter with all definitions inserted, and the largest number in a product."""
+
+    terms: int
+    multiple: int
+
+    @property
+    def is_too_large(self) -> bool:
+        return self.terms > _MOST_TERMS or self.multiple > LARGEST_MULTIPLE
+
+
+def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no parameter becomes a long sum or a large multiple when its parameters are replaced.
+
+    They are replaced by their definitions. Definitions that each use another one twice would take forever: 30 of them
+    are a sum of 2^30 terms. A parameter that uses a reported one is not reported.
+    """
+    size_by_name: dict[str, _SumSize] = {}
+    for name, parameter in spec.parameters.items():
+        size = _find_size(name, spec.parameters, size_by_name)
+        used_names = [factor.parameter for term in list_terms(parameter.equals) for factor in term.factors]
+        uses_reported = any(size_by_name[used_name].is_too_large for used_name in used_names)
+        if not size.is_too_large or uses_reported:
+            continue
+        if size.terms > _MOST_TERMS:
+            problem = f"is a sum of {size.terms} terms with the definitions of its parameters"
+            limit = _MOST_TERMS
+        else:
+            problem = f"is a multiple of {size.multiple} with the definitions of its parameters"
+            limit = LARGEST_MULTIPLE
+        report.add("bad-expression", parameter.path_of("equals"), f"{quoted(name)} {problem}; the limit is {limit}")
+
+
+def _find_size(name: str, parameters: Mapping[str, WrittenParameter], size_by_name: dict[str, _SumSize]) -> _SumSize:
+    """Return the size of a parameter when all parameters in it are replaced by their definitions.
+
+    Each factor of a product counts as a term. A parameter without a definition has one term. ``size_by_name`` caches
+    the results.
+    """
+    if name in size_by_name:
+        return size_by_name[name]
+    size_by_name[name] = _SumSize(1, 1)  # This ends the recursion for a circular definition, another rule reports it.
+    terms = list_terms(parameters[name].equals) if name in parameters else ()
+    term_count, largest_multiple = 0, 1
+    for term in terms:
+        sizes = [_find_size(factor.parameter, parameters, size_by_name) for factor in term.factors]
+        term_count += sum(size.terms for size in sizes)
+        multiple = abs(term.multiple) * math.prod(size.multiple for size in sizes)
+        largest_multiple = max(largest_multiple, multiple)
+    if terms:
+        size_by_name[name] = _SumSize(term_count, largest_multiple)
+    return size_by_name[name]

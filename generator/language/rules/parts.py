@@ -12,18 +12,17 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import islice
 from types import MappingProxyType
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 from ...model import INTERFACES, Alarm, Biss, Clock, Timing
 from ...model.measurement import Measurement
-from ..document import LEFT_OUT, Document
+from ..document import Document
+from ..files import is_second
 from ..problems import DocumentReport, Path
-from ..schema_files import is_second
 from ..written import LocatedPart
-from ..written_codes import WrittenParameter, WrittenRegister
-from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, WrittenSpi, WrittenSsi
-from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
-from ..written_parts import WrittenSpec
+from ..written_codes import WrittenBiss, WrittenControlData, WrittenParameter, WrittenRs485, WrittenSpi, WrittenSsi
+from ..written_fields import WrittenField, WrittenFieldGroup, WrittenLayout, WrittenRegister
+from ..written_parts import WrittenSpec, WrittenStep
 
 #: A rule, called with a spec that contains only valid parts, and the report to which it adds problems.
 Rule = Callable[[WrittenSpec, DocumentReport], None]
@@ -35,6 +34,10 @@ Groups = Mapping[str, WrittenFieldGroup]
 #: An interface that does not exist has layouts too, so that their names are known.
 _INTERFACE_CLASSES: Mapping[str, type[WrittenInterface]] = MappingProxyType(
     {"ssi": WrittenSsi, "biss": WrittenBiss, "rs485": WrittenRs485, "spi": WrittenSpi}
+)
+#: Lists and maps that the path of an erratum omits, because their items are identified by name.
+KEYS_OMITTED_BY_ERRATA = frozenset(
+    "layouts fields combinations values parts steps arguments meanings data_ids contacts timings".split()
 )
 #: Largest number of fields of a layout or register, including the fields of its groups. Without groups, the schema
 #: limits it.
@@ -184,6 +187,16 @@ def interface_name_of(register: WrittenRegister | None) -> str:
     return Biss.name if register is None else str(register.data.get("interface", Biss.name))
 
 
+#: Represents a register that does not exist.
+NO_REGISTER = WrittenRegister({})
+Registers = Mapping[str, WrittenRegister]
+
+
+def register_of_step(step: WrittenStep, registers: Registers) -> WrittenRegister:
+    """Return the register that a step accesses, or an empty register if it accesses none or it does not exist."""
+    return registers.get(step.register, NO_REGISTER)
+
+
 def last_address(register: WrittenRegister) -> int:
     """Return the last address of a register, or its only one if the interface has no address for each byte."""
     interface = INTERFACES.get(interface_name_of(register))
@@ -303,6 +316,25 @@ def position_names(spec: WrittenSpec, interface: str) -> set[str]:
     return names
 
 
+class BitRange(NamedTuple):
+    """The highest and the lowest bit of a place in a register."""
+
+    highest: int
+    lowest: int
+
+
+def parse_bit_range(place: int | str | None) -> BitRange | None:
+    """Return the bits of a place such as ``7:6`` or 5, or None if it is not a place."""
+    if isinstance(place, int):
+        is_bit_of_register = 0 <= place < 1024  # No register has more bits.
+        return BitRange(place, place) if is_bit_of_register else None
+    match = _BIT_RANGE_TEXT.fullmatch(str(place))
+    if match is None:
+        return None
+    bit_range = BitRange(*map(int, match.groups()))
+    return bit_range if bit_range.highest >= bit_range.lowest else None
+
+
 def constant_width(field: WrittenField) -> int | None:
     """Return the width of a field if it is constant, or None if it depends on parameters or another rule reports it.
 
@@ -373,7 +405,7 @@ def as_affected_name(path: str) -> str:
     always kept.
     """
     *names, last_name = path.split(".")
-    kept_names = [name for name in names if name not in LEFT_OUT]
+    kept_names = [name for name in names if name not in KEYS_OMITTED_BY_ERRATA]
     return ".".join((*kept_names, last_name))
 
 

@@ -1,4 +1,4 @@
-"""Rules for facts that decide whether a position is usable: values, combinations of fields, and alternatives."""
+"""Rules for facts that decide whether a position is usable: values, combinations of fields, and answers."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from ...model import INTERFACES, Verdict
 from ..document import Path
 from ..problems import DocumentReport, quoted, suggest_word
 from ..written_codes import WrittenAlternative
-from ..written_layouts import WrittenCombination, WrittenField
+from ..written_fields import WrittenCombination, WrittenField
 from ..written_parts import WrittenSpec
-from .bits import names_error
+from .flags import names_error
 from .parts import (
     FieldList,
     FieldOwner,
@@ -66,7 +66,7 @@ def _check_verdicts_of_values(
         if value.makes_position:
             obstacle = _obstacle_to_verdict(field_list, field, frame_has_position)
             if obstacle:
-                report.add("value-verdict", value.place_of("makes_position"), obstacle, at_key=True)
+                report.add("value-verdict", value.path_of("makes_position"), obstacle, at_key=True)
         elif frame_has_position and names_error(name, value.printed_name):
             message = (
                 f"{quoted(name)} is in a frame that contains the position; set 'makes_position' to the"
@@ -127,7 +127,7 @@ def check_combinations(spec: WrittenSpec, report: DocumentReport) -> None:
         listed_combinations = frame.layout.combinations if frame.layout is not None else ()
         if listed_combinations and not _has_position(spec, frame, groups):
             problem = f"{_reason_without_verdict(frame)}; remove 'combinations'"
-            report.add("combination", frame.owner.place_of("combinations"), problem, at_key=True)
+            report.add("combination", frame.owner.path_of("combinations"), problem, at_key=True)
             continue
         fields = fields_by_name(frame, groups)
         for index, combination in enumerate(listed_combinations):
@@ -175,7 +175,7 @@ def _report_names(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path,
                 yield path, f"{field.name}_{name}"
     if field_list.layout is not None:
         for combination in field_list.layout.combinations:
-            yield combination.place_of("name"), combination.name
+            yield combination.path_of("name"), combination.name
 
 
 def _check_conditions(
@@ -188,7 +188,7 @@ def _check_conditions(
     """
     problems_before = len(report)
     for field_name, value in combination.when.items():
-        condition_path = (*combination.place_of("when"), field_name)
+        condition_path = (*combination.path_of("when"), field_name)
         if field_name not in fields:
             hint = suggest_word(field_name, fields)
             problem = f"there is no field {quoted(field_name)} in this frame{hint}"
@@ -210,7 +210,7 @@ def _check_conditions(
         problem = (
             f"{quoted(combination.name)} has only one condition; write 'makes_position' at {verdict_place} instead"
         )
-        report.add("combination", combination.place_of("when"), problem)
+        report.add("combination", combination.path_of("when"), problem)
     return len(report) == problems_before
 
 
@@ -258,7 +258,7 @@ def _check_can_decide(
             problem = (
                 f"{quoted(combination.name)} never decides, since {condition_text} already makes the position {verdict}"
             )
-            report.add("combination", combination.place_of("makes_position"), f"{problem}; remove the combination")
+            report.add("combination", combination.path_of("makes_position"), f"{problem}; remove the combination")
             return
 
 
@@ -327,7 +327,7 @@ def check_default_answers(spec: WrittenSpec, report: DocumentReport) -> None:
         if not default:
             continue
         first_answer, *_ = alternative.values
-        default_path = alternative.place_of("default")
+        default_path = alternative.path_of("default")
         if default != first_answer:
             problem = f"the default {quoted(default)} is not the first answer of {quoted(alternative.name)}"
             report.add("alternative-default", default_path, f"{problem}; write {quoted(first_answer)}")
@@ -347,7 +347,7 @@ def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> 
     """
     for index, (name, answer) in enumerate(alternative.values.items()):
         is_default = index == 0
-        sets_path = answer.place_of("sets")
+        sets_path = answer.path_of("sets")
         if len(answer.sets) > 1:
             problem = f"{quoted(alternative.name)} has a default, so its answers set one parameter"
             report.add("alternative-default", sets_path, f"{problem}; keep one, or remove 'default'")
@@ -371,7 +371,7 @@ def check_verdicts_by_answer(spec: WrittenSpec, report: DocumentReport) -> None:
     for field_list in field_lists(spec):
         for field in field_list.fields:
             for name, verdict in field.makes_position_if.items():
-                verdict_path = (*field.place_of("makes_position_if"), name)
+                verdict_path = (*field.path_of("makes_position_if"), name)
                 parameter = spec.with_invalid_parts.parameters.get(name)
                 if parameter is None or parameter.alternative not in alternatives_with_default:
                     reason = f"{quoted(name)} does not belong to an alternative with a default"
@@ -401,3 +401,19 @@ def _obstacle_to_other_verdict(field_list: FieldList, field: WrittenField, other
     if verdict == other_verdict:
         return f"with both answers, {name} makes the position {quoted(verdict)}; give one of them another verdict"
     return ""
+
+
+def check_equal_answers(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the two answers to a question that the manual leaves open do not set the same numbers.
+
+    Such answers would have the same effect. Questions with more answers are not checked.
+    """
+    for alternative in spec.alternatives:
+        answers = list(alternative.values.items())
+        if len(answers) != 2:
+            continue
+        (first_name, first_answer), (second_name, second_answer) = answers
+        if first_answer.sets and first_answer.sets == second_answer.sets:
+            names = f"{quoted(first_name)} and {quoted(second_name)}"
+            message = f"{names} set the same numbers; correct one of the two answers"
+            report.add("same-answers", second_answer.path_of("sets"), message)

@@ -1,22 +1,21 @@
-"""Rules for procedures and register banks: each step is possible, and parameters are written before they are saved.
-
-All registers, fields and values that procedures name must exist.
-"""
+"""Rules for procedures as a whole: the names in them, arguments, banks, and the writes that the manual prints."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from itertools import takewhile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
-from ...model import INTERFACES, Biss
-from ..document import Path
-from ..problems import DocumentReport, quoted
-from ..written_codes import WrittenOpenedBy, WrittenRegister
-from ..written_interfaces import WrittenRs485
+from ...model import INTERFACES
+from ..problems import DocumentReport, Path, quoted
+from ..written_codes import WrittenRs485
+from ..written_fields import WrittenRegister
 from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
-from .name_resolver import NameResolver
 from .parts import (
+    NO_REGISTER,
+    Groups,
+    Registers,
     bank_select_register,
     by_name,
     by_part_name,
@@ -24,47 +23,44 @@ from .parts import (
     has_other_bits,
     interface_name_of,
     is_second_reading,
+    last_address,
+    parse_bit_range,
+    register_of_step,
     value_names,
-    value_names_of_register,
 )
-from .shapes import check_keys
-
-#: Represents a register that does not exist.
-_NO_REGISTER = WrittenRegister({})
-Registers = Mapping[str, WrittenRegister]
-#: Access of a register that makes a kind of step impossible.
-_IMPOSSIBLE_ACCESS = {"write": "read_only", "read": "write_only", "poll": "write_only"}
+from .references import NameResolver
+from .walk import leaves
 
 
 def check_procedure_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interfaces, registers, values and data IDs that procedures name exist."""
     resolver = NameResolver(spec, report)
     for procedure in spec.procedures:
-        resolver.check_optional_name(procedure.place_of("interface"), "interface", procedure.interface)
+        resolver.check_optional_name(procedure.path_of("interface"), "interface", procedure.interface)
         for argument in procedure.arguments:
-            resolver.check_optional_name(argument.place_of("of"), "register", argument.of)
+            resolver.check_optional_name(argument.path_of("of"), "register", argument.of)
             register = resolver.registers.get(argument.of)
             if register is not None:
                 noun = f"meaning of {quoted(argument.of)} called"
                 known_meanings = by_name(register.meanings)
-                resolver.check_optional_name(argument.place_of("as"), noun, argument.as_, known_names=known_meanings)
+                resolver.check_optional_name(argument.path_of("as"), noun, argument.as_, known_names=known_meanings)
         interface_data = spec.with_invalid_parts.interfaces.data.get(procedure.interface)
         data_ids = by_part_name(WrittenRs485(interface_data).data_ids)
         for step in procedure.steps:
             _check_names_in_step(step, procedure, resolver)
-            resolver.check_optional_name(step.place_of("data_id"), "data ID", step.data_id, known_names=data_ids)
+            resolver.check_optional_name(step.path_of("data_id"), "data ID", step.data_id, known_names=data_ids)
 
 
 def _check_names_in_step(step: WrittenStep, procedure: WrittenProcedure, resolver: NameResolver) -> None:
     """Check that the register, the field and the value that a step of a procedure names exist."""
     name = step.register
-    resolver.check_optional_name(step.place_of("register"), "register", name)
+    resolver.check_optional_name(step.path_of("register"), "register", name)
     register = resolver.registers.get(name)
     if register is None:
         return
     known_fields = resolver.bit_names(name)
     noun = f"field of {quoted(name)} called"
-    resolver.check_optional_name(step.place_of("field"), noun, step.field, known_names=known_fields)
+    resolver.check_optional_name(step.path_of("field"), noun, step.field, known_names=known_fields)
     has_unknown_field = bool(step.field) and step.field not in known_fields
     if not has_unknown_field:
         argument_names = [argument.name for argument in procedure.arguments]
@@ -80,7 +76,7 @@ def _check_written_value(
     reported, because it would change the other fields.
     """
     name = step.register
-    path = step.place_of("value")
+    path = step.path_of("value")
     possible_values = [*resolver.value_names(name, step.field), *argument_names]
     noun = f"argument, or value of {quoted(name)}, called"
     resolver.check_optional_name(path, noun, step.value, known_names=possible_values)
@@ -91,166 +87,6 @@ def _check_written_value(
         if register.access == "write_only":
             remedy = "describe it as one field with all its bits, because it is write_only"
         resolver.report_problem(path, f"{quoted(name)} has other bits, too; {remedy}")
-
-
-def check_step_shape(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each step of a procedure has the keys of its kind.
-
-    Keys for the time between requests are allowed only if the step sends several requests.
-    """
-    for procedure in spec.procedures:
-        for step in procedure.steps:
-            check_keys(step, step.do, rule="step-shape", subject=f"a {step.do} step", report=report)
-            _check_conditions_between_requests(step, report)
-
-
-def _check_conditions_between_requests(step: WrittenStep, report: DocumentReport) -> None:
-    """Check that a step has no condition between requests, such as a time, if it sends only one request."""
-    sends_one_request = step.do == "send" and step.times in (None, 1)
-    if not sends_one_request:
-        return
-    request_count = "has no 'times'" if step.times is None else "sends one"
-    values_by_key = {"in_succession": step.in_succession, "every_at_least_us": step.every_at_least_us}
-    for key, value in values_by_key.items():
-        if value:
-            key_text = quoted(key)
-            problem = f"{key_text} applies to several requests, but the step {request_count}"
-            report.add("step-shape", step.place_of(key), f"{problem}; add 'times', or remove {key_text}", at_key=True)
-            return
-
-
-def check_step_access(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that every register that is written can be written, and that every register that is read can be read.
-
-    A step that writes one field of a register with other bits must also read the register, to keep the other bits.
-    """
-    registers = by_name(spec.with_invalid_parts.registers)
-    groups = by_name(spec.with_invalid_parts.field_groups)
-    for procedure in spec.procedures:
-        for step in procedure.steps:
-            register = _register_of(step, registers)
-            writes_one_field = step.do == "write" and bool(step.field)
-            keeps_other_bits = writes_one_field and has_other_bits(register, groups)
-            if keeps_other_bits and register.access == "write_only":
-                message = (
-                    f"{quoted(step.register)} is write_only, so a step cannot keep its other bits; "
-                    "describe it as one field with all its bits, and remove 'field'"
-                )
-                report.add("access-mismatch", step.place_of("field"), message)
-            is_impossible = bool(register.access) and _IMPOSSIBLE_ACCESS.get(step.do) == register.access
-            if is_impossible:
-                message = f"{quoted(step.register)} is {register.access}, so a step cannot {step.do} it"
-                report.add("access-mismatch", step.place_of("register"), message)
-    _check_written_registers(spec, _names_with_access(registers, "read_only"), report)
-    _check_read_registers(spec, _names_with_access(registers, "write_only"), report)
-
-
-def _register_of(step: WrittenStep, registers: Registers) -> WrittenRegister:
-    """Return the register that a step accesses, or an empty register if it accesses none or it does not exist."""
-    return registers.get(step.register, _NO_REGISTER)
-
-
-def _names_with_access(registers: Registers, access: str) -> set[str]:
-    return {name for name, register in registers.items() if register.access == access}
-
-
-def _check_written_registers(spec: WrittenSpec, read_only_names: Collection[str], report: DocumentReport) -> None:
-    """Check that no register that unlocks another one for writing, or selects a bank, is among the read-only ones."""
-    for register in spec.registers:
-        unlocking_register = register.opened_by.register if register.opened_by is not None else ""
-        if unlocking_register in read_only_names:
-            message = f"{quoted(unlocking_register)} is read_only, so it cannot unlock {quoted(register.name)}"
-            report.add("access-mismatch", (*register.place_of("opened_by"), "register"), message)
-    bank_register = bank_select_register(spec)
-    if bank_register in read_only_names:
-        message = f"{quoted(bank_register)} is read_only, so it cannot select a bank"
-        report.add("access-mismatch", ("interfaces", Biss.name, "bank_select"), message)
-
-
-def _check_read_registers(spec: WrittenSpec, write_only_names: Collection[str], report: DocumentReport) -> None:
-    """Check that no register that holds a parameter or an alarm is among the write-only ones."""
-    for parameter_name, parameter in spec.parameters.items():
-        register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
-        if register_name in write_only_names:
-            message = f"{quoted(register_name)} is write_only, so {quoted(parameter_name)} cannot be read from it"
-            report.add("access-mismatch", parameter.place_of("read_from"), message)
-    for located_alarm in spec.alarms:
-        alarm = located_alarm.part
-        if alarm.register in write_only_names:
-            message = f"{quoted(alarm.register)} is write_only, so it cannot signal {quoted(alarm.name)}"
-            report.add("access-mismatch", (*located_alarm.path, "register"), message)
-
-
-def check_step_waits(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure waits long enough after a write that takes time, until its next write or its end."""
-    registers = by_name(spec.registers)
-    for procedure in spec.procedures:
-        for index, step in enumerate(procedure.steps):
-            needed_ms = _register_of(step, registers).wait_at_least_ms
-            if step.do != "write" or needed_ms is None:
-                continue
-            later_steps = procedure.steps[index + 1 :]
-            short_wait = _find_short_wait(step, later_steps, needed_ms)
-            if short_wait is not None:
-                wait_path, wait_text = short_wait
-                problem = f"{quoted(step.register)} needs a wait of {needed_ms} ms after a write"
-                report.add("wait-too-short", wait_path, f"{problem}, but {wait_text}", cause=step.register)
-
-
-def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> tuple[Path, str] | None:
-    """Return the place of a wait that is too short or missing after a write, and a text that describes it.
-
-    The text is ``there is no wait here`` or ``the wait here is 5 ms``. The result is None if the waits before the next
-    write are long enough together, if a step polls a register before it, or if the procedure ends without a wait.
-    """
-    steps_before_next_write = list(takewhile(lambda step: step.do != "write", later_steps))
-    waits = [step for step in steps_before_next_write if step.do == "wait"]
-    waits_ms = [wait.at_least_ms for wait in waits if wait.at_least_ms is not None]
-    is_polled = any(step.do == "poll" for step in steps_before_next_write)
-    is_last_write = len(steps_before_next_write) == len(later_steps)
-    total_ms = sum(waits_ms)
-    ends_without_wait = is_last_write and not waits_ms
-    if is_polled or total_ms >= needed_ms or ends_without_wait:
-        return None
-    if not waits_ms:
-        return write.path, "there is no wait here"
-    return waits[0].place_of("at_least_ms"), f"the wait here is {total_ms} ms"
-
-
-def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure writes the value that unlocks a register (``opened_by``) before it writes the register.
-
-    Only the last of its earlier writes to the unlocking register counts. If there is none, another procedure may unlock
-    the register.
-    """
-    registers = by_name(spec.registers)
-    for procedure in spec.procedures:
-        argument_names = [argument.name for argument in procedure.arguments]
-        for index, step in enumerate(procedure.steps):
-            opener = _register_of(step, registers).opened_by
-            if step.do != "write" or opener is None:
-                continue
-            earlier_steps = procedure.steps[:index]
-            opening_values = [earlier.value for earlier in earlier_steps if _writes_to_opener(earlier, opener)]
-            if not opening_values:
-                continue
-            last_value = opening_values[-1]
-            # The caller of the procedure may pass the correct value as an argument.
-            if last_value != opener.value and last_value not in argument_names:
-                message = (
-                    f"{quoted(step.register)} must be unlocked by writing {quoted(opener.value)} to"
-                    f" {quoted(opener.register)}, but {quoted(last_value)} was written there"
-                )
-                report.add("not-opened", step.place_of("register"), message)
-
-
-def _writes_to_opener(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
-    """Return True if a step writes any value to the register, or to its field, that unlocks another register."""
-    if step.do != "write" or not step.value or not opener.value:
-        return False
-    is_opening_register = bool(step.register) and step.register == opener.register
-    writes_all_fields = not step.field
-    return is_opening_register and (writes_all_fields or step.field == opener.field)
 
 
 def check_written_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -266,31 +102,7 @@ def check_written_arguments(spec: WrittenSpec, report: DocumentReport) -> None:
                     f"no step writes the argument {quoted(argument.name)}; write it with"
                     f" 'value: {argument.name}', or remove the argument"
                 )
-                report.add("argument-not-written", argument.place_of("name"), message)
-
-
-def check_procedure_name(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a procedure with the name of a named value writes this value, if it writes to the same register."""
-    registers = by_name(spec.with_invalid_parts.registers)
-    groups = by_name(spec.with_invalid_parts.field_groups)
-    for procedure in spec.procedures:
-        name = procedure.name
-        # Steps that write a named value to a register which also has a value with the name of the procedure.
-        writes_by_register: dict[str, list[WrittenStep]] = {}
-        for step in procedure.steps:
-            register = _register_of(step, registers)
-            known_values = value_names_of_register(register, groups, step.field)
-            if step.do == "write" and {name, step.value} <= set(known_values):
-                writes_by_register.setdefault(step.register, []).append(step)
-        for register_name, writes in writes_by_register.items():
-            written_values = [write.value for write in writes]
-            if name not in written_values:
-                last_write = writes[-1]
-                message = (
-                    f"the procedure {quoted(name)} has the same name as a value of {quoted(register_name)}, but writes"
-                    f" {quoted(last_write.value)}; write that value, or rename the procedure"
-                )
-                report.add("procedure-name", last_write.place_of("value"), message)
+                report.add("argument-not-written", argument.path_of("name"), message)
 
 
 #: Names of values that save parameters, such as ``save`` or ``store_all``.
@@ -355,13 +167,13 @@ def check_named_bank(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"{quoted(register.name)} is in a bank, but only BiSS has a register that selects banks; remove"
                 " 'bank', and describe in 'note' how the bank is selected"
             )
-            report.add("bank-not-selected", register.place_of("bank"), message, at_key=True)
+            report.add("bank-not-selected", register.path_of("bank"), message, at_key=True)
         elif not has_bank_select:
             message = (
                 f"{quoted(register.name)} is in bank {register.bank}; use 'bank_select' under 'biss' to name"
                 " the register that selects banks"
             )
-            report.add("bank-not-selected", register.place_of("bank"), message)
+            report.add("bank-not-selected", register.path_of("bank"), message)
 
 
 def check_selected_bank(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -373,18 +185,18 @@ def check_selected_bank(spec: WrittenSpec, report: DocumentReport) -> None:
     bank_register = bank_select_register(spec.with_invalid_parts)
     if not bank_register:
         return
-    bank_numbers = _numbers_by_name(registers.get(bank_register, _NO_REGISTER), spec)
+    bank_numbers = _numbers_by_name(registers.get(bank_register, NO_REGISTER), spec)
     for procedure in spec.procedures:
         selected_bank: object = None
         for step in procedure.steps:
-            bank = _register_of(step, registers).bank
+            bank = register_of_step(step, registers).bank
             if step.do == "write" and step.register == bank_register:
                 # A value without a name is an argument, which may select any bank.
                 selected_bank = bank_numbers.get(step.value, _ANY_BANK)
             elif bank is not None and selected_bank not in (bank, _ANY_BANK):
                 problem = f"{quoted(step.register)} is in bank {bank}"
                 message = f"{problem}; write {bank} to {quoted(bank_register)} before this step"
-                report.add("bank-not-selected", step.place_of("register"), message)
+                report.add("bank-not-selected", step.path_of("register"), message)
 
 
 def _numbers_by_name(register: WrittenRegister, spec: WrittenSpec) -> dict[str, int | None]:
@@ -394,3 +206,178 @@ def _numbers_by_name(register: WrittenRegister, spec: WrittenSpec) -> dict[str, 
         numbers |= dict.fromkeys(value_names(field))
         numbers |= {name: value.value for name, value in field.values.items() if value.is_valid("value")}
     return numbers
+
+
+#: A printed write, as in ``0x48 = 0x01``, ``0x49 bit 2 = 0`` or ``0x50-0x54``.
+_PRINTED_WRITE = re.compile(
+    r"(?P<first>0x[0-9A-Fa-f]+)(?:-(?P<last>0x[0-9A-Fa-f]+))?(?: bit (?P<bit>[0-9]+))?(?: = (?P<value>\w+))?"
+)
+
+
+@dataclass(frozen=True)
+class _Write:
+    """A write: the addresses, the bit if it is a single one, and the number, or None if the caller supplies it."""
+
+    first_address: int
+    last_address: int
+    bit: int | None
+    value: int | None
+
+    def __str__(self) -> str:
+        """Return the write as text, such as ``0x48 = 0x01``, ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
+        text = f"{self.first_address:#04x}"
+        if self.last_address > self.first_address:
+            text += f"-{self.last_address:#04x}"
+        if self.bit is not None:
+            text += f" bit {self.bit}"
+        if self.value is not None:
+            text += f" = {self.value:#04x}" if self.bit is None else f" = {self.value}"
+        return text
+
+
+def check_writes(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that ``printed_writes``, the writes that the manual prints for a procedure, match its steps.
+
+    A procedure with a step that is not completely known is not checked.
+    """
+    registers = by_name(spec.registers)
+    groups = by_name(spec.field_groups)
+    for procedure in spec.procedures:
+        write_steps = [step for step in procedure.steps if step.do == "write"]
+        writes = [_write_of_step(step, registers, groups) for step in write_steps]
+        are_all_known = None not in writes
+        if procedure.printed_writes and are_all_known:
+            _compare_writes(procedure, write_steps, writes, report)
+
+
+def _compare_writes(
+    procedure: WrittenProcedure, write_steps: list[WrittenStep], writes: list[_Write | None], report: DocumentReport
+) -> None:
+    """Report each printed write that differs from the step at the same place, and each step without a printed write.
+
+    ``writes`` contains the write that each of the ``write_steps`` carries out.
+    """
+    for index, printed_text in enumerate(procedure.printed_writes):
+        printed_write = _parse_write(printed_text)
+        printed_path = (*procedure.path, "printed_writes", index)
+        if index >= len(write_steps):
+            report.add("writes-mismatch", printed_path, f"{printed_write} is printed, but no step writes it")
+        elif printed_write != writes[index]:
+            line, _ = report.document.position(write_steps[index].path)
+            message = f"{printed_write} is printed, but the step on line {line} writes {writes[index]}"
+            report.add("writes-mismatch", printed_path, message)
+    steps_without_print = write_steps[len(procedure.printed_writes) :]
+    for step in steps_without_print:
+        report.add("writes-mismatch", step.path, "this write is not among the 'printed_writes'")
+
+
+def _parse_write(write_text: str) -> _Write:
+    """Return the write that a text of ``printed_writes`` describes, such as ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
+    match = _PRINTED_WRITE.fullmatch(write_text)
+    assert match is not None  # The schema uses the same pattern.
+    first_text, last_text, bit_text, value_text = match.group("first", "last", "bit", "value")
+    return _Write(
+        first_address=int(first_text, 16),
+        last_address=int(last_text or first_text, 16),
+        bit=int(bit_text) if bit_text else None,
+        value=int(value_text, 0) if value_text else None,
+    )
+
+
+def _write_of_step(step: WrittenStep, registers: Mapping[str, WrittenRegister], groups: Groups) -> _Write | None:
+    """Return the write that a step of a procedure carries out, or None if it is not completely known.
+
+    With ``field``, only the bits of this field are written, and the result contains the lowest one. Otherwise the whole
+    register is written, with the value in the bits of the field that has it.
+    """
+    register = registers.get(step.register)
+    if register is None or not step.value:
+        return None
+    register_fields = list(fields_of(register, groups))
+    possible_fields = [field for field in register_fields if step.field in ("", field.name)]
+    # The field that has the value. Without such a field, the value is an argument, whose number the caller supplies.
+    fields_with_value = [field for field in possible_fields if step.value in field.values]
+    number = None
+    if fields_with_value:
+        number = fields_with_value[0].values[step.value].value
+    write_of_register = _Write(register.address, last_address(register), bit=None, value=number)
+    is_value_of_register = not fields_with_value or len(register_fields) == 1
+    if not step.field and is_value_of_register:
+        return write_of_register
+    written_fields = fields_with_value or possible_fields
+    bit_range = parse_bit_range(written_fields[0].at) if written_fields else None
+    if bit_range is None:
+        return None
+    if step.field:
+        return replace(write_of_register, bit=bit_range.lowest)
+    return replace(write_of_register, value=(number or 0) << bit_range.lowest)
+
+
+_NUMBER_WORDS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+_REPETITIONS_IN_TEXT = re.compile(rf"\b({'|'.join(_NUMBER_WORDS)}|[1-9]\d?) requests\b", re.IGNORECASE)
+
+
+def check_register_of_argument(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that an argument of a procedure is written to the register whose limits apply to it (``of``)."""
+    registers = by_name(spec.with_invalid_parts.registers)
+    for procedure in spec.procedures:
+        for argument in procedure.arguments:
+            register_with_limits = argument.of
+            writes = [step for step in procedure.steps if step.do == "write" and step.value == argument.name]
+            written_names = [write.register for write in writes]
+            if register_with_limits not in registers:
+                continue
+            if writes and register_with_limits not in written_names:
+                message = (
+                    f"the limits of {quoted(argument.name)} are those of {quoted(register_with_limits)}, but a step"
+                    f" writes it to {quoted(written_names[0])}; correct one of the two"
+                )
+                report.add("argument-register", argument.path_of("of"), message)
+
+
+def check_counted_requests(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a number of requests in the texts of a procedure is the number of times that its step sends a request.
+
+    Only procedures with several steps are checked, exactly one of which repeats its request.
+    """
+    for procedure in spec.procedures:
+        repeated_steps = [step for step in procedure.steps if step.times is not None]
+        if len(repeated_steps) != 1 or len(procedure.steps) == 1:  # Another rule checks a procedure of one step.
+            continue
+        (repeated_step,) = repeated_steps
+        for stated_count in _stated_counts(procedure):
+            if stated_count.number != repeated_step.times:
+                problem = f"the text says {stated_count.number} requests, but 'times' is {repeated_step.times}"
+                report.add("quantity-repeated", stated_count.path, f"{problem}; one of the two is wrong")
+
+
+def check_repeated_requests(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a text of a procedure with one step has the number of requests that the step sends."""
+    for procedure in spec.procedures:
+        times = procedure.steps[0].times if len(procedure.steps) == 1 else None
+        if times is None:
+            continue  # With several steps, it is not known about which of them a text speaks.
+        for stated_count in _stated_counts(procedure):
+            if stated_count.number != times:
+                message = (
+                    f"the text says {stated_count.words} requests, but 'times' is {times}; one of the two is wrong"
+                )
+                report.add("quantity-repeated", stated_count.path, message)
+
+
+class _StatedCount(NamedTuple):
+    """A number of requests in a text of a procedure: the path of the text, the number as written, and the number."""
+
+    path: Path
+    words: str
+    number: int
+
+
+def _stated_counts(procedure: WrittenProcedure) -> Iterator[_StatedCount]:
+    """Yield each number of requests in the texts of a procedure, such as 3 for ``after three requests``."""
+    for path_in_procedure, text in leaves(procedure.data):
+        if not isinstance(text, str):
+            continue
+        for words in _REPETITIONS_IN_TEXT.findall(text):
+            number = int(words) if words.isdigit() else _NUMBER_WORDS.index(words.casefold()) + 2  # The first is "two".
+            yield _StatedCount((*procedure.path, *path_in_procedure), words=words, number=number)

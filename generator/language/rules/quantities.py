@@ -1,23 +1,22 @@
-"""Rules for quantities with units: characteristics, and voltages and times in texts."""
+"""Rules for quantities and their units: characteristics, supplies, and the same quantity in two units."""
 
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 
-from ...model import Alarm, Quantity
-from ...say.text import nanoseconds
-from ..document import ErratumTargets
+from ...model import Alarm, Quantity, Supply
+from ...model.expressions import Factor
 from ..problems import DocumentReport, Path, join_words, quoted
 from ..written import LocatedPart
-from ..written_layouts import WrittenField
+from ..written_fields import WrittenField
 from ..written_parts import WrittenSpec
 from .code_meanings import supply_named
-from .parts import PlacedPart, interfaces, timings
-from .walk import leaves
+from .parameters import KEYS_IN_BITS, KIND_OF_UNIT_BY_KEY, expressions, list_factors
+from .parts import field_lists
+from .walk import leaves_of
 
 #: The possible units of each kind of quantity, separated by spaces.
 _UNITS_OF_KIND = {
@@ -46,14 +45,6 @@ _UNITS_IN_TEXTS = {"diameters": "×", "min": "min(?:ute)?s?", "s": "s(?:ec(?:ond
 _NUMBER_PATTERN = r"(?<![\w.,])(?P<sign>[±−+-]?)\s?(?P<number>\d+(?:,\d{3})*(?:\.\d+)?)"
 _MILLIVOLTS_PER_UNIT = {"V": 1000, "mV": 1}
 _VOLTAGE_IN_TEXT = re.compile(r"(?<![\w.,])(\d+(?:\.\d+)?) ?(V|mV)\b")
-#: Nanoseconds by the ends of keys and by the units in texts.
-_NANOSECONDS_PER_UNIT = {"ns": 1, "us": 1000, "µs": 1000, "ms": 1_000_000, "s": 1_000_000_000}
-#: A time such as ``20 µs``, but not a rate such as ``1 ms/m``.
-_TIME_PATTERN = r"(?<![\w.,])(?P<number>\d+(?:,\d{3})*(?:\.\d+)?) ?(?P<unit>ns|us|µs|ms|s(?:econds?)?)\b(?!/)"
-_ANY_TIME = re.compile(_TIME_PATTERN)
-#: A time that the reader or the encoder must keep.
-_KEPT_TIME = re.compile(rf"\b(?:[Ww]ait|[Pp]ause|[Ww]ithin|[Aa]t least|[Aa]t most)\w*\b[^.;:,]{{0,40}}?{_TIME_PATTERN}")
-_NO_TEXTS = frozenset(("source", "bytes", "bits", "name", "address"))
 
 
 def check_quantity_text(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -201,7 +192,7 @@ def _check_threshold(spec: WrittenSpec, alarm: LocatedPart[Alarm], report: Docum
         return
     located_texts = [((*alarm.path, "meaning"), alarm.part.meaning)]
     for flag in _flags_of(spec, alarm.part):
-        located_texts += [(flag.place_of("meaning"), flag.meaning), (flag.place_of("when_active"), flag.when_active)]
+        located_texts += [(flag.path_of("meaning"), flag.meaning), (flag.path_of("when_active"), flag.when_active)]
     for path, text in located_texts:
         for number, unit in _VOLTAGE_IN_TEXT.findall(text):
             voltage_mv = Decimal(number) * _MILLIVOLTS_PER_UNIT[unit]
@@ -225,169 +216,193 @@ def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
     return [field for field in fields_of_owner if field.name == alarm.field]
 
 
-def check_repeated_times(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the times in texts and errata are those of the facts that they describe.
+#: Kinds of units, each with the units as manuals name them.
+_UNITS_BY_KIND = {
+    "bits": ("bit", "bits"),
+    "micrometres": ("um", "µm", "μm", "micrometre", "micrometres", "micrometer", "micrometers", "micron", "microns"),
+    "nanometres": ("nm", "nanometre", "nanometres", "nanometer", "nanometers"),
+    "another length": ("mm", "cm", "m", "millimetre", "millimetres", "millimeters", "inch", "inches"),
+    "revolutions": ("revolution", "revolutions", "turn", "turns", "rev", "revs"),
+    "counts": ("count", "counts", "step", "steps", "position", "positions", "increments"),
+}
+_KIND_BY_UNIT = {unit: kind for kind, units in _UNITS_BY_KIND.items() for unit in units}
 
-    A text is compared with the times next to it, or otherwise with those of its register, procedure, timing or input.
-    An erratum is compared with the facts that it affects. Both may also repeat one of the ``timings``, or a time of
-    another part. Overlays and older editions change times without changing every text, so their specs are not checked.
+
+def kind_of_unit(unit: str) -> str:
+    """Return the kind of a unit, such as ``micrometres`` for ``µm`` and ``um``, or the unit itself if it is unknown."""
+    return _KIND_BY_UNIT.get(unit, unit)
+
+
+def check_units(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a field whose value equals a parameter has its unit, and that parameters in expressions fit there.
+
+    Exponents and widths of fields must be in bits, and numbers of a measurement in its units. Parameters with unknown
+    units are not checked in expressions.
     """
-    if report.document.other_files or report.document.family:
+    parameters = spec.with_invalid_parts.parameters
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
+            # None unless ``equals`` is only the name of a parameter.
+            parameter = parameters.get(str(field.equals))
+            parameter_unit = parameter.unit if parameter is not None else ""
+            if not field.unit or not parameter_unit:
+                continue
+            if kind_of_unit(field.unit) != kind_of_unit(parameter_unit):
+                problem = f"field {quoted(field.name)} is in {field.unit}, but the parameter {quoted(field.equals)}"
+                message = f"{problem}, which it equals, is in {parameter_unit}"
+                report.add("unit-mismatch", field.path_of("unit"), message)
+    for path, text in expressions(spec):
+        for factor in list_factors(text):
+            if factor.parameter in parameters:
+                unit = parameters[factor.parameter].unit
+                _check_unit_of_factor(path, factor, unit, report)
+
+
+def _check_unit_of_factor(path: Path, factor: Factor, unit: str, report: DocumentReport) -> None:
+    """Check that a parameter in the expression at ``path`` has the unit that is needed there, if both are known.
+
+    ``factor`` is the parameter in the expression, and ``unit`` its unit.
+    """
+    key = str(path[-1])
+    is_exponent = factor.power
+    needed_kind = "bits" if is_exponent or key in KEYS_IN_BITS else KIND_OF_UNIT_BY_KEY.get(key)
+    kind = _KIND_BY_UNIT.get(unit)
+    if needed_kind is None or kind is None or kind == needed_kind:
         return
-    named_times: set[int] = set()  # In nanoseconds, as all times here.
-    for timing in timings(spec):
-        named_times |= set(_nanoseconds_in(dict(timing.data)))
-    timed_parts: list[PlacedPart] = [*spec.registers, *spec.procedures, *spec.timings, *spec.inputs]
-    times_of_parts = [set(_nanoseconds_in(part.data)) for part in timed_parts]
-    part_counts: Counter[int | Decimal] = Counter()
-    for own_times in times_of_parts:
-        part_counts.update(own_times)
-    for part, own_times in zip(timed_parts, times_of_parts, strict=True):
-        other_times = _TimesElsewhere(named_times, part_counts, own_times)
-        for path, text, nearby_times in _yield_texts(part.data, part.path):
-            expected_times = nearby_times or own_times
-            _compare_times(text, expected_times, other_times, path, report)
-    for _, interface in interfaces(spec):
-        other_times = _TimesElsewhere(named_times, part_counts, own_times=set())
-        for path, text, nearby_times in _yield_texts(interface.data, interface.path):
-            _compare_times(text, nearby_times, other_times, path, report)
-    _compare_errata(spec, named_times, report)
-    _compare_symbols(spec, report)
+    quoted_place = f"the exponent in 2^{factor.parameter}" if is_exponent else quoted(key)
+    needed_unit = "µm" if needed_kind == "micrometres" else needed_kind
+    message = f"{quoted(factor.parameter)} is in {unit}, but {quoted_place} must be in {needed_unit}"
+    report.add("unit-mismatch", path, message)
 
 
-def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Report each timing whose meaning gives its symbol another time, as in ``tw > 20 µs``, than its own bounds."""
-    for timing in timings(spec):
-        if not timing.part.symbol:
+#: A quantity in two units in a text, as in ``10 °C is 50 °F``.
+_QUANTITY_IN_TWO_UNITS = re.compile(
+    r"(?<![\w.,±])([−+-]?\d+(?:\.\d+)?) ?(°[CF]|mm|in)(?:,? which)? (?:is|=) "
+    r"([−+-]?\d+(?:\.\d+)?) ?(°[CF]|mm|in)\b"
+)
+_UNIT_CONVERSIONS: Mapping[tuple[str, str], Callable[[float], float]] = {
+    ("°C", "°F"): lambda number: number * 1.8 + 32,
+    ("°F", "°C"): lambda number: (number - 32) / 1.8,
+    ("mm", "in"): lambda number: number / 25.4,
+    ("in", "mm"): lambda number: number * 25.4,
+}
+
+
+def check_conversions(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a quantity that a characteristic or a text gives in two units is the same in both."""
+    for characteristic in spec.characteristics:
+        indices_by_quantity: dict[tuple[str, str], list[int]] = {}
+        for index, quantity in enumerate(characteristic.part.values):
+            indices_by_quantity.setdefault((quantity.quantity, quantity.where), []).append(index)
+        for indices in indices_by_quantity.values():
+            # If there are more than two, it is not known which of them belong together.
+            if len(indices) == 2:
+                first_index, second_index = indices
+                quantity = characteristic.part.values[second_index]
+                first_quantity = characteristic.part.values[first_index]
+                _compare_bounds(quantity, first_quantity, (*characteristic.path, "values", second_index), report)
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or path[-1] == "printed":
             continue
-        bounds = set(_nanoseconds_in(timing.data))
-        symbol_with_time = rf"\b{re.escape(timing.part.symbol)} ?[<>=≤≥] ?{_TIME_PATTERN}"
-        time_matches = list(re.finditer(symbol_with_time, timing.part.meaning))
-        times_in_meaning = set(map(_to_nanoseconds, time_matches))
-        if time_matches and bounds.isdisjoint(times_in_meaning):
-            _report_time(time_matches[0], bounds, (*timing.path, "meaning"), report)
-
-
-def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentReport) -> None:
-    """Report each erratum with times in ``used``, its text about what applies, if none of them is in an affected fact.
-
-    One of the ``named_times`` is accepted too, unless the erratum affects exactly one timing.
-    """
-    erratum_targets = ErratumTargets(spec.data)
-    cached_times = _CachedTimes()
-    for erratum in spec.errata:
-        time_matches = list(_ANY_TIME.finditer(erratum.used))
-        if not time_matches:
-            continue
-        used_times = set(map(_to_nanoseconds, time_matches))
-        affected_facts: list[object] = []
-        for affected_path in dict.fromkeys(erratum.affects):
-            affected_facts += erratum_targets.at(affected_path)
-        affected_times: set[int] = set()
-        for fact in affected_facts:
-            affected_times |= cached_times.times_in(fact)
-        affected_timings = [fact for fact in affected_facts if _is_timing(fact)]
-        times_of_only_timing = cached_times.times_in(affected_timings[0]) if len(affected_timings) == 1 else set()
-        if affected_times and used_times.isdisjoint(affected_times | named_times):
-            _report_time(time_matches[0], affected_times, erratum.place_of("used"), report)
-        elif times_of_only_timing and used_times.isdisjoint(times_of_only_timing):
-            _report_time(time_matches[0], times_of_only_timing, erratum.place_of("used"), report)
-
-
-class _CachedTimes:
-    """The times in parts of a spec, which are cached because many errata may affect the same part."""
-
-    def __init__(self) -> None:
-        self._times_by_node_id: dict[int, set[int]] = {}
-
-    def times_in(self, node: object) -> set[int]:
-        """Return all times in a part of a spec, in nanoseconds."""
-        if id(node) not in self._times_by_node_id:
-            self._times_by_node_id[id(node)] = set(_nanoseconds_in(node))
-        return self._times_by_node_id[id(node)]
-
-
-#: Keys of timings and of the timeout of BiSS.
-_KEYS_OF_TIMINGS = frozenset(("at_least_us", "typical_us", "at_most_us", "at_most_ns", "typical_ns"))
-
-
-def _is_timing(fact: object) -> bool:
-    return isinstance(fact, dict) and not _KEYS_OF_TIMINGS.isdisjoint(fact)
+        for match in _QUANTITY_IN_TWO_UNITS.finditer(text):
+            number_text, unit, other_number_text, other_unit = match.groups()
+            printed = _PrintedNumber(Decimal(number_text.replace("−", "-")), unit)
+            other = _PrintedNumber(Decimal(other_number_text.replace("−", "-")), other_unit)
+            _compare_numbers(printed, other, path, report)
 
 
 @dataclass(frozen=True, slots=True)
-class _TimesElsewhere:
-    """The times of a spec outside one part: the named times in ``timings``, and the times of other parts.
+class _PrintedNumber:
+    """A number as it is printed, with its unit."""
 
-    ``part_counts`` contains the number of parts with each time, and ``own_times`` the times of the one part.
+    number: Decimal | float
+    unit: str
+
+    @property
+    def rounding(self) -> float:
+        """Largest error from rounding: half a unit of the last printed digit, such as 0.05 for 2.5."""
+        exponent = Decimal(str(self.number)).as_tuple().exponent
+        return 0.5 * 10.0**exponent if isinstance(exponent, int) else 0.0
+
+
+def _compare_bounds(quantity: Quantity, first_quantity: Quantity, path: Path, report: DocumentReport) -> None:
+    """Report each bound of a quantity that differs from the same bound in another unit, of ``first_quantity``."""
+    first_bounds = bounds_of(first_quantity)
+    for key, bound in bounds_of(quantity).items():
+        if key in first_bounds:
+            printed = _PrintedNumber(bound, quantity.unit)
+            first_printed = _PrintedNumber(first_bounds[key], first_quantity.unit)
+            _compare_numbers(printed, first_printed, (*path, key), report)
+
+
+def _compare_numbers(printed: _PrintedNumber, other: _PrintedNumber, path: Path, report: DocumentReport) -> None:
+    """Report a number that differs from the same quantity in another unit by more than rounding.
+
+    They may differ by 1 % in the other unit, or by the rounding in either unit. Two temperatures may also be
+    differences of temperatures, which are converted without the offset of 32 °F. Numbers whose units have no conversion
+    are not compared.
     """
-
-    named_times: Set[int]
-    part_counts: Mapping[int | Decimal, int]
-    own_times: Set[int]
-
-    def contains(self, time: Decimal) -> bool:
-        """Return True if a time is one of the named times, or occurs in another part."""
-        other_part_count = self.part_counts.get(time, 0)
-        if time in self.own_times:
-            other_part_count -= 1
-        return time in self.named_times or other_part_count > 0
-
-
-def _compare_times(
-    text: str, expected_times: set[int], other_times: _TimesElsewhere, path: Path, report: DocumentReport
-) -> None:
-    """Report the first time in a text that is neither one of the expected times nor elsewhere in the spec.
-
-    Without expected times, nothing is reported.
-    """
-    if not expected_times:
+    to_other_unit = _UNIT_CONVERSIONS.get((printed.unit, other.unit))
+    if to_other_unit is None:
         return
-    for match in _KEPT_TIME.finditer(text):
-        time = _to_nanoseconds(match)
-        if time not in expected_times and not other_times.contains(time):
-            _report_time(match, expected_times, path, report)
-            return
+    number = float(printed.number)
+    other_number = float(other.number)
+    converted = to_other_unit(number)
+    tolerance = max(abs(converted) / 100, other.rounding)
+    agrees = abs(converted - other_number) <= tolerance
+    to_own_unit = _UNIT_CONVERSIONS[other.unit, printed.unit]
+    agrees_in_own_unit = abs(to_own_unit(other_number) - number) <= printed.rounding
+    agrees_as_difference = False
+    if "°" in other.unit:
+        converted_difference = converted - to_other_unit(0.0)
+        # Half a degree, because differences are printed in whole degrees.
+        agrees_as_difference = abs(converted_difference - other_number) <= max(0.5, other.rounding)
+    if not agrees and not agrees_in_own_unit and not agrees_as_difference:
+        message = f"{printed.number} {printed.unit} is {converted:.4g} {other.unit}, not {other.number}"
+        report.add("quantity-text", path, message)
 
 
-def _report_time(match: re.Match[str], expected_times: set[int], path: Path, report: DocumentReport) -> None:
-    """Report a time in a text that is not one of the expected times. ``match`` has its groups number and unit."""
-    times_text = join_words([nanoseconds(time) for time in sorted(expected_times)], "or")
-    number, unit = match.group("number", "unit")
-    message = (
-        f"the text says {number} {unit}, but the time here is {times_text}; "
-        "correct one of the two, or add the time to 'timings'"
-    )
-    report.add("time-repeated", path, message)
+def check_bounds(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the lower and the upper bound of a quantity are different."""
+    for characteristic in spec.characteristics:
+        for index, quantity in enumerate(characteristic.part.values):
+            if quantity.min is not None and quantity.min == quantity.max:
+                message = f"'min' and 'max' are both {quantity.min:g}; correct one of them, or write 'typical'"
+                report.add("quantity-text", (*characteristic.path, "values", index, "min"), message)
 
 
-def _to_nanoseconds(match: re.Match[str]) -> Decimal:
-    """Return the time that a match of ``_TIME_PATTERN`` found, in nanoseconds."""
-    number = Decimal(match["number"].replace(",", ""))
-    # A unit without an entry is ``second`` or ``seconds``.
-    nanoseconds_per_unit = _NANOSECONDS_PER_UNIT.get(match["unit"], _NANOSECONDS_PER_UNIT["s"])
-    return number * nanoseconds_per_unit
+def check_numbers_of_conditions(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
+    for characteristic in spec.characteristics:
+        printed_text = characteristic.part.value
+        printed_numbers = set(_NUMBER_IN_TEXT.findall(printed_text))
+        for index, quantity in enumerate(characteristic.part.values):
+            numbers_of_condition = _NUMBER_IN_TEXT.findall(quantity.where)
+            missing_numbers = [number for number in numbers_of_condition if number not in printed_numbers]
+            if missing_numbers:
+                message = f"'where' has {missing_numbers[0]}, which the text does not have; correct one of the two"
+                report.add("quantity-text", (*characteristic.path, "values", index, "where"), message)
 
 
-def _nanoseconds_in(node: object) -> Iterator[int]:
-    """Yield every time in a part of a spec, in nanoseconds: whole numbers under keys such as ``wait_ms``."""
-    for path, value in leaves(node):
-        key = str(path[-1]) if path else ""
-        _, _, unit = key.rpartition("_")  # ``ms`` of ``wait_ms``.
-        if unit in _NANOSECONDS_PER_UNIT and isinstance(value, int):
-            yield value * _NANOSECONDS_PER_UNIT[unit]
+_NUMBER_IN_TEXT = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
 
 
-def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
-    """Yield every text in a part of a spec, with its path and the times in the same map."""
-    if isinstance(node, dict):
-        numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}
-        nearby_times = set(_nanoseconds_in(numbers_by_key))
-        for key, value in node.items():
-            if isinstance(value, str) and key not in _NO_TEXTS:
-                yield (*path, key), value, nearby_times
-            else:
-                yield from _yield_texts(value, (*path, key))
-    elif isinstance(node, list):
-        for index, value in enumerate(node):
-            yield from _yield_texts(value, (*path, index))
+def check_supply_range(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that either the device or values of the order code have a supply, and that its voltages are in order."""
+    supplies: list[LocatedPart[Supply]] = []
+    if spec.supply is not None and spec.supply.is_given:
+        supplies.append(spec.supply)
+    has_supply_of_device = bool(supplies)
+    for part in spec.order_code.parts:
+        for value in part.values.values():
+            if value.supply is None:
+                continue
+            supplies.append(value.supply)
+            if has_supply_of_device:
+                problem = "the device already has a 'supply'; keep only one of them"
+                report.add("supply-range", value.supply.path, problem, at_key=True)
+    for located_supply in supplies:
+        supply = located_supply.part
+        if supply.min_mv > supply.max_mv:
+            problem = f"'min_mv' ({supply.min_mv}) is above 'max_mv' ({supply.max_mv})"
+            report.add("supply-range", (*located_supply.path, "min_mv"), problem)

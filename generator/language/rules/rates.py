@@ -1,18 +1,17 @@
-"""Rules for clocks, baud rates and times of one interface that must agree with each other."""
+"""Rules for clocks, baud rates and the serial port: limits, cables, the monoflop time, and notes about them."""
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterator
-from fractions import Fraction
+from collections.abc import Iterable, Iterator
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 from ...model import Timing
-from ...model.clocks import CABLE_LIMITS, CableLength, Clock, Timeout
-from ..problems import DocumentReport, Path, quoted
+from ...model.clocks import CABLE_LIMITS, CableLength, Clock
+from ..problems import DocumentReport, Path, missing_keys_message, quoted
 from ..written import LocatedPart
-from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi
+from ..written_codes import WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec
 from .parts import (
     WrittenInterface,
@@ -23,6 +22,7 @@ from .parts import (
     is_second_reading,
     share_order_codes,
 )
+from .walk import is_placeholder
 
 #: Significant digits of the rates in data sheets.
 _SIGNIFICANT_DIGITS = 3
@@ -35,10 +35,8 @@ _HIGHEST_HZ = 10_000_000
 _RS_LINES = re.compile(r"\bRS-?(?:422|485)\b", re.IGNORECASE)
 #: Usual names of the times of an SSI encoder.
 _MONOFLOP, _PAUSE = "monoflop", "pause"
-#: Place of the timeouts of BiSS, and the path of their printed values in errata.
-_PATH_OF_TIMEOUT = ("interfaces", "biss", "timeout")
-_PATH_OF_PRINTED_TIMEOUTS = ".".join((*_PATH_OF_TIMEOUT, "printed"))
-_NS_PER_S, _NS_PER_US = 1_000_000_000, 1000
+NS_PER_S = 1_000_000_000
+_NS_PER_US = 1000
 #: No encoder has such a low limit in Hz. The highest limits in kHz, of SPI, are still below.
 _LOWEST_MAXIMUM_HZ = 50_000
 #: The lowest clock in Hz of an encoder whose highest clock is plausible.
@@ -191,8 +189,8 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
         lowest_hz = clock.part.min_hz
         if not lowest_hz or not share_order_codes(clock.part, timing.part):
             continue
-        # Half a period of the clock lasts _NS_PER_S / (2 * lowest_hz).
-        is_shorter_than_half_period = 2 * lowest_hz * time_us * _NS_PER_US < _NS_PER_S
+        # Half a period of the clock lasts NS_PER_S / (2 * lowest_hz).
+        is_shorter_than_half_period = 2 * lowest_hz * time_us * _NS_PER_US < NS_PER_S
         if is_shorter_than_half_period:
             message = (
                 f"{time_us} µs is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it would"
@@ -274,128 +272,135 @@ def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: Docu
     report.add("clock-range", (*row.path, row.part.limit_key), f"{message}; {remedy} {affected_path}")
 
 
-def check_timeouts_and_clocks(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a BiSS timeout is longer than half a period of the slowest clock.
-
-    If the timeout follows the clock, also check that each printed timeout is a whole number of half periods, apart from
-    rounding to nanoseconds.
-    """
-    biss = spec.interfaces.biss
-    if biss is None:
-        return
-    for timeout in biss.timeout:
-        if has_erratum_at(report.document, *_PATH_OF_TIMEOUT, "printed"):
-            continue
-        remedy = (
-            "correct one of the two. If this is what the manual says, "
-            f"add an erratum that affects {_PATH_OF_PRINTED_TIMEOUTS}"
-        )
-        _check_longest_timeout(biss, timeout, remedy, report)
-        follows_clock = timeout.part.rule == "follows_clock"
-        if follows_clock and timeout.part.half_clock_periods is None:
-            _check_half_periods(timeout, remedy, report)
+def check_clock_range(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a clock has a highest limit or clocks in use, in ascending order and within the limits."""
+    # Documents must not give a clock. Then the outputs say that it is not known.
+    may_be_unknown = spec.evidence.part.grade == "uncorroborated"
+    raw_clocks_by_path: dict[Path, LocatedPart[Clock]] = {}
+    for _, raw_interface in interfaces(spec.with_invalid_parts):
+        raw_clocks_by_path |= {raw_clock.path: raw_clock for raw_clock in clocks_of(raw_interface)}
+    for _, interface in interfaces(spec):
+        for clock in clocks_of(interface):
+            if not clock.is_given:
+                continue
+            _check_clock(clock, report)
+            if not may_be_unknown:
+                _report_missing_limit(clock, raw_clocks_by_path.get(clock.path), report)
 
 
-def _check_half_periods(timeout: LocatedPart[Timeout], remedy: str, report: DocumentReport) -> None:
-    """Report each timeout in the manual that is not a whole number of half clock periods."""
-    for index, printed in enumerate(timeout.part.printed):
-        half_periods = 2 * printed.clock_hz * printed.timeout_ns / _NS_PER_S
-        rounding = printed.clock_hz / _NS_PER_S  # Half a nanosecond, in half periods.
-        nearest_whole = round(half_periods)
-        is_whole = abs(half_periods - nearest_whole) <= rounding
-        if not is_whole or nearest_whole < 1:
-            message = (
-                f"{printed.timeout_ns} ns are {half_periods:.3g} half periods at {printed.clock_hz} Hz, but a timeout"
-                f" that follows the clock is a whole number of them; {remedy}"
-            )
-            report.add("timeout-mismatch", (*timeout.path, "printed", index, "timeout_ns"), message)
+def _check_clock(located_clock: LocatedPart[Clock], report: DocumentReport) -> None:
+    """Check that the lowest limit of a clock, the frequencies in use and the highest limit are in ascending order."""
+    clock = located_clock.part
+    used_frequencies = list(clock.used_hz)
+    if used_frequencies != sorted(set(used_frequencies)):
+        message = "list the clocks of 'used_hz' once each, in ascending order"
+        report.add("clock-range", (*located_clock.path, "used_hz"), message)
+    frequencies: list[tuple[str, int]] = []  # Each with its key.
+    if clock.min_hz is not None:
+        frequencies.append(("min_hz", clock.min_hz))
+    frequencies += [("used_hz", frequency) for frequency in used_frequencies]
+    if clock.max_hz is not None:
+        frequencies.append(("max_hz", clock.max_hz))
+    for (lower_key, lower_hz), (higher_key, higher_hz) in pairwise(frequencies):
+        # A wrong order among the frequencies in use is already reported.
+        if lower_hz > higher_hz and lower_key != higher_key:
+            problem = f"{quoted(lower_key)} ({lower_hz}) is above {quoted(higher_key)} ({higher_hz})"
+            report.add("clock-range", (*located_clock.path, lower_key), problem)
 
 
-def _check_longest_timeout(
-    biss: WrittenBiss, timeout: LocatedPart[Timeout], remedy: str, report: DocumentReport
+def _report_missing_limit(
+    clock: LocatedPart[Clock], raw_clock: LocatedPart[Clock] | None, report: DocumentReport
 ) -> None:
-    """Report a longest timeout that is shorter than half a period of the slowest clock of the same order codes."""
-    longest_ns = timeout.part.at_most_ns
-    clocks = [clock.part for clock in biss.clock if share_order_codes(clock.part, timeout.part)]
-    for clock in clocks:
-        lowest_hz = clock.min_hz
-        if not longest_ns or not lowest_hz:
-            continue
-        # Half a period of the clock lasts _NS_PER_S / (2 * lowest_hz).
-        is_shorter_than_half_period = 2 * lowest_hz * longest_ns < _NS_PER_S
-        if is_shorter_than_half_period:
-            message = (
-                f"{longest_ns} ns is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it"
-                f" would end within a frame; {remedy}"
-            )
-            report.add("timeout-mismatch", (*timeout.path, "at_most_ns"), message)
+    """Report a clock without a highest frequency, unless it lists frequencies in use (``used_hz``).
 
-
-def check_timeout_mismatch(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the timeouts of BiSS that the manual prints match its rule, and are for possible clocks."""
-    biss = spec.interfaces.biss
-    if biss is None:
-        return
-    for timeout in biss.timeout:
-        if not timeout.is_given:
-            continue
-        _check_timeout_rule(timeout, report)
-        for clock in biss.clock:
-            if share_order_codes(clock.part, timeout.part):
-                _check_clocks_of_timeouts(timeout, clock.part, report)
-        half_periods = timeout.part.half_clock_periods
-        if timeout.part.rule != "fixed" and half_periods is not None:
-            _check_calculated_timeouts(timeout, half_periods, report)
-
-
-def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, report: DocumentReport) -> None:
-    """Report timeouts that the manual prints for clocks outside the limits of ``clock``."""
-    if clock.max_hz is None or has_erratum_at(report.document, *_PATH_OF_TIMEOUT):
-        return
-    lowest_hz = clock.min_hz or 0
-    highest_hz = clock.max_hz
-    for index, printed in enumerate(timeout.part.printed):
-        if not lowest_hz <= printed.clock_hz <= highest_hz:
-            problem = f"the clock is {lowest_hz} to {highest_hz} Hz, so there is no timeout at {printed.clock_hz} Hz"
-            affected_path = ".".join(_PATH_OF_TIMEOUT)
-            remedy = f"if the manual gives both, add an erratum that affects {affected_path}"
-            path = (*timeout.path, "printed", index, "clock_hz")
-            report.add("timeout-mismatch", path, f"{problem}; {remedy}")
-
-
-def _check_timeout_rule(located_timeout: LocatedPart[Timeout], report: DocumentReport) -> None:
-    """Check that a timeout has the numbers for its rule: a time if it is fixed, or a number of half clock periods.
-
-    A timeout that follows the clock may also have a time or printed examples instead of half clock periods.
+    ``raw_clock`` is the clock together with its invalid keys, which must not be reported as missing.
     """
-    timeout = located_timeout.part
-    path = located_timeout.path
-    has_half_periods = timeout.half_clock_periods is not None
-    has_time = timeout.at_most_ns is not None or timeout.typical_ns is not None
-    has_time_or_example = has_time or bool(timeout.printed)
-    if timeout.rule == "fixed":
-        if has_half_periods:
-            message = "a fixed timeout does not depend on the clock; remove 'half_clock_periods'"
-            report.add("timeout-mismatch", (*path, "half_clock_periods"), message, at_key=True)
-        if not has_time:
-            message = "a fixed timeout needs 'at_most_ns' or 'typical_ns'"
-            report.add("timeout-mismatch", path, message, at_key=True)
-    elif timeout.rule == "follows_clock" and not has_half_periods and not has_time_or_example:
-        message = (
-            "a timeout that depends on the clock needs 'half_clock_periods', "
-            "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"
+    is_complete = raw_clock is not None and clock.data.keys() == raw_clock.data.keys()
+    is_known = clock.part.max_hz is not None or bool(clock.part.used_hz)
+    # A source that is still a placeholder marks a clock whose limits are still to be transcribed.
+    if is_complete and not is_known and not is_placeholder(clock.source):
+        problem = missing_keys_message(("max_hz",), "a clock")
+        remedy = "if no document of the manufacturer gives the limits, write 'used_hz'"
+        report.add("missing-key", clock.path, f"{problem}; {remedy}", at_key=True)
+
+
+def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the clock limit of SSI is lower for longer cables, and that no two rows have the same length.
+
+    An erratum that affects the table of cable lengths explains a different order.
+    """
+    for name, interface in interfaces(spec):
+        if not isinstance(interface, WrittenSsi):
+            continue
+        if has_erratum_at(report.document, "interfaces", name, "cable_lengths"):
+            continue
+        shortest_first = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
+        for row, row_of_longer_cable in combinations(shortest_first, 2):
+            if share_order_codes(row.part, row_of_longer_cable.part):
+                _check_cable_order(row.part, row_of_longer_cable, f"interfaces.{name}.cable_lengths", report)
+
+
+def _check_cable_order(
+    shorter: CableLength, row_of_longer_cable: LocatedPart[CableLength], affected_path: str, report: DocumentReport
+) -> None:
+    """Report the row of a longer cable if its clock limit is not lower than the limit of a shorter cable.
+
+    ``affected_path`` is the path that an erratum must affect to explain it.
+    """
+    longer = row_of_longer_cable.part
+    is_slower = longer.limit_hz < shorter.limit_hz or not shorter.limit_hz
+    have_same_length = longer.shorter_than_m == shorter.shorter_than_m
+    if not is_slower or have_same_length:
+        limit, limit_of_shorter = (f"{row.limit_words} {row.limit_hz} Hz" for row in (longer, shorter))
+        problem = (
+            f"the clock must be {limit} for cables shorter than {longer.shorter_than_m} m, but {limit_of_shorter} for"
+            f" cables shorter than {shorter.shorter_than_m} m; a longer cable needs a slower clock. If this is what the"
+            f" manual says, add an erratum that affects {affected_path}"
         )
-        report.add("timeout-mismatch", path, message, at_key=True)
+        report.add("cable-order", (*row_of_longer_cable.path, longer.limit_key), problem)
 
 
-def _check_calculated_timeouts(timeout: LocatedPart[Timeout], half_periods: int, report: DocumentReport) -> None:
-    """Check that each printed timeout is this number of half clock periods, rounded to the nearest nanosecond."""
-    for index, printed in enumerate(timeout.part.printed):
-        clock_hz = printed.clock_hz
-        printed_ns = printed.timeout_ns
-        # Half a period of the clock is 10**9 / (2 * clock_hz) ns.
-        exact_ns = Fraction(half_periods * 10**9, 2 * clock_hz)
-        if abs(exact_ns - printed_ns) > Fraction(1, 2):
-            rounded_ns = math.floor(exact_ns + Fraction(1, 2))
-            message = f"{half_periods} half periods at {clock_hz} Hz are {rounded_ns} ns, not {printed_ns}"
-            report.add("timeout-mismatch", (*timeout.path, "printed", index, "timeout_ns"), message)
+_NUMBER_WORDS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}
+_STOP_BITS = re.compile(r"\b(one|two|[12]) stop bits?\b", re.IGNORECASE)
+_CHARACTER_LENGTH = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re.IGNORECASE)
+_PARITY_IN_TEXT = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
+
+
+def check_serial_port(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the stop bits, parity and bits per character in the note of an RS-485 interface match its ``port``."""
+    rs485 = spec.interfaces.rs485
+    if rs485 is None or not rs485.port.is_given:
+        return
+    port = rs485.port.part
+    parity_bits = 0 if port.parity == "none" else 1
+    settings = [
+        _SettingInText("stop_bits", _STOP_BITS, str(port.stop_bits)),
+        _SettingInText("parity", _PARITY_IN_TEXT, port.parity.replace("none", "no")),
+    ]
+    # If the note mentions the start bit, its number of bits is the number of the whole character.
+    if "start bit" in rs485.note:
+        bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
+        settings.append(_SettingInText("data_bits", _CHARACTER_LENGTH, str(bits_of_character)))
+    _compare_with_port(rs485, settings, report)
+
+
+class _SettingInText(NamedTuple):
+    """A setting of a port, the pattern of texts about it, and the number or word that they must contain."""
+
+    key: str
+    pattern: re.Pattern[str]
+    expected_word: str
+
+
+def _compare_with_port(rs485: WrittenRs485, settings: Iterable[_SettingInText], report: DocumentReport) -> None:
+    """Report the first words in the note of an RS-485 interface that contradict a setting of its port."""
+    for setting in settings:
+        for word in setting.pattern.findall(rs485.note):
+            plain_word = word.casefold()
+            number_or_word = str(_NUMBER_WORDS.get(plain_word, plain_word))  # "2" for "Two", "even" for "even".
+            if number_or_word != setting.expected_word:
+                line, _ = report.document.position((*rs485.port.path, setting.key))
+                requirement = f"{quoted(setting.key)} of 'port' on line {line} requires {setting.expected_word}"
+                message = f"the text says {quoted(word)}, but {requirement}; correct one of the two"
+                report.add("port-mismatch", rs485.path_of("note"), message)
+                return

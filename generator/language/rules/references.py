@@ -1,25 +1,33 @@
-"""Rules for references to names, which must exist. Messages suggest the most similar name."""
+"""The names that a spec defines, and rules for references to names, which must exist.
+
+Messages suggest the most similar name.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from ...model import Alarm, Biss, Measurement
-from ...model.expressions import Expression, ExpressionError
+from ...model import INTERFACES, Alarm, Biss, Measurement
 from ...model.steps import has_steps
 from ..document import Path
-from ..hints import expression_hint, number_hint
-from ..problems import DocumentReport, quoted
+from ..problems import DocumentReport, nearest_choice, quoted, suggest_word
+from ..schema_check import remaining_value_at
 from ..written import LocatedPart
-from ..written_codes import WrittenOpenedBy, WrittenRegister, WrittenRegisterMeaning
-from ..written_interfaces import WrittenRs485
-from ..written_layouts import KIND_KEYS, WrittenField, WrittenFieldGroup
-from ..written_parts import WrittenExample, WrittenSpec
-from . import parameters
-from .name_resolver import NameResolver
+from ..written_codes import WrittenRs485
+from ..written_fields import (
+    KIND_KEYS,
+    WrittenField,
+    WrittenFieldGroup,
+    WrittenOpenedBy,
+    WrittenRegister,
+    WrittenRegisterMeaning,
+)
+from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
     FieldOwner,
+    bit_names,
     by_name,
     by_part_name,
     field_lists,
@@ -27,6 +35,7 @@ from .parts import (
     layouts_of_interfaces,
     measurements,
     readable_names,
+    value_names_of_register,
 )
 from .walk import next_steps
 
@@ -49,7 +58,7 @@ def check_field_references(spec: WrittenSpec, report: DocumentReport) -> None:
             if field.values_of and not may_use_data_ids:
                 problem = f"the interface {quoted(field_list.interface)} has no table of data IDs"
                 message = f"{problem}; list the values with 'values'"
-                report.add("undefined-reference", field.place_of("values_of"), message)
+                report.add("undefined-reference", field.path_of("values_of"), message)
         _check_layout(field_list, names, resolver)
 
 
@@ -69,8 +78,8 @@ def _check_layout(field_list: FieldList, known_fields: Sequence[str], resolver: 
     gray = layout.gray if layout is not None else None
     if gray is not None:
         known_numbers = [*known_fields, *field_list.joins]
-        resolver.check_optional_name(gray.place_of("of"), "field or joined number", gray.of, known_names=known_numbers)
-        resolver.check_optional_name(gray.place_of("when"), "parameter", gray.when)
+        resolver.check_optional_name(gray.path_of("of"), "field or joined number", gray.of, known_names=known_numbers)
+        resolver.check_optional_name(gray.path_of("when"), "parameter", gray.when)
     for name in field_list.selectors:
         resolver.check_name((*path, "when", name), "field", name, known_names=known_fields)
     for joined_number, names_of_parts in field_list.joins.items():
@@ -85,17 +94,17 @@ def _check_field(
     ``names_in_layout`` are the names of the fields of its layout. Several fields can be joined to one of the
     ``joined_numbers``, which also have names.
     """
-    resolver.check_optional_name(field.place_of("use"), "field group", field.use)
-    resolver.check_optional_name(field.place_of("crc"), "CRC", field.crc)
+    resolver.check_optional_name(field.path_of("use"), "field group", field.use)
+    resolver.check_optional_name(field.path_of("crc"), "CRC", field.crc)
     other_fields = [name for name in names_in_layout if name != field.name]
     fields_and_joins = [*other_fields, *joined_numbers]
-    parity_path = field.place_of("parity_of")
+    parity_path = field.path_of("parity_of")
     # A single name may be written without a list. In this case, its path has no index.
     is_single_name = isinstance(field.data.get("parity_of"), str)
     for index, name in enumerate(field.parity_of):
         name_path = parity_path if is_single_name else (*parity_path, index)
         resolver.check_name(name_path, "other field", name, known_names=fields_and_joins)
-    resolver.check_each_name(field.place_of("crc_of"), "other field", field.crc_of, known_names=other_fields)
+    resolver.check_each_name(field.path_of("crc_of"), "other field", field.crc_of, known_names=other_fields)
     for index, bit in enumerate(field.explained_by):
         resolver.check_bit_path((*field.path, "explained_by", index), bit)
 
@@ -107,7 +116,7 @@ def check_register_references(spec: WrittenSpec, report: DocumentReport) -> None
     """
     resolver = NameResolver(spec, report)
     for register in spec.registers:
-        resolver.check_optional_name(register.place_of("interface"), "interface", register.interface)
+        resolver.check_optional_name(register.path_of("interface"), "interface", register.interface)
         if register.interface is None and Biss.name not in spec.with_invalid_parts.interfaces.data:
             message = f"registers belong to {Biss.name} by default, but this device has no {Biss.name}; add 'interface'"
             report.add("undefined-reference", register.path, message)
@@ -115,10 +124,10 @@ def check_register_references(spec: WrittenSpec, report: DocumentReport) -> None
             _check_opener(register.opened_by, resolver)
         field_list = FieldList(FieldOwner.REGISTER, register, interface="")
         known_numbers = [*fields_by_name(field_list, resolver.groups), *register.join]
-        limits_path = register.place_of("limits_of")
+        limits_path = register.path_of("limits_of")
         noun = "field or joined number"
         resolver.check_optional_name(limits_path, noun, register.limits_of, known_names=known_numbers)
-        resolver.check_each_name(register.place_of("write_clears"), "register", register.write_clears)
+        resolver.check_each_name(register.path_of("write_clears"), "register", register.write_clears)
         for meaning in register.meanings:
             _check_meaning(meaning, resolver)
 
@@ -129,17 +138,17 @@ def _check_opener(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
     If the register has several fields, the spec must say which of them needs the value.
     """
     name = opener.register
-    resolver.check_optional_name(opener.place_of("register"), "register", name)
+    resolver.check_optional_name(opener.path_of("register"), "register", name)
     if name not in resolver.registers:
         return
     known_fields = resolver.bit_names(name)
     noun = f"field of {quoted(name)} called"
-    resolver.check_optional_name(opener.place_of("field"), noun, opener.field, known_names=known_fields)
+    resolver.check_optional_name(opener.path_of("field"), noun, opener.field, known_names=known_fields)
     is_field_known = opener.field in known_fields
     if opener.field and not is_field_known:
         return
     known_values = resolver.value_names(name, opener.field)
-    value_path = opener.place_of("value")
+    value_path = opener.path_of("value")
     resolver.check_optional_name(value_path, f"value of {quoted(name)} called", opener.value, known_names=known_values)
     is_ambiguous = not opener.field and len(known_fields) > 1
     if is_ambiguous and opener.value in known_values:
@@ -152,12 +161,12 @@ def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> N
 
     The field is written as ``register.field``.
     """
-    resolver.check_bit_path(meaning.place_of("when"), meaning.when)
+    resolver.check_bit_path(meaning.path_of("when"), meaning.when)
     register_name, _, field_name = meaning.when.partition(".")
     if register_name in resolver.registers and field_name in resolver.bit_names(register_name):
         noun = f"value of {quoted(meaning.when)} called"
         known_values = resolver.value_names(register_name, field_name)
-        resolver.check_optional_name(meaning.place_of("is"), noun, meaning.is_, known_names=known_values)
+        resolver.check_optional_name(meaning.path_of("is"), noun, meaning.is_, known_names=known_values)
 
 
 def check_device_references(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -169,8 +178,8 @@ def check_device_references(spec: WrittenSpec, report: DocumentReport) -> None:
     resolver = NameResolver(spec, report)
     for parameter in spec.parameters.values():
         if parameter.read_from:
-            resolver.check_bit_path(parameter.place_of("read_from"), parameter.read_from)
-        resolver.check_optional_name(parameter.place_of("interface"), "interface", parameter.interface)
+            resolver.check_bit_path(parameter.path_of("read_from"), parameter.read_from)
+        resolver.check_optional_name(parameter.path_of("interface"), "interface", parameter.interface)
     for hardware_input in spec.inputs:
         inverted_bit = hardware_input.part.inverts
         needed_bit = hardware_input.part.needs
@@ -188,7 +197,7 @@ def check_device_references(spec: WrittenSpec, report: DocumentReport) -> None:
             _check_measured_field(measurement, spec, resolver, report)
     biss = spec.interfaces.biss
     if biss is not None:
-        resolver.check_optional_name(biss.place_of("bank_select"), "register", biss.bank_select)
+        resolver.check_optional_name(biss.path_of("bank_select"), "register", biss.bank_select)
 
 
 def _check_measured_field(
@@ -272,39 +281,6 @@ def _remedies_by_hand(spec: WrittenSpec) -> Iterator[tuple[Path, Sequence[str]]]
             yield field.path, field.by_hand
 
 
-def check_example_references(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that everything that examples name exists, such as procedures, layouts, fields and errata."""
-    resolver = NameResolver(spec, report)
-    known_layouts = {frame.name: frame for frame in layouts_of_interfaces(spec.with_invalid_parts) if frame.name}
-    for example in spec.examples:
-        resolver.check_optional_name(example.place_of("procedure"), "procedure", example.procedure)
-        resolver.check_optional_name(example.place_of("erratum"), "erratum", example.erratum)
-        resolver.check_optional_name(example.place_of("register"), "register", example.register)
-        resolver.check_optional_name(example.place_of("crc"), "CRC", example.crc)
-        resolver.check_optional_name(example.place_of("layout"), "layout", example.layout, known_names=known_layouts)
-        procedure = resolver.procedures.get(example.procedure)
-        if procedure is not None:
-            noun = f"argument of {quoted(example.procedure)} called"
-            known_arguments = by_name(procedure.arguments)
-            for name in example.arguments:
-                resolver.check_name((*example.path, "arguments", name), noun, name, known_names=known_arguments)
-        _check_example_values(example, known_layouts, resolver)
-
-
-def _check_example_values(
-    example: WrittenExample, known_layouts: Mapping[str, FieldList], resolver: NameResolver
-) -> None:
-    """Check that the layout or register of an example has the fields whose values the example gives."""
-    field_list = known_layouts.get(example.layout)
-    if field_list is None and example.register in resolver.registers:
-        register = resolver.registers[example.register]
-        field_list = FieldList(FieldOwner.REGISTER, register, interface="")
-    if field_list is not None:
-        known_fields = readable_names(field_list, resolver.groups)
-        for name in example.values:
-            resolver.check_name((*example.path, "values", name), "field", name, known_names=known_fields)
-
-
 #: Lists that paths leave out: a frame belongs to its interface, and a field to its frame.
 _LISTS_LEFT_OUT_OF_PATHS = ("layouts", "fields", "combinations")
 
@@ -340,40 +316,16 @@ def check_erratum_references(spec: WrittenSpec, report: DocumentReport) -> None:
                 node = next_nodes[step]
 
 
-def check_expressions(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that every expression is valid, and that every parameter in it exists."""
-    resolver = NameResolver(spec, report)
-    for path, text in parameters.expressions(spec):
-        try:
-            names = Expression.parse(text).parameters
-        except ExpressionError as error:
-            key = str(path[-1])
-            hint = expression_hint(str(text)) or number_hint(key, text)
-            if not hint:
-                hint = "; write an expression such as singleturn_bits + 8"
-            report.add("bad-expression", path, f"{error}{hint}")
-            continue
-        for name in names:
-            resolver.check_name(path, "parameter", name)
-
-
 def check_printed_references(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the registers, fields and errata exist that ``printed_defaults``, the manual's own list, names."""
     resolver = NameResolver(spec, report)
     for printed in spec.printed_defaults:
-        resolver.check_optional_name(printed.place_of("register"), "register", printed.register)
+        resolver.check_optional_name(printed.path_of("register"), "register", printed.register)
         if printed.register in resolver.registers:
             noun = f"field of {quoted(printed.register)} called"
             known_fields = resolver.bit_names(printed.register)
-            resolver.check_optional_name(printed.place_of("field"), noun, printed.field, known_names=known_fields)
-        resolver.check_optional_name(printed.place_of("erratum"), "erratum", printed.erratum)
-
-
-def check_connector_references(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the interfaces that a connector is wired for exist."""
-    resolver = NameResolver(spec, report)
-    for connector in spec.connectors:
-        resolver.check_each_name((*connector.path, "interfaces"), "interface", connector.part.interfaces)
+            resolver.check_optional_name(printed.path_of("field"), noun, printed.field, known_names=known_fields)
+        resolver.check_optional_name(printed.path_of("erratum"), "erratum", printed.erratum)
 
 
 def check_unused_crc(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -395,20 +347,90 @@ def check_unused_crc(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("unused-crc", (*crc.path, "name"), f"{problem}; {remedy}")
 
 
-def check_evidence_references(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the documents, implementations and examples that the evidence names exist.
+_NAME_PATTERN = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
-    The manual is a document too, with the name ``manual`` and the language code of each edition.
+
+class NameResolver:
+    """The names that a spec defines, by kind, and the report of references to undefined names.
+
+    A name counts as defined even if its part is otherwise invalid. ``groups``, ``registers`` and ``procedures`` contain
+    the parts by name.
     """
-    resolver = NameResolver(spec, report)
-    evidence = spec.evidence.part
-    path = spec.evidence.path
-    documents = spec.with_invalid_parts.names_in("documents")
-    languages = [edition.part.language for edition in spec.with_invalid_parts.manual.editions]
-    known_documents = ("manual", *languages, *documents)
-    for key in evidence.documents:
-        resolver.check_name((*path, "documents", key), "document", key, known_names=known_documents)
-    implementations_path = (*path, "implementations")
-    resolver.check_each_name(implementations_path, "document", evidence.implementations, known_names=documents)
-    examples = by_name(spec.with_invalid_parts.examples)
-    resolver.check_each_name((*path, "vectors"), "example", evidence.vectors, known_names=examples)
+
+    def __init__(self, spec: WrittenSpec, report: DocumentReport) -> None:
+        self._report = report
+        whole_spec = spec.with_invalid_parts
+        interfaces = list(whole_spec.interfaces.data)
+        self.parameter_names = whole_spec.names_in("parameters")
+        # Names that are themselves misspelt: unknown interfaces, and names that the schema check rejected.
+        self._misspelt_names = {name for name in interfaces if name not in INTERFACES}
+        for path in report.faults():
+            # A part in a list has its name under 'name', one in a map is a key itself.
+            name = remaining_value_at(whole_spec.data, path) if path[-1] == "name" else path[-1]
+            if isinstance(name, str) and not _NAME_PATTERN.fullmatch(name):
+                self._misspelt_names.add(name)
+        self.groups = by_name(whole_spec.field_groups)
+        self.registers = by_name(whole_spec.registers)
+        self.procedures = by_name(whole_spec.procedures)
+        self._names_by_noun: Mapping[str, Collection[str]] = {
+            "CRC": by_part_name(whole_spec.crcs),
+            "erratum": by_name(whole_spec.errata),
+            "field group": self.groups,
+            "interface": interfaces,
+            "parameter": self.parameter_names,
+            "procedure": self.procedures,
+            "register": self.registers,
+        }
+
+    def check_name(self, path: Path, noun: str, name: str, *, known_names: Collection[str] | None = None) -> None:
+        """Report the name at ``path`` if it does not exist: if it is not among ``known_names``.
+
+        By default, these are all names of its kind in the spec. ``noun`` is its kind in the message, such as
+        ``register``, or ``field of 'preset' called`` with ``known_names``. If one of the known names is itself
+        misspelt, which is reported already, ``name`` may be the correct spelling. Then the place is only marked as
+        faulty, unless another known name is similar.
+        """
+        choices = self._names_by_noun[noun] if known_names is None else known_names
+        if name in choices:
+            return
+        has_misspelt_choice = not self._misspelt_names.isdisjoint(choices)
+        correct_choices = [choice for choice in choices if choice not in self._misspelt_names]
+        if has_misspelt_choice and not nearest_choice(name, correct_choices):
+            self._report.mark(path)
+            return
+        problem = f"there is no {noun} {quoted(name)}{suggest_word(name, choices)}"
+        self._report.add("undefined-reference", path, problem, cause=name)
+
+    def report_problem(self, path: Path, problem: str) -> None:
+        """Report a problem with the name at ``path``, which exists."""
+        self._report.add("undefined-reference", path, problem)
+
+    def check_optional_name(
+        self, path: Path, noun: str, name: str | None, *, known_names: Collection[str] | None = None
+    ) -> None:
+        """Report the name at ``path`` if it does not exist. A missing name, which is None or empty, is accepted."""
+        if name:
+            self.check_name(path, noun, name, known_names=known_names)
+
+    def check_each_name(
+        self, path: Path, noun: str, names: Sequence[str], *, known_names: Collection[str] | None = None
+    ) -> None:
+        """Report each name in the list at ``path`` that does not exist."""
+        for index, name in enumerate(names):
+            self.check_name((*path, index), noun, name, known_names=known_names)
+
+    def check_bit_path(self, path: Path, bit_path: str) -> None:
+        """Report ``bit_path``, written as ``register.field``, unless both exist."""
+        register_name, _, field_name = bit_path.partition(".")
+        self.check_name(path, "register", register_name)
+        if register_name in self.registers:
+            noun = f"field of {quoted(register_name)} called"
+            self.check_name(path, noun, field_name, known_names=self.bit_names(register_name))
+
+    def bit_names(self, register_name: str) -> list[str]:
+        """Return the names allowed after the dot in ``register.field``: the fields of a register, or its own name."""
+        return bit_names(self.registers[register_name], self.groups)
+
+    def value_names(self, register_name: str, field_name: str = "") -> list[str]:
+        """Return the names of values of a register, or of one of its fields."""
+        return value_names_of_register(self.registers[register_name], self.groups, field_name)

@@ -1,20 +1,27 @@
-"""Rules for what a spec has twice: items of a list, texts of neighbors, and facts about an encoder as a whole."""
+"""Rules for what a spec has twice: names and numbers that must be unique, items of a list, and texts."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from operator import attrgetter
 from typing import NamedTuple
 
-from ...model import Biss
 from ..document import Path
-from ..problems import DocumentReport, quoted
-from ..written_codes import WrittenRegister
-from ..written_interfaces import WrittenRs485
-from ..written_layouts import WrittenField
+from ..files import family_of
+from ..problems import MISSING_PROSE, DocumentReport, quoted
+from ..written_codes import WrittenRs485
+from ..written_fields import WrittenField, WrittenRegister
 from ..written_parts import WrittenSpec
-from .parts import by_name, field_lists, has_erratum_at, interface_name_of
-from .walk import leaves_of
+from .parts import (
+    PlacedPart,
+    by_name,
+    field_lists,
+    interface_name_of,
+    interfaces,
+    last_address,
+    layouts_of_interfaces,
+    with_groups_expanded,
+)
 
 #: Lists that are sets, at any place.
 _LISTS_THAT_ARE_SETS = frozenset(
@@ -25,15 +32,6 @@ _LISTS_THAT_ARE_SETS = frozenset(
 )
 #: Maps of lists that are sets.
 _MAPS_OF_SETS = frozenset(("only_with", "open_only_with"))
-#: Name of a device description file: idbiss and the manufacturer ID in hexadecimal.
-_DESCRIPTION_FILE = re.compile(r"idbiss([0-9A-Fa-f]+)\.xml")
-_ALIGNMENTS = {"left": "msb_left", "right": "lsb_right"}
-#: A bit and the side to which it is aligned, as in ``MSB left-aligned`` and ``LSB aligned to the right``.
-_ALIGNMENT_IN_TEXT = re.compile(r"\b[ML]SB (?:(?=\w+[ -]aligned)|aligned to the )(left|right)\b", re.IGNORECASE)
-_NUMBER_WORDS = {"one": 1, "two": 2, "nine": 9, "ten": 10, "eleven": 11, "twelve": 12}
-_STOP_BITS = re.compile(r"\b(one|two|[12]) stop bits?\b", re.IGNORECASE)
-_CHARACTER_LENGTH = re.compile(r"\b(nine|ten|eleven|twelve|9|1[0-2]) bits\b", re.IGNORECASE)
-_PARITY_IN_TEXT = re.compile(r"\b(no|even|odd) parity\b", re.IGNORECASE)
 
 
 def check_repeated_items(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -97,8 +95,8 @@ def _check_values(field: WrittenField, report: DocumentReport) -> None:
     printed_names = []
     long_meanings = []
     for name, value in field.values.items():
-        printed_name = _NamedText(value.printed_name, name, value.place_of("printed_name"))
-        meaning = _NamedText(value.meaning, name, value.place_of("meaning"))
+        printed_name = _NamedText(value.printed_name, name, value.path_of("printed_name"))
+        meaning = _NamedText(value.meaning, name, value.path_of("meaning"))
         printed_names.append(printed_name)
         has_three_words = meaning.text.count(" ") > 1  # Several values can be "not used".
         if has_three_words:
@@ -112,7 +110,7 @@ def _printed_name_of(register_or_field: WrittenRegister | WrittenField) -> _Name
     return _NamedText(
         text=register_or_field.printed_name,
         name=register_or_field.name or str(register_or_field.path[-1]),
-        path=register_or_field.place_of("printed_name"),
+        path=register_or_field.path_of("printed_name"),
     )
 
 
@@ -135,172 +133,247 @@ def _report_repeated(text_key: str, texts: Iterable[_NamedText], report: Documen
             report.add("repeated-text", path, message)
 
 
-def check_description_file(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the file name of the BiSS device description contains the manufacturer ID that the register holds.
+#: Keys of a data ID that must be unique, each with its description in a message.
+_UNIQUE_KEYS_OF_DATA_IDS = (
+    ("name", "a data ID"),
+    ("id", "a data ID with the number"),
+    ("control", "a data ID with the control field"),
+)
 
-    The register holds two ASCII characters, and the file name contains their four hexadecimal digits.
-    """
-    biss = spec.interfaces.biss
-    register = by_name(spec.registers).get("manufacturer_id")
-    if biss is None or register is None or interface_name_of(register) != Biss.name:
-        return
-    file_name = _DESCRIPTION_FILE.fullmatch(biss.description_file)
-    if file_name is None:
-        return
-    fixed_texts = [field.equals for field in register.fields if isinstance(field.equals, str)]
-    ascii_texts = [text for text in fixed_texts if text.isascii()]
-    id_of_register = "".join(ascii_texts).encode("ascii").hex()  # 4c41 for LA.
-    id_in_file_name = file_name[1]
-    is_complete = len(id_of_register) == 4
-    if is_complete and id_of_register != id_in_file_name.casefold():
-        message = (
-            f"the file is for the manufacturer ID {id_in_file_name.upper()}h, but the register 'manufacturer_id' has"
-            f" {id_of_register.upper()}h; correct one of the two"
-        )
-        report.add("description-file", biss.place_of("description_file"), message)
+#: Family names reserved by an output, with the reason.
+TAKEN = {
+    "encoder": "the C header that all families share",
+    "biss": "the BiSS part of the Python package",
+    **dict.fromkeys(
+        ("decode_file", "decode_partition", "identify", "lookup", "run", "why"), "a function of the Python package"
+    ),
+    "nearest": "a function of the Python package",
+    "annotations": "a Python attribute",
+    # Windows reserves these file names, whatever their suffix.
+    **dict.fromkeys(
+        ("con", "prn", "aux", "nul", *(f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10))),
+        "a Windows device",
+    ),
+}
 
-
-def check_alignment(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that ``alignment`` of SSI is the alignment that the table of contents and the order code name.
-
-    Nothing is checked if they name none or both.
-    """
-    ssi = spec.interfaces.ssi
-    texts = [section.title for section in spec.manual.contents.values()]
-    for part in spec.order_code.parts:
-        texts += [value.meaning for value in part.values.values()]
-    named_alignments: set[str] = set()
-    for text in texts:
-        for side in _ALIGNMENT_IN_TEXT.findall(text):
-            named_alignments.add(_ALIGNMENTS[side.casefold()])
-    if ssi is None or not ssi.alignment or len(named_alignments) != 1:
-        return
-    if has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
-        return
-    named_alignment = named_alignments.pop()
-    if ssi.alignment != named_alignment:
-        message = (
-            f"the table of contents or the order code says {quoted(named_alignment)}, but 'alignment' is"
-            f" {quoted(ssi.alignment)}; correct one of the two. If both are right, add an erratum that affects"
-            " interfaces.ssi.alignment"
-        )
-        report.add("alignment-mismatch", ssi.place_of("alignment"), message)
+#: A value that must be unique, such as a name, with its path.
+LocatedValue = tuple[Path, object]
 
 
-def check_serial_port(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the stop bits, parity and bits per character in the note of an RS-485 interface match its ``port``."""
-    rs485 = spec.interfaces.rs485
-    if rs485 is None or not rs485.port.is_given:
-        return
-    port = rs485.port.part
-    parity_bits = 0 if port.parity == "none" else 1
-    settings = [
-        _SettingInText("stop_bits", _STOP_BITS, str(port.stop_bits)),
-        _SettingInText("parity", _PARITY_IN_TEXT, port.parity.replace("none", "no")),
-    ]
-    # If the note mentions the start bit, its number of bits is the number of the whole character.
-    if "start bit" in rs485.note:
-        bits_of_character = 1 + port.data_bits + parity_bits + port.stop_bits
-        settings.append(_SettingInText("data_bits", _CHARACTER_LENGTH, str(bits_of_character)))
-    _compare_with_port(rs485, settings, report)
+def check_device_name(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a family and its file have the same name, and that no output reserves it."""
+    stem = report.document.family or family_of(report.document.file)
+    name = spec.device
+    if name and name != stem:
+        message = f"the device is called {quoted(name)}, but the file is called {quoted(stem)}"
+        report.add("device-name", ("device",), f"{message}; use the same name for both")
+    if name in TAKEN:
+        report.add("device-name", ("device",), f"{quoted(name)} is the name of {TAKEN[name]}; rename the family")
 
 
-class _SettingInText(NamedTuple):
-    """A setting of a port, the pattern of texts about it, and the number or word that they must contain."""
-
-    key: str
-    pattern: re.Pattern[str]
-    expected_word: str
-
-
-def _compare_with_port(rs485: WrittenRs485, settings: Iterable[_SettingInText], report: DocumentReport) -> None:
-    """Report the first words in the note of an RS-485 interface that contradict a setting of its port."""
-    for setting in settings:
-        for word in setting.pattern.findall(rs485.note):
-            plain_word = word.casefold()
-            number_or_word = str(_NUMBER_WORDS.get(plain_word, plain_word))  # "2" for "Two", "even" for "even".
-            if number_or_word != setting.expected_word:
-                line, _ = report.document.position((*rs485.port.path, setting.key))
-                requirement = f"{quoted(setting.key)} of 'port' on line {line} requires {setting.expected_word}"
-                message = f"the text says {quoted(word)}, but {requirement}; correct one of the two"
-                report.add("port-mismatch", rs485.place_of("note"), message)
-                return
-
-
-def check_bounds(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the lower and the upper bound of a quantity are different."""
-    for characteristic in spec.characteristics:
-        for index, quantity in enumerate(characteristic.part.values):
-            if quantity.min is not None and quantity.min == quantity.max:
-                message = f"'min' and 'max' are both {quantity.min:g}; correct one of them, or write 'typical'"
-                report.add("quantity-text", (*characteristic.path, "values", index, "min"), message)
+def check_duplicate_name(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that parts of one kind, such as registers or the arguments of a procedure, have different names."""
+    for noun, parts in _named_parts(spec).items():
+        _check_unique_key(parts, "name", noun, report)
+    _check_unique(_names_for_all_order_codes(spec.timings), "a timing", report)
+    _check_unique(_names_for_all_order_codes(spec.characteristics), "a characteristic", report)
+    for _, interface in interfaces(spec):
+        _check_unique(_names_for_all_order_codes(interface.timings), "a timing", report)
+        data_ids = interface.data_ids if isinstance(interface, WrittenRs485) else ()
+        for key, noun in _UNIQUE_KEYS_OF_DATA_IDS:
+            _check_unique_key(data_ids, key, noun, report)
+    _check_unique_key(spec.manual.editions, "language", "a language", report)
+    _check_unique_key(spec.manual.history, "revision", "a revision", report)
+    for register in spec.registers:
+        _check_unique_key(register.meanings, "name", "a meaning", report)
+    for procedure in spec.procedures:
+        _check_unique_key(procedure.arguments, "name", "an argument", report)
+    for connector in spec.connectors:
+        located_contacts: list[LocatedValue] = []
+        for index, contact in enumerate(connector.part.contacts):
+            located_contacts.append(((*connector.path, "contacts", index, "contact"), contact.contact))
+        _check_unique(located_contacts, "a contact", report)
+    for led in spec.leds:
+        located_states: list[LocatedValue] = []
+        for index, led_state in enumerate(led.part.states):
+            located_states.append(((*led.path, "states", index, "state"), led_state.state))
+        _check_unique(located_states, "a state", report)
 
 
-def check_numbers_of_conditions(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the numbers in ``where``, the condition of a quantity, are in the text of the characteristic."""
-    for characteristic in spec.characteristics:
-        printed_text = characteristic.part.value
-        printed_numbers = set(_NUMBER_IN_TEXT.findall(printed_text))
-        for index, quantity in enumerate(characteristic.part.values):
-            numbers_of_condition = _NUMBER_IN_TEXT.findall(quantity.where)
-            missing_numbers = [number for number in numbers_of_condition if number not in printed_numbers]
-            if missing_numbers:
-                message = f"'where' has {missing_numbers[0]}, which the text does not have; correct one of the two"
-                report.add("quantity-text", (*characteristic.path, "values", index, "where"), message)
+def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
+    """Return the lists of parts whose names must be unique, each under the noun for such a part."""
+    return {
+        "a CRC": spec.crcs,
+        "a field group": spec.field_groups,
+        "a register": spec.registers,
+        "an alarm": spec.alarms,
+        "a procedure": spec.procedures,
+        "an input": spec.inputs,
+        "a table": spec.tables,
+        "a connector": spec.connectors,
+        "an LED": spec.leds,
+        "an example": spec.examples,
+        "an erratum": spec.errata,
+        "a layout": [frame.owner for frame in layouts_of_interfaces(spec)],
+        "a part": spec.order_code.parts,
+    }
 
 
-_NUMBER_IN_TEXT = re.compile(r"(?<![\w.,])\d+(?:\.\d+)?(?![\w,]*\d)")
-_HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
-
-
-def check_address_tables(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that each row of a table with first and last addresses is a range: the first address is not the higher one.
-
-    Both addresses must have the same number of digits. Rows with other text than hexadecimal numbers are skipped.
-    """
-    for table in spec.tables:
-        address_columns: list[int] = []
-        for index, heading in enumerate(table.part.columns):
-            if heading.casefold() in ("first address", "last address"):
-                address_columns.append(index)
-        if len(address_columns) != 2:
+def check_duplicate_title(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no two errata have the same title, because readers see only the title."""
+    first_paths: dict[str, Path] = {}
+    for erratum in spec.errata:
+        if erratum.title == MISSING_PROSE:
             continue
-        for row_index, row in enumerate(table.part.rows):
-            cells = [row[column_index] for column_index in address_columns if column_index < len(row)]
-            matches = [_HEX_CELL.fullmatch(cell) for cell in cells]
-            digits_of_addresses = [match[1] for match in matches if match is not None]
-            if len(digits_of_addresses) != 2:
+        first_path = first_paths.setdefault(erratum.title, erratum.path)
+        if first_path != erratum.path:
+            line, _ = report.document.position((*first_path, "title"))
+            message = f"the erratum on line {line} has the same title; say what differs in this one"
+            report.add("duplicate-name", erratum.path_of("title"), message)
+
+
+def check_duplicate_field(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the fields, joined numbers and groups of digits of a layout or register have different names.
+
+    A decoder returns all of them by name.
+    """
+    groups = by_name(spec.field_groups)
+    for field_list in field_lists(spec):
+        located_names: list[LocatedValue] = []
+        use_paths = {field.path for field in field_list.fields if field.use}
+        for path, field in with_groups_expanded(field_list, groups):
+            # A name in a group is reported at its use, because that is what makes it occur twice.
+            name_path = path if path in use_paths else (*path, "name")
+            located_names.append((name_path, field.name or None))  # _check_unique ignores None.
+            for index, digit_group in enumerate(field.digits):
+                located_names.append(((*path, "digits", index, "name"), digit_group.part.name))
+        for joined_number in field_list.joins:
+            located_names.append(((*field_list.owner.path, "join", joined_number), joined_number))
+        _check_unique(located_names, "a field", report)
+
+
+def check_duplicate_selection(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no value of the field that identifies frames belongs to two frames of one sender over an interface."""
+    first_frames: dict[tuple[str, str, int], str] = {}  # By the interface, the sender and the value.
+    for frame in layouts_of_interfaces(spec):
+        sender = frame.layout.from_ if frame.layout is not None else ""
+        for selector, values in frame.selectors.items():
+            for index, value in enumerate(values):
+                first_frame = first_frames.setdefault((frame.interface, sender, value), frame.name)
+                if first_frame != frame.name:
+                    earlier_use = f"used by {quoted(first_frame)}"
+                elif value in values[:index]:
+                    earlier_use = "listed"
+                else:
+                    continue
+                message = (
+                    f"{quoted(selector)} {value} is already {earlier_use}; "
+                    f"use each value for only one frame of the {sender}"
+                )
+                report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
+
+
+def check_duplicate_address(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no two registers of an interface and bank share a byte.
+
+    A read-only and a write-only register may begin at the same address.
+    """
+    registers_by_address = sorted(spec.registers, key=attrgetter("address"))
+    for index, register in enumerate(registers_by_address):
+        # Registers are short, so only the nearest ones can overlap. The limit bounds the time for long lists.
+        nearest_lower_registers = registers_by_address[max(0, index - 128) : index]
+        for lower_register in reversed(nearest_lower_registers):
+            if not _share_a_byte(lower_register, register):
                 continue
-            first_digits, last_digits = digits_of_addresses
-            has_equal_length = len(first_digits) == len(last_digits)
-            is_range = has_equal_length and int(first_digits, 16) <= int(last_digits, 16)
-            if not is_range:
-                path = (*table.path, "rows", row_index, address_columns[0])
-                message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
-                report.add("table-shape", path, message)
+            if register.path < lower_register.path:
+                earlier_in_file, later_in_file = register, lower_register
+            else:
+                earlier_in_file, later_in_file = lower_register, register
+            _report_overlap(later_in_file, earlier_in_file, report)
+            break
 
 
-_WORD_WITH_DIGITS = re.compile(r"\b[A-Za-z]+\d\w*")
-#: Shortest start of an order code of which a word with the same letters in another order is a mistake.
-_SHORTEST_START = 5
+def _share_a_byte(lower_register: WrittenRegister, register: WrittenRegister) -> bool:
+    """Return True if two registers of one interface and bank have an address in common.
 
-
-def check_swapped_letters(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that no text contains the beginning of an order code with swapped characters, such as ABC12 for ABC21.
-
-    The beginning is the text before the first part of the order code. It is not compared if it is short.
+    ``lower_register`` begins at the same address or below. The result is False for a read-only and a write-only
+    register that begin at the same address.
     """
-    text_before_parts, _, _ = spec.order_code.pattern.partition("{")
-    fixed_start = text_before_parts.strip("-/ ")
-    if len(fixed_start) < _SHORTEST_START:
-        return
-    for path, text in leaves_of(spec.data, report):
-        if not isinstance(text, str) or path[-1] == "printed" or path[0] in ("documents", "evidence"):
+    if _address_space(lower_register) != _address_space(register):
+        return False
+    if last_address(lower_register) < register.address:
+        return False
+    accesses = {register.access, lower_register.access}
+    is_read_write_pair = accesses == {"read_only", "write_only"}
+    return not (is_read_write_pair and register.address == lower_register.address)
+
+
+def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister, report: DocumentReport) -> None:
+    """Report a register that overlaps one that comes earlier in the file."""
+    line, _ = report.document.position(earlier_register.path)
+    has_one_address = register.address == last_address(register)
+    verb = "overlaps" if has_one_address else "overlap"
+    message = (
+        f"{_address_range(register)} {verb} {quoted(earlier_register.name)} on line {line}, "
+        f"which has {_address_range(earlier_register)}"
+    )
+    report.add("duplicate-address", register.path_of("address"), message)
+
+
+def check_value_clash(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no two named values of a field have the same number, because a decoder could not choose."""
+    for field_list in field_lists(spec):
+        for field in field_list.fields:
+            first_names: dict[int, str] = {}
+            for name, value in field.values.items():
+                first_name = first_names.setdefault(value.value, name)
+                if first_name != name:
+                    message = f"{value.value:#x} is already {quoted(first_name)}; a number can have only one name"
+                    report.add("value-clash", value.path_of("value"), message)
+
+
+def _names_for_all_order_codes(parts: Sequence[PlacedPart]) -> Iterator[LocatedValue]:
+    """Yield the names of the parts that apply to all order codes: those without the key ``only``.
+
+    Parts for only some order codes may have the same name. Another rule compares them.
+    """
+    for part in parts:
+        if not part.has("only"):
+            yield (*part.path, "name"), part.data["name"]
+
+
+def _check_unique_key(parts: Sequence[PlacedPart], key: str, noun: str, report: DocumentReport) -> None:
+    """Report every part whose value under a key, such as its name, is equal to that of an earlier part."""
+    located_values = [((*part.path, key), part.data[key]) for part in parts]
+    _check_unique(located_values, noun, report)
+
+
+def _check_unique(located_values: Iterable[LocatedValue], noun: str, report: DocumentReport) -> None:
+    """Report every value that is equal to an earlier one, except None.
+
+    ``noun`` describes a part with such a value in the message, such as "a register".
+    """
+    first_paths: dict[object, Path] = {}
+    for path, value in located_values:
+        if value is None:
             continue
-        other_words = [word for word in _WORD_WITH_DIGITS.findall(text) if word != fixed_start]
-        swapped_words = [word for word in other_words if sorted(word) == sorted(fixed_start)]
-        if swapped_words:
-            problem = (
-                f"{quoted(swapped_words[0])} has the characters of {quoted(fixed_start)}, which begins order codes"
-            )
-            report.add("misspelt-name", path, f"{problem}; correct it")
+        first_path = first_paths.setdefault(value, path)
+        if first_path == path:
+            continue
+        value_text = f"{value:#04x}" if isinstance(value, int) else quoted(value)
+        line, _ = report.document.position(first_path)
+        message = f"there is already {noun} {value_text} on line {line}; rename one of them"
+        is_key_of_join = path[-2] == "join"  # The name of a join is a key, not a value.
+        report.add("duplicate-name", path, message, at_key=is_key_of_join)
+
+
+def _address_space(register: WrittenRegister) -> tuple[str, int | None]:
+    """Return the interface and the bank of a register, in which addresses are unique. The bank can be None."""
+    return interface_name_of(register), register.bank
+
+
+def _address_range(register: WrittenRegister) -> str:
+    """Return the addresses of a register as text, such as ``addresses 0x10 to 0x13``."""
+    lowest = register.address
+    highest = last_address(register)
+    return f"address {lowest:#04x}" if lowest == highest else f"addresses {lowest:#04x} to {highest:#04x}"

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Spi
 from ..problems import DocumentReport, quoted, suggest_word
-from ..written_interfaces import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
-from ..written_layouts import WrittenField, WrittenLayout
+from ..written_codes import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
+from ..written_fields import WrittenField, WrittenLayout
 from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
@@ -48,11 +48,11 @@ def check_exchanges(
     for exchange in interface.exchanges:
         request = exchange.request
         if request in earlier_requests:
-            report.add(rule, exchange.place_of("request"), f"{quoted(request)} already has a reply; keep one")
+            report.add(rule, exchange.path_of("request"), f"{quoted(request)} already has a reply; keep one")
         earlier_requests.add(request)
         if exchange.purpose == "position" and not has_measurement:
             message = f"{quoted(request)} asks for the position, but the spec has no 'measurement'; add one"
-            report.add(rule, exchange.place_of("purpose"), message)
+            report.add(rule, exchange.path_of("purpose"), message)
 
 
 def _frame_name(exchange: WrittenRs485Exchange | WrittenSpiExchange, frame_key: str) -> str:
@@ -69,7 +69,7 @@ def _check_frames_of_exchanges(exchanges: Exchanges, layouts: LayoutsByName, rep
             if name and name not in known_names:
                 hint = suggest_word(name, known_names)
                 message = f"there is no layout {quoted(name)} from the {sender}{hint}"
-                report.add("undefined-reference", exchange.place_of(key), message)
+                report.add("undefined-reference", exchange.path_of(key), message)
 
 
 def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
@@ -110,7 +110,7 @@ def check_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     for key in _KEYS_WITH_DATA_IDS:
         if interface.has(key):
             message = f"{quoted(key)} belongs to frames as in the T-format; keep either it or 'exchanges'"
-            report.add(_EXCHANGE_RULE, interface.place_of(key), message, at_key=True)
+            report.add(_EXCHANGE_RULE, interface.path_of(key), message, at_key=True)
     check_exchanges(interface, raw_interface, spec, _EXCHANGE_RULE, report)
     _check_frames_of_rs485(interface, report)
 
@@ -130,15 +130,15 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
         first_request = quoted(position_exchanges[0].request)
         reason = f"programs poll the position with a single request, which is {first_request}"
         message = f"a second request asks for the position, but {reason}; use 'other'"
-        report.add(_EXCHANGE_RULE, exchange.place_of("purpose"), message)
+        report.add(_EXCHANGE_RULE, exchange.path_of("purpose"), message)
     for layout in interface.layouts:
         report_unused(layout, interface.exchanges, _EXCHANGE_RULE, report)
         if layout.when:
             message = "the request decides which frame is the reply; remove 'when'"
-            report.add(_EXCHANGE_RULE, layout.place_of("when"), message, at_key=True)
+            report.add(_EXCHANGE_RULE, layout.path_of("when"), message, at_key=True)
         if layout.carried_as == "bits":
             message = f"{quoted(layout.name)} is sent over a serial port, as bytes; use 'carried_as: bytes'"
-            report.add(_EXCHANGE_RULE, layout.place_of("carried_as"), message)
+            report.add(_EXCHANGE_RULE, layout.path_of("carried_as"), message)
 
 
 #: Fields that a request needs to access a register, and those that its reply needs, by the purpose of the request.
@@ -172,11 +172,11 @@ def _check_registers(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"{quoted(register.name)} is sent as one number over SPI, high byte first; remove 'byte_order',"
                 " or omit the register if its low byte comes first"
             )
-            report.add("spi-exchange", register.place_of("byte_order"), message, at_key=True)
+            report.add("spi-exchange", register.path_of("byte_order"), message, at_key=True)
         for field in register.fields:
             if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
-                report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
+                report.add("spi-exchange", field.path_of("equals"), message, at_key=True)
     registers = by_name(spec.with_invalid_parts.registers)
     for name, parameter in spec.parameters.items():
         register_name, _, _ = parameter.read_from.partition(".")  # ``register`` or ``register.field``
@@ -185,7 +185,7 @@ def _check_registers(spec: WrittenSpec, report: DocumentReport) -> None:
                 f"a parameter cannot be read from a register over SPI; remove 'read_from' from {quoted(name)}"
                 ", and give it a value for each order code"
             )
-            report.add("spi-exchange", parameter.place_of("read_from"), message, at_key=True)
+            report.add("spi-exchange", parameter.path_of("read_from"), message, at_key=True)
 
 
 def _check_word_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
@@ -197,7 +197,7 @@ def _check_word_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
     for exchange in interface.exchanges:
         if exchange.word_bits == default_bits:
             message = f"'word_bits' is {default_bits}, as for the interface; remove it from the exchange"
-            report.add("spi-exchange", exchange.place_of("word_bits"), message, at_key=True)
+            report.add("spi-exchange", exchange.path_of("word_bits"), message, at_key=True)
     writes = [exchange for exchange in interface.exchanges if exchange.purpose == "write"]
     is_reply_late = interface.reply == "next_word"
     if not is_reply_late or not writes:
@@ -227,7 +227,7 @@ def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
             report_unused(layout, interface.exchanges, "spi-exchange", report)
         if layout.carried_as == "bytes":
             message = f"{quoted(layout.name)} is an SPI word, which is always carried as bits; remove 'carried_as'"
-            report.add("spi-exchange", layout.place_of("carried_as"), message)
+            report.add("spi-exchange", layout.path_of("carried_as"), message)
 
 
 def _fields_to_choose(layout: WrittenLayout | None) -> Iterator[str]:
@@ -261,7 +261,7 @@ def _check_accesses(
         if purpose == "read" and len(accesses) > 1:
             second_access = accesses[1]
             message = "a second request reads registers; keep one"
-            report.add("spi-exchange", second_access.place_of("purpose"), message)
+            report.add("spi-exchange", second_access.path_of("purpose"), message)
         accessible_registers = [register for register in spi_registers if register.access != impossible_access]
         if accessible_registers and not accesses:
             register = accessible_registers[0]
@@ -322,7 +322,7 @@ def _report_missing_field(
     """Report a field that is missing in the request or reply of an exchange that accesses registers."""
     frame_name = _frame_name(access, frame_key)
     message = f"{quoted(frame_name)} is for a register, so it needs the field {quoted(missing_name)}"
-    report.add("spi-exchange", access.place_of(frame_key), message)
+    report.add("spi-exchange", access.path_of(frame_key), message)
 
 
 def _report_undecided_fields(
@@ -338,7 +338,7 @@ def _report_undecided_fields(
         if undecided_names:
             problem = f"a register access gives no value for {quoted(undecided_names[0])}"
             message = f"{problem} in {quoted(exchange.request)}; give it 'constant' or 'unused'"
-            report.add("spi-exchange", exchange.place_of("request"), message)
+            report.add("spi-exchange", exchange.path_of("request"), message)
 
 
 def _as_field_list(layout: WrittenLayout) -> FieldList:

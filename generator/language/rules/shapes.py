@@ -6,9 +6,10 @@ from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
 from ..problems import DocumentReport, join_words, missing_keys_message, quoted
 from ..written import WrittenPart
-from ..written_layouts import KIND_KEYS, NUMBER, WrittenField, WrittenLayout
+from ..written_fields import KIND_KEYS, NUMBER, WrittenField, WrittenLayout
 from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
+    MAX_FIELDS,
     FieldList,
     FieldOwner,
     by_name,
@@ -59,15 +60,15 @@ def _check_use(field_list: FieldList, field: WrittenField, report: DocumentRepor
     """Check that a field that includes a group is in a layout or register, and has no keys of a field."""
     if field_list.owner_kind is FieldOwner.GROUP:
         message = "a field group cannot include another group; list the fields here"
-        report.add("layout-keys", field.place_of("use"), message)
+        report.add("layout-keys", field.path_of("use"), message)
     elif field_list.owner_kind is FieldOwner.CONTROL:
         message = "the control data cannot include field groups; list the fields here"
-        report.add("layout-keys", field.place_of("use"), message)
+        report.add("layout-keys", field.path_of("use"), message)
     keys_of_fields = [key for key in field.data if key not in _KEYS_ALLOWED_WITH_USE]
     if keys_of_fields:
         key = keys_of_fields[0]
         message = f"{quoted(key)} is not allowed with 'use'; it belongs to a field of the group"
-        report.add("layout-keys", field.place_of(key), message, at_key=True)
+        report.add("layout-keys", field.path_of(key), message, at_key=True)
 
 
 def _check_field(field: WrittenField, report: DocumentReport) -> None:
@@ -86,25 +87,25 @@ def _check_kind(field: WrittenField, report: DocumentReport) -> None:
     if len(kind_keys) > 1:
         second_key = kind_keys[1]
         problem = f"{join_words(map(quoted, kind_keys))} exclude each other; keep one of them"
-        report.add("layout-keys", field.place_of(second_key), problem, at_key=True)
+        report.add("layout-keys", field.path_of(second_key), problem, at_key=True)
     for key in _KEYS_OF_NUMBERS:
         if field.has(key) and kind_keys:
             problem = f"{quoted(key)} is only for numbers; {name} has {quoted(kind_keys[0])}, so it is not a number"
-            report.add("layout-keys", field.place_of(key), problem, at_key=True)
+            report.add("layout-keys", field.path_of(key), problem, at_key=True)
     for key in _KEYS_EXCLUDED_BY_SCALE:
         if field.has(key) and field.scale is not None:
             problem = f"{quoted(key)} and 'scale' exclude each other; keep one of them"
-            report.add("layout-keys", field.place_of(key), problem, at_key=True)
+            report.add("layout-keys", field.path_of(key), problem, at_key=True)
     for key in _KEYS_EXCLUDED_BY_DIGIT_CODE:
         if field.has(key) and field.digit_code:
             problem = f"{quoted(key)} and 'digit_code' exclude each other; keep one of them"
-            report.add("layout-keys", field.place_of(key), problem, at_key=True)
+            report.add("layout-keys", field.path_of(key), problem, at_key=True)
     _check_flag_keys(field, report)
     _check_keys_of_checks(field, report)
     if field.byte_order and kind_keys and kind_keys[0] not in _KINDS_WITH_BYTE_ORDER:
         allowed = "numbers, named values, constants and CRCs"
         problem = f"'byte_order' is only for {allowed}; {name} has {quoted(kind_keys[0])}, so remove it"
-        report.add("layout-keys", field.place_of("byte_order"), problem, at_key=True)
+        report.add("layout-keys", field.path_of("byte_order"), problem, at_key=True)
     _check_expected_value(field, kind_keys, report)
 
 
@@ -118,10 +119,10 @@ def _check_expected_value(field: WrittenField, kind_keys: list[str], report: Doc
     if field.equals is None:
         return
     if field.text and isinstance(field.equals, int):
-        report.add("layout-keys", field.place_of("equals"), f"{name} is text; put the value in quotes")
+        report.add("layout-keys", field.path_of("equals"), f"{name} is text; put the value in quotes")
     elif kind_keys and "equals" not in WrittenField.keys_owned_by(kind_keys[0]):
         problem = f"'equals' is only for numbers, text and named values; {name} has {quoted(kind_keys[0])}"
-        report.add("layout-keys", field.place_of("equals"), problem, at_key=True)
+        report.add("layout-keys", field.path_of("equals"), problem, at_key=True)
 
 
 def _check_keys_of_checks(field: WrittenField, report: DocumentReport) -> None:
@@ -134,10 +135,10 @@ def _check_keys_of_checks(field: WrittenField, report: DocumentReport) -> None:
         if field.has(key) and not field.parity_of:
             remedy = f"to make {name} a parity bit, add 'parity_of' with the covered field"
             message = f"{quoted(key)} is only for parity bits; {remedy}"
-            report.add("layout-keys", field.place_of(key), message, at_key=True)
+            report.add("layout-keys", field.path_of(key), message, at_key=True)
     if field.crc_of and not field.crc:
         problem = f"'crc_of' is only for CRCs; to make {name} a CRC, add 'crc' with its name"
-        report.add("layout-keys", field.place_of("crc_of"), problem, at_key=True)
+        report.add("layout-keys", field.path_of("crc_of"), problem, at_key=True)
 
 
 def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
@@ -158,14 +159,14 @@ def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
             problem = f"{name} has named values, and not each of them has the same effect on the position; {remedy}"
         else:
             problem = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
-        report.add("layout-keys", field.place_of(key), problem, at_key=True)
+        report.add("layout-keys", field.path_of(key), problem, at_key=True)
 
 
 def _check_others(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field with ``others`` can have it: the meaning of all values that are not listed."""
     obstacle = _obstacle_to_others(field_list, field) if field.others else ""
     if obstacle:
-        report.add("layout-keys", field.place_of("others"), obstacle, at_key=True)
+        report.add("layout-keys", field.path_of("others"), obstacle, at_key=True)
 
 
 def _obstacle_to_others(field_list: FieldList, field: WrittenField) -> str:
@@ -201,17 +202,17 @@ def _check_width(field: WrittenField, report: DocumentReport) -> None:
     name = quoted(field.name)
     if field.bits is not None and _is_always_zero(field.bits):
         problem = f"{name} has no bits; a field needs at least one, unless its width depends on a parameter"
-        report.add("layout-keys", field.place_of("bits"), problem)
+        report.add("layout-keys", field.path_of("bits"), problem)
     position_keys = [key for key in PLACES if field.has(key)]
     has_width = field.has("bits", "at", *_KEYS_WITH_IMPLIED_WIDTH)
     if len(position_keys) > 1:
         second_key = position_keys[1]
         quantity = "both" if len(position_keys) == 2 else "all"
         problem = f"{join_words(map(quoted, position_keys))} {quantity} give the position; keep one of them"
-        report.add("layout-keys", field.place_of(second_key), problem, at_key=True)
+        report.add("layout-keys", field.path_of(second_key), problem, at_key=True)
     elif field.bits is not None and ":" in str(field.at):
         problem = f"the range {quoted(field.at)} already gives the width; remove 'bits'"
-        report.add("layout-keys", field.place_of("bits"), problem, at_key=True)
+        report.add("layout-keys", field.path_of("bits"), problem, at_key=True)
     elif not has_width:
         message = f"{name} has no width; give it 'bits', or 'at' with a range such as 7:6"
         report.add("layout-keys", field.path, message)
@@ -258,14 +259,14 @@ def _check_carriage(field_list: FieldList, layout: WrittenLayout, spec: WrittenS
     if carried_as == "bits":
         obstacle = _obstacle_to_byte_order(field_list.interface, layout)
         if obstacle:
-            report.add("layout-keys", layout.place_of("byte_order"), obstacle, at_key=True)
+            report.add("layout-keys", layout.path_of("byte_order"), obstacle, at_key=True)
         if layout.when:
             problem = f"'when' only distinguishes frames of bytes, but {name} is carried as bits; remove 'when'"
             remedy = "" if field_list.interface == Spi.name else ", or write 'carried_as: bytes'"
-            report.add("layout-keys", layout.place_of("when"), problem + remedy, at_key=True)
+            report.add("layout-keys", layout.path_of("when"), problem + remedy, at_key=True)
     if layout.channel is not None and not interface.has_channels:
         message = f"{name} cannot have a data channel; only BiSS has channels"
-        report.add("layout-keys", layout.place_of("channel"), message, at_key=True)
+        report.add("layout-keys", layout.path_of("channel"), message, at_key=True)
 
 
 def _obstacle_to_byte_order(interface: str, layout: WrittenLayout) -> str:
@@ -400,4 +401,14 @@ def check_keys(step_or_example: WrittenPart, kind: str, *, rule: str, subject: s
     for key in excluded_keys:
         if step_or_example.has(key):
             message = f"{quoted(key)} does not apply to {subject}"
-            report.add(rule, step_or_example.place_of(key), message, at_key=True)
+            report.add(rule, step_or_example.path_of(key), message, at_key=True)
+
+
+def check_field_count(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no list of fields has more than ``MAX_FIELDS`` if the groups in it are written out."""
+    counts_by_group = {name: len(group.fields) for name, group in by_name(spec.with_invalid_parts.field_groups).items()}
+    for field_list in field_lists(spec):
+        count = sum(counts_by_group.get(field.use, 1) for field in field_list.fields)
+        if count > MAX_FIELDS:
+            problem = f"'fields' has {count} entries with those of its groups; the limit is {MAX_FIELDS}"
+            report.add("too-long", field_list.owner.path_of("fields"), problem)

@@ -1,21 +1,20 @@
-"""Rules for facts that a revision of the spec leaves behind: quantities, quoted names, addresses, commands, times."""
+"""Rules for facts that a revision leaves behind in texts: quantities, names, states, byte orders and defaults."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from ...model import Characteristic, Timing
-from ..document import Document, ErratumTargets, Path
+from ...model import Characteristic
+from ..document import Path
 from ..problems import DocumentReport, join_words, quoted, suggest_word
-from ..schema_files import PROSE
-from ..written import LocatedPart, located
-from ..written_codes import WrittenRegister
-from ..written_parts import WrittenSpec
-from .parts import by_name, interfaces
-from .walk import leaves, leaves_of
+from ..written import located
+from ..written_fields import WrittenRegister
+from ..written_parts import WrittenErratum, WrittenExample, WrittenSpec
+from .parts import by_name
+from .walk import KEYS_OF_TEXTS, SECTIONS_NOT_ABOUT_ENCODER, ErratumTargets, is_derived, leaves, leaves_of, yield_texts
 
 #: Factors to the smallest unit of a quantity, by the units of texts and by the ends of keys.
 _UNIT_FACTORS: Mapping[str, Mapping[str, int]] = {
@@ -40,22 +39,6 @@ _QUOTED_NAME = re.compile(
     rf'"(?P<before>[A-Z][^"]{{2,60}})" (?:{_NOUN})\b|\b(?:{_NOUN}) "(?P<after>[A-Z][^"]{{2,60}})"'
 )
 _KEYS_OF_NAMES = frozenset(("printed_name", "title", "signal", "name"))
-#: Texts about the encoder of today.
-KEYS_OF_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
-_KEYS_ABOUT_OTHER_DOCUMENTS = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
-
-
-def is_derived(document: Document) -> bool:
-    """Return True for an overlay or an older edition, which changes facts without changing every text about them."""
-    return bool(document.family or document.other_files)
-
-
-def yield_texts(spec: WrittenSpec, keys: Collection[str], report: DocumentReport) -> Iterator[tuple[Path, str]]:
-    """Yield each text under one of these keys with its path, except texts about other documents."""
-    for path, text in leaves_of(spec.data, report):
-        is_about_encoder = path[0] not in _KEYS_ABOUT_OTHER_DOCUMENTS
-        if isinstance(text, str) and is_about_encoder and path[-1] in keys:
-            yield path, text
 
 
 def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -83,7 +66,7 @@ def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
         messages = [_message_on_quantity(quantity, stated_by_kind) for quantity in quantities]
         first_message = next(filter(None, messages), "")
         if first_message:
-            report.add("left-behind", erratum.place_of(key), first_message, cause=first_message)
+            report.add("left-behind", erratum.path_of(key), first_message, cause=first_message)
 
 
 def _message_on_quantity(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
@@ -149,45 +132,6 @@ def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
     return number * _UNIT_FACTORS[kind][unit]
 
 
-def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that a timing about writes to a register has the same wait as this register.
-
-    The register is recognized by its name in the manual, or by its own name: "Command" for ``command``.
-    """
-    waiting_registers: dict[str, WrittenRegister] = {}  # By their names in texts.
-    for register in by_name(spec.registers).values():
-        if register.wait_at_least_ms is not None:
-            waiting_registers[register.name.replace("_", " ").capitalize()] = register
-            waiting_registers[register.printed_name] = register
-    for _, interface in interfaces(spec):
-        for timing in interface.timings:
-            _check_wait(timing, waiting_registers, report)
-
-
-def _check_wait(
-    timing: LocatedPart[Timing], waiting_registers: Mapping[str, WrittenRegister], report: DocumentReport
-) -> None:
-    """Check that a timing whose meaning says ``write to the … register`` has the wait of this register.
-
-    ``waiting_registers`` contains the registers that need a wait after a write, by their names in the manual.
-    """
-    match = re.search(r"\bwrite to the (.+?) register\b", timing.part.meaning)
-    if match is None:
-        return
-    printed_name = match[1].strip('"')
-    register = waiting_registers.get(printed_name)
-    wait_us = timing.part.at_least_us
-    if register is None or register.wait_at_least_ms is None or wait_us is None:
-        return
-    wait_of_register_us = register.wait_at_least_ms * 1000
-    if wait_us != wait_of_register_us:
-        message = (
-            f"'at_least_us' is {wait_us}, but 'wait_at_least_ms' of {quoted(register.name)} "
-            f"is {register.wait_at_least_ms}; correct one of the two"
-        )
-        report.add("left-behind", (*timing.path, "at_least_us"), message)
-
-
 def check_quoted_names(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a bit, register, command, alarm or input that a text names in quotes exists in the spec.
 
@@ -226,7 +170,7 @@ def check_renamed_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     long_names = {name: words for name, words in long_names.items() if len(words) >= _WORDS_OF_LONG_NAME}
     for path, text in leaves_of(spec.data, report) if long_names else ():
         is_text = path[-1] in KEYS_OF_TEXTS or path[-1] in ("printed", "title")
-        if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or not is_text:
+        if not isinstance(text, str) or path[0] in SECTIONS_NOT_ABOUT_ENCODER or not is_text:
             continue
         for name, words in long_names.items():
             similar_phrase = _similar_phrase(text, words)
@@ -252,7 +196,7 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     names: dict[str, None] = {}  # In the order of the spec, each once.
     for path, text in leaves_of(spec.data, report):
         section, key = path[0], path[-1]
-        is_about_encoder = section != "errata" and section not in _KEYS_ABOUT_OTHER_DOCUMENTS
+        is_about_encoder = section != "errata" and section not in SECTIONS_NOT_ABOUT_ENCODER
         is_in_other_language = path[-2:-1] == ("names",)
         is_name = key in _KEYS_OF_NAMES or is_in_other_language
         if isinstance(text, str) and is_about_encoder and is_name:
@@ -263,78 +207,6 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
 def _fold_name(printed_name: str) -> str:
     """Return a name in lower case, with one space for all other characters between letters and digits."""
     return re.sub(r"[\W_]+", " ", printed_name).strip().casefold()
-
-
-_WORD_IN_CAPITALS = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
-
-
-def check_labels_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that labels in errata about order codes exist in the order code.
-
-    A word counts as a label if an existing label in the same text has the same shape: letters and digits at the same
-    places, as in ``A12`` and ``B07``.
-    """
-    if is_derived(report.document):
-        return
-    known_labels = _known_labels(spec)
-    for erratum in spec.errata:
-        affected_sections = [affected_path.split(".")[0] for affected_path in erratum.affects]
-        if "order_code" not in affected_sections:
-            continue
-        words_in_capitals = _WORD_IN_CAPITALS.findall(erratum.used)
-        shapes_of_labels = {_shape_of_label(word) for word in words_in_capitals if word in known_labels}
-        unknown_words = [word for word in words_in_capitals if word not in known_labels]
-        unknown_labels = [word for word in unknown_words if _shape_of_label(word) in shapes_of_labels]
-        if unknown_labels:
-            label = unknown_labels[0]
-            message = f"{quoted(label)} is not in the order code; correct the text"
-            report.add("left-behind", erratum.place_of("used"), message, cause=label)
-
-
-def _known_labels(spec: WrittenSpec) -> set[str]:
-    """Return the labels of all parts of the order code, also as alternative spellings write them."""
-    known_labels: set[str] = set()
-    for part in by_name(spec.order_code.parts).values():
-        known_labels.update(part.values)
-    for spelling in spec.order_code.also_written:
-        for label_by_spelling in spelling.values.values():
-            known_labels.update(label_by_spelling)
-    return known_labels
-
-
-def _shape_of_label(label: str) -> str:
-    """Return a label with each letter as A and each digit as 0: ``A00`` for ``B07``."""
-    with_equal_letters = re.sub("[A-Z]", "A", label)
-    return re.sub("[0-9]", "0", with_equal_letters)
-
-
-#: The name of an error or alarm with a word in capital letters, such as "ST error".
-_NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
-
-
-def check_alarm_names(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that alarms named in texts, such as ``ST error``, exist: their word in capitals must be in a printed name.
-
-    Only specs with an alarm of such a name are checked. Specs with overlays and older editions are not checked.
-    """
-    if is_derived(report.document):
-        return
-    alarm_names = {alarm.part.printed_name for alarm in spec.alarms}
-    has_name_with_capitals = any(_NAMED_ERROR.fullmatch(name) for name in alarm_names)
-    if not has_name_with_capitals:
-        return
-    known_words: set[str] = set()  # The words in capitals of all printed names.
-    for path, text in leaves_of(spec.data, report):
-        if path[-1] in ("printed_name", "title", "signal"):
-            known_words.update(re.findall(r"[A-Z]{2,}", str(text)))
-    checked_keys = KEYS_OF_TEXTS | {"when_active", "when_inactive"}
-    for path, text in yield_texts(spec, checked_keys, report):
-        for match in _NAMED_ERROR.finditer(text):
-            name, word_in_capitals = match[0], match[1]  # ``ST error`` and ``ST``
-            if word_in_capitals not in known_words:
-                hint = suggest_word(name, sorted(alarm_names))
-                message = f"no alarm here is called {quoted(name)}{hint}; correct the text"
-                report.add("left-behind", path, message, cause=name)
 
 
 #: A state of an LED in a text, such as "The LED is off".
@@ -363,53 +235,7 @@ def check_led_states(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("left-behind", path, f"{problem}; correct one of the two", cause=state)
 
 
-#: An address or a command in a text, such as "register (1Fh)" or "command 03".
-_REGISTER_AT = re.compile(r"\b[Rr]egisters? \(?(?P<address>[0-9A-F]{2})h\b")
-_COMMANDS = re.compile(r"\b[Cc]ommands? [0-9A-F]{2}(?:(?:, (?:and )?| and | or )[0-9A-F]{2})*\b")
 _FIRST_BYTE = re.compile(r"\b(?P<byte>low|high) byte (?:comes|is sent) first\b")
-#: Keys of the numbers that a text may call a command.
-_KEYS_OF_CODES = frozenset(("value", "constant", "control", "id"))
-
-
-def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that registers named by their address in texts, and commands named by their code, exist in the spec.
-
-    A spec without registers is not checked, nor is ``printed``, the text of the manual that an erratum corrects.
-    """
-    registers = by_name(spec.registers).values()
-    if not registers or is_derived(report.document):
-        return
-    addresses: set[int] = set()
-    for register in registers:
-        addresses.update(range(register.address, register.address + register.length))
-    coded_values = [value for path, value in leaves_of(spec.data, report) if path[-1] in _KEYS_OF_CODES]
-    known_codes = {value for value in coded_values if isinstance(value, int)}
-    for path, text in leaves_of(spec.data, report):
-        is_text = path[-1] in KEYS_OF_TEXTS or path[0] == "tables"
-        if not isinstance(text, str) or path[0] in _KEYS_ABOUT_OTHER_DOCUMENTS or not is_text:
-            continue
-        for match in _REGISTER_AT.finditer(text):
-            address = match["address"]
-            if int(address, 16) not in addresses:
-                named_register = quoted(f"register {address}h")
-                message = f"the text says {named_register}, but no register has this address; correct one of the two"
-                report.add("left-behind", path, message, cause=address)
-        for code in _command_codes(text):
-            if known_codes.isdisjoint(_possible_numbers(code)):
-                named_command = quoted(f"command {code}")
-                problem = f"the text says {named_command}, but nothing here has this value"
-                report.add("left-behind", path, f"{problem}; correct one of the two", cause=code)
-
-
-def _possible_numbers(code: str) -> set[int]:
-    """Return the numbers that a code in a text can be, because manuals print codes in hexadecimal or in decimal."""
-    return {int(code, 16), int(code)} if code.isdigit() else {int(code, 16)}
-
-
-def _command_codes(text: str) -> Iterator[str]:
-    """Yield the codes of commands in a text: ``01`` and ``03`` of ``commands 01 and 03``."""
-    for commands in _COMMANDS.findall(text):
-        yield from re.findall(r"\b[0-9A-F]{2}\b", commands)
 
 
 def check_byte_order_in_texts(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -424,4 +250,155 @@ def check_byte_order_in_texts(spec: WrittenSpec, report: DocumentReport) -> None
             stated_order = f"{match['byte']}_byte_first"
             if register.byte_order != stated_order:
                 problem = f"the text says {quoted(match[0])}, but 'byte_order' is {register.byte_order}"
-                report.add("left-behind", register.place_of(key), f"{problem}; correct one of the two")
+                report.add("left-behind", register.path_of(key), f"{problem}; correct one of the two")
+
+
+#: A number such as ``0x3F``, ``3Fh`` or ``63``.
+_NUMBER = r"(?P<number>0[xX][0-9A-Fa-f]+|[0-9][0-9A-F]*h\b|[0-9]+(?![0-9A-Fa-f]*h\b|[.,]?[0-9A-Za-z]))"
+#: The start value of a CRC in words, unless the sentence restricts it.
+_START_VALUE = re.compile(rf"\bstart value (?:is |of |to )?{_NUMBER}(?! unless)", re.IGNORECASE)
+#: The default of a register in words.
+_DEFAULT_IN_TEXT = re.compile(rf"\bdefault (?:value )?(?:is |of ){_NUMBER}(?! unless)", re.IGNORECASE)
+#: Words in the name of an example that shows the factory default of a register.
+_AS_DELIVERED = frozenset(("default", "defaults", "delivered"))
+
+
+class _KeyWithText(NamedTuple):
+    """A key of a part of a spec that contains a number, and a pattern that finds this number in a text."""
+
+    section: str
+    key: str
+    pattern: re.Pattern[str]
+
+
+_INIT_OF_CRC = _KeyWithText("crcs", "init", _START_VALUE)
+_DEFAULT_OF_REGISTER = _KeyWithText("registers", "default", _DEFAULT_IN_TEXT)
+#: Numbers by the names of their registers or CRCs. None if the spec does not give one.
+_NumberByName = Mapping[str, int | None]
+
+
+def check_start_values(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a start value in the note of a CRC, or in an erratum about it, is the ``init`` of the CRC."""
+    for located_crc in spec.crcs:
+        crc = located_crc.part
+        path = (*located_crc.path, "note")
+        _check_number_in_text(crc.note, _INIT_OF_CRC, {crc.name: crc.init}, path=path, report=report)
+    # Reversed, so that the first of several CRCs with one name counts.
+    start_values = {located_crc.part.name: located_crc.part.init for located_crc in reversed(spec.crcs)}
+    for erratum in spec.errata:
+        _check_number_in_erratum(erratum, _INIT_OF_CRC, start_values, report)
+
+
+def check_defaults(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a default in the text of an erratum, or shown by an example, is the ``default`` of its register."""
+    registers = by_name(spec.registers)
+    defaults = {name: register.default for name, register in registers.items()}
+    for erratum in spec.errata:
+        _check_number_in_erratum(erratum, _DEFAULT_OF_REGISTER, defaults, report)
+    for example in spec.examples:
+        register = registers.get(example.register)
+        if register is not None and _shows_default(example):
+            _check_shown_default(example, register, report)
+
+
+def _shows_default(example: WrittenExample) -> bool:
+    """Return True for an example that shows the bytes of a register and has "default" or "delivered" in its name.
+
+    The result is False for an example with an erratum, which explains a difference.
+    """
+    words_of_name = example.name.split("_")
+    is_called_default = not _AS_DELIVERED.isdisjoint(words_of_name)
+    shows_register = example.kind == "register" and bool(example.bytes)
+    return shows_register and is_called_default and not example.erratum
+
+
+def _check_shown_default(example: WrittenExample, register: WrittenRegister, report: DocumentReport) -> None:
+    """Check that the bytes of an example are the default of a register, if the byte order of the register is known."""
+    default_digits = _default_in_hexadecimal(register)
+    shown_digits = example.bytes.replace(" ", "").casefold()
+    if not default_digits or shown_digits == default_digits:
+        return
+    message = f"the example shows the default of {quoted(example.register)}, which is {register.default:#x}"
+    digits_in_other_order = bytes.fromhex(default_digits)[::-1].hex()
+    if shown_digits == digits_in_other_order:
+        message += ", in the other byte order; correct 'byte_order', 'default' or the bytes"
+    else:
+        message += "; correct one of the two, or give the example another name"
+    report.add("left-behind", example.path_of("bytes"), message)
+
+
+def _check_number_in_erratum(
+    erratum: WrittenErratum, key: _KeyWithText, numbers: _NumberByName, report: DocumentReport
+) -> None:
+    """Check that the number in ``used``, an erratum's text about what applies, is that of the part that it affects.
+
+    ``numbers`` contains the number under the key for each part of the section, by name.
+    """
+    affected_numbers = _numbers_affected_by(erratum, key, numbers)
+    _check_number_in_text(erratum.used, key, affected_numbers, path=erratum.path_of("used"), report=report)
+
+
+def _numbers_affected_by(erratum: WrittenErratum, key: _KeyWithText, numbers: _NumberByName) -> _NumberByName:
+    """Return those of ``numbers`` that an erratum affects. They are the values of a key in the parts of a section.
+
+    For the section ``crcs`` and the key ``init``, an erratum affects the number of the CRC ``word`` if it affects
+    ``crcs.word`` or ``crcs.word.init``.
+    """
+    affected_numbers: dict[str, int | None] = {}
+    for affected_path in erratum.affects:
+        section, *names = affected_path.split(".")
+        if section != key.section or not names:
+            continue
+        part_name, *keys = names
+        affects_number = keys in ([], [key.key])
+        if affects_number and part_name in numbers:
+            affected_numbers[part_name] = numbers[part_name]
+    return affected_numbers
+
+
+def _check_number_in_text(
+    text: str, key: _KeyWithText, numbers: _NumberByName, *, path: Path, report: DocumentReport
+) -> None:
+    """Report a text whose number, found with the pattern of ``key``, differs from one of ``numbers``.
+
+    Only the first difference is reported. Numbers that are None are not compared.
+    """
+    match = key.pattern.search(text)
+    if match is None:
+        return
+    possible_numbers = _possible_numbers(match["number"])
+    for name, number in numbers.items():
+        if number is not None and number not in possible_numbers:
+            message = (
+                f"the text says {quoted(match[0])}, but {quoted(key.key)} of {quoted(name)} is {number:#x}; "
+                "correct one of the two"
+            )
+            report.add("left-behind", path, message)
+            return
+
+
+def _possible_numbers(number_text: str) -> set[int]:
+    """Return the numbers that a text can be: 63 for ``0x3F``, ``3Fh`` and ``63``, but 10 and 2 for ``10``."""
+    if number_text.endswith("h"):
+        return {int(number_text.removesuffix("h"), 16)}
+    if number_text.lower().startswith("0x"):
+        return {int(number_text, 16)}
+    may_be_binary = len(number_text) > 1 and set(number_text) <= {"0", "1"}
+    return {int(number_text), int(number_text, 2)} if may_be_binary else {int(number_text)}
+
+
+def _default_in_hexadecimal(register: WrittenRegister) -> str:
+    """Return the default of a register as hexadecimal digits in byte order: ``"3412"`` for 0x1234, low byte first.
+
+    The result is empty if there is no default, if there are several bytes without a byte order, or if the default does
+    not fit.
+    """
+    default = register.default
+    is_order_unknown = register.length > 1 and not register.byte_order
+    if default is None or is_order_unknown:
+        return ""
+    byte_order: Literal["little", "big"] = "little" if register.byte_order == "low_byte_first" else "big"
+    try:
+        return default.to_bytes(register.length, byte_order, signed=default < 0).hex()
+    except OverflowError:
+        return ""

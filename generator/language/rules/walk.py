@@ -1,4 +1,4 @@
-"""Iterators over the plain data of a spec, for rules about any text or number.
+"""Iterators over the plain data and the texts of a spec, for rules about any text or number.
 
 The data may have any structure, so every function here checks it. ``parts.py`` contains the iterators over typed parts.
 """
@@ -6,10 +6,13 @@ The data may have any structure, so every function here checks it. ``parts.py`` 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
-from ..document import as_affected
+from ..document import Document, child_at, label_of
 from ..problems import DocumentReport, Path
+from ..schemas import PROSE
+from ..written_parts import WrittenSpec
+from .parts import KEYS_OMITTED_BY_ERRATA, PlacedPart
 
 #: A part of a spec, in which any key can have any value.
 Data = Mapping[str, object]
@@ -133,3 +136,185 @@ def placeholder_name(spec_data: Data, path: Path) -> str:
     """
     owner = path[:-1] if path[-1] == "source" and len(path) > 1 else path
     return as_affected(spec_data, owner) or str(path[0])
+
+
+#: Texts about the encoder of today.
+KEYS_OF_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
+SECTIONS_NOT_ABOUT_ENCODER = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
+
+
+def is_derived(document: Document) -> bool:
+    """Return True for an overlay or an older edition, which changes facts without changing every text about them."""
+    return bool(document.family or document.other_files)
+
+
+def yield_texts(spec: WrittenSpec, keys: Collection[str], report: DocumentReport) -> Iterator[tuple[Path, str]]:
+    """Yield each text under one of these keys with its path, except texts about other documents."""
+    for path, text in leaves_of(spec.data, report):
+        is_about_encoder = path[0] not in SECTIONS_NOT_ABOUT_ENCODER
+        if isinstance(text, str) and is_about_encoder and path[-1] in keys:
+            yield path, text
+
+
+KEYS_OF_EXPLANATIONS = (
+    "meaning",
+    "note",
+    "remedy",
+    "detected",
+    "precondition",
+    "result",
+    "when_active",
+    "when_inactive",
+)
+
+
+def texts_of(placed_part: PlacedPart, keys: Sequence[str]) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of a part under these keys, with their paths."""
+    for key in keys:
+        text = placed_part.data.get(key)
+        if isinstance(text, str):
+            yield (*placed_part.path, key), text
+
+
+#: Texts that quote the manual, or are about other documents.
+SECTIONS_ON_OTHER_DOCUMENTS = frozenset(("documents", "editions", "evidence"))
+_KEYS_THAT_QUOTE = frozenset(("printed", "title", "why"))
+
+
+def texts_in_our_words(spec: WrittenSpec, report: DocumentReport) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of a spec that neither quote the manual nor describe other documents, with their paths."""
+    for path, text in leaves_of(spec.data, report):
+        section, key = path[0], path[-1]
+        is_prose = key in PROSE or (section, key) == ("characteristics", "value")
+        is_quotation = key in _KEYS_THAT_QUOTE
+        is_about_other_document = section in SECTIONS_ON_OTHER_DOCUMENTS
+        is_in_our_words = is_prose and not is_quotation and not is_about_other_document
+        if isinstance(text, str) and is_in_our_words:
+            yield path, text
+
+
+_NOT_IN_NAMES = re.compile(r"[^a-z0-9_]")
+
+
+def as_affected(root: object, path: Path) -> str:
+    """Return a path in the form used by errata: ``registers.preset`` or ``interfaces.biss.word.crc``.
+
+    Elements of lists are given by their names, and keys such as ``layouts`` below the top level are omitted. The path
+    ends before the first element without a name.
+    """
+    named_steps: list[str] = []
+    node = root
+    for depth, step in enumerate(path):
+        node = child_at(node, step)
+        is_list_item = isinstance(step, int)
+        step_name = label_of(node) if is_list_item else str(step)
+        if step_name is None or _NOT_IN_NAMES.search(step_name):
+            break
+        is_omitted = step_name in KEYS_OMITTED_BY_ERRATA and not is_list_item and depth > 0
+        if not is_omitted:
+            named_steps.append(step_name)
+    return ".".join(named_steps)
+
+
+class ErratumTargets:
+    """Finds the values to which the paths in ``affects`` of errata refer, in data that do not change."""
+
+    def __init__(self, data: object) -> None:
+        self._data = data
+        #: Items by name, for each list that was searched.
+        self._items: dict[int, dict[object, list[object]]] = {}
+
+    def at(self, affected: str) -> list[object]:
+        """Return every value in the data to which a path such as ``registers.preset`` refers."""
+        nodes = [self._data]  # Everything to which the steps so far refer.
+        for step in affected.split("."):
+            nodes = [match for node in nodes for match in self._find_named(node, step)]
+        return nodes
+
+    def _find_named(self, node: object, step: str) -> list[object]:
+        """Return the values to which one step of a path can lead from a map or list.
+
+        The step can be a key of the map, or the name of an element of the list, or of a list in the map.
+        """
+        if isinstance(node, list):
+            return self._items_of(node).get(step, [])
+        if not isinstance(node, dict):
+            return []
+        matches = [node[step]] if step in node else []
+        # Paths of errata omit the lists of fields, layouts and steps, and the map of values.
+        for key, child in node.items():
+            if isinstance(child, list):
+                matches += self._items_of(child).get(step, [])
+            elif key == "values" and isinstance(child, dict) and step in child:
+                matches.append(child[step])
+        return matches
+
+    def _items_of(self, items: list[object]) -> dict[object, list[object]]:
+        """Return the items of a list by their names, each with all items of this name."""
+        if id(items) not in self._items:
+            named_items: dict[object, list[object]] = {}
+            for list_item in items:
+                if isinstance(list_item, dict) and isinstance(list_item.get("name"), str):
+                    named_items.setdefault(list_item["name"], []).append(list_item)
+            self._items[id(items)] = named_items
+        return self._items[id(items)]
+
+
+def names_of_characteristics(spec_data: Mapping[str, object]) -> set[str]:
+    """Return the names of the characteristics in the data of a spec, which may be invalid."""
+    characteristics = spec_data.get("characteristics")
+    if not isinstance(characteristics, list):
+        return set()
+    names = [characteristic.get("name") for characteristic in characteristics if isinstance(characteristic, dict)]
+    return {name for name in names if isinstance(name, str)}
+
+
+def without_steps(node: object, removed_names: Collection[str]) -> object:
+    """Return the data of a spec without the names of removed characteristics in ``by_hand``.
+
+    ``by_hand`` lists characteristics with steps for a person. The key is removed if no name remains.
+    """
+    if isinstance(node, list):
+        return [without_steps(inner, removed_names) for inner in node]
+    if not isinstance(node, dict):
+        return node
+    cleaned = {}
+    for key, inner in node.items():
+        if key in ("join", "when"):  # Their keys are names of the spec, not keys of the language.
+            cleaned[key] = inner
+        elif key == "by_hand" and isinstance(inner, list):
+            remaining_steps = [name for name in inner if name not in removed_names]
+            if remaining_steps:
+                cleaned[key] = remaining_steps
+        else:
+            cleaned[key] = without_steps(inner, removed_names)
+    return cleaned
+
+
+def without_removed_paths(spec_data: dict[str, object], original_data: dict[str, object]) -> dict[str, object]:
+    """Return the data of a spec whose errata no longer affect places that a layer has removed.
+
+    A path that does not exist in the original data either stays, because a rule reports it.
+    """
+    errata = spec_data.get("errata")
+    if not isinstance(errata, list):
+        return spec_data
+    targets = ErratumTargets(spec_data)
+    original_targets = ErratumTargets(original_data)
+    remaining_errata = [_erratum_without_removed_paths(erratum, targets, original_targets) for erratum in errata]
+    return {**spec_data, "errata": remaining_errata}
+
+
+def _erratum_without_removed_paths(
+    erratum: object, targets: ErratumTargets, original_targets: ErratumTargets
+) -> object:
+    """Return an erratum without the paths in ``affects`` that exist only in the original data."""
+    if not isinstance(erratum, dict):
+        return erratum
+    affects = erratum.get("affects")
+    if not isinstance(affects, list):
+        return erratum
+    removed_paths = {path for path in affects if original_targets.at(path) and not targets.at(path)}
+    if not removed_paths:
+        return erratum
+    return {**erratum, "affects": [path for path in affects if path not in removed_paths]}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
+from ...language.written_masters import FILE_FORMATS, PLACE_KINDS, FileFormat
 from ...masters.places import SettingPlace
 from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text

@@ -1,4 +1,4 @@
-"""Fields and layouts of frames, as they are written in specs. See ``written_parts.py``."""
+"""Fields, and the layouts, groups and registers that consist of them, as written in specs. See ``written_parts.py``."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ from ..model.measurement import LayoutRange
 from ..model.part import (
     NOTHING,
     PATTERNS,
+    AddressRange,
     BitRange,
     Count,
     Formula,
+    HexBytes,
+    InterfaceName,
     Joins,
     Name,
     NameOrNames,
@@ -341,4 +344,94 @@ class WrittenLayout(WrittenPart):
     position_range: LocatedPart[LayoutRange] | None = key("", default=None)
     other_bits: OtherBits = key("", default="")
     note: Prose = note_key(default="")
+    source: SourceText = key("")
+
+
+@written("Register that must hold a value before this one can be written.")
+class WrittenOpenedBy(WrittenPart):
+    register: Name = key("Name of that register.")
+    field: Name = key(
+        "Field of that register that must hold the value, if the register has several fields.", default=""
+    )
+    value: Name = key("Named value that it must hold.")
+
+
+@written("One meaning.")
+class WrittenRegisterMeaning(WrittenPart):
+    name: Name = key("Name of the meaning.")
+    when: RegisterBit = key("Bit that selects the meaning, as register.field.")
+    is_: Name = key("Named value of that field.")
+    min: Formula | None = key("Lowest value with this meaning.", default=None)
+    max: Formula | None = key("Highest value with this meaning.", default=None)
+    meaning: Prose = key("Effect of a value with this meaning.", default="")
+    source: SourceText = key("", default="")
+
+
+@written("One register of one or more bytes.")
+class WrittenRegister(WrittenPart):
+    name: Name = key("Name of the register.")
+    printed_name: Prose = printed_name_key(default="")
+    names: Names = key("", default=NOTHING)
+    meaning: Prose = key("Content or effect of the register.", default="")
+    interface: InterfaceName | None = key("Interface through which the register is accessed.", default=None)
+    address: int = key("Address of the first byte.", minimum=0, maximum=65535)
+    length: int = key("Number of bytes.", minimum=1, maximum=64)
+    addresses: AddressRange | None = key(
+        "First and last address as the manual prints them, as in 0x4B-0x4D, or the address of a single "
+        "byte. 'check' compares them with 'address' and 'length'.",
+        default=None,
+    )
+    access: Literal["read_only", "read_write", "write_only"] = key("Access rights of a master.")
+    byte_order: Literal["", "low_byte_first", "high_byte_first"] = key(
+        "Byte at the first address: low or high. Required for registers of two or more bytes, except "
+        "over SPI, which sends a register as one number.",
+        default="",
+    )
+    default: Count | None = key("Factory default, as one number.", default=None)
+    min: Formula | None = key("Lowest value that may be written.", default=None)
+    max: Formula | None = key("Highest value that may be written.", default=None)
+    limits_of: Name = key("Field or join to which min and max apply. Default: the whole register.", default="")
+    opened_by: WrittenOpenedBy | None = key("", default=None)
+    clears_itself: bool = key("True if the register returns to its default on its own after a write.", default=False)
+    wait_at_least_ms: int | None = key(
+        "Minimum wait after a write before the next command, in milliseconds.", minimum=1, maximum=3600000, default=None
+    )
+    above_max: Literal["", "default", "refused"] = key(
+        "The encoder's reaction to a value above the maximum.", default=""
+    )
+    write_clears: tuple[Name, ...] = key("Registers that are set to zero by a write to this one.", default=())
+    meanings: tuple[WrittenRegisterMeaning, ...] = key(
+        "For a register whose meaning depends on a bit elsewhere: each meaning with its own limits.",
+        least=2,
+        default=(),
+    )
+    reserved: Literal["", "maker"] = key("Write 'maker' if only the manufacturer may use this.", default="")
+    bank: Count | None = key(
+        "For a BiSS register in a banked area: its bank number, which must be selected first in the "
+        "register 'bank_select'.",
+        default=None,
+    )
+    volatile: bool = key(
+        "True if a value written to the register is lost at power-off unless it is saved.", default=False
+    )
+    fields: tuple[WrittenField, ...] = key(
+        "Fields of the register. Without them, the register is one number.", most=512, default=()
+    )
+    join: Joins = key("", default=NOTHING)
+    other_bits: OtherBits = key("", default="")
+    note: Prose = note_key(default="")
+    source: SourceText = key("")
+
+
+@written("A row of the manual's list of defaults: the bytes of a register, or the value of some of its bits.")
+class WrittenPrintedDefault(WrittenPart):
+    register: Name = key("Name of the register.")
+    bytes: HexBytes = key("All bytes of the register, as printed.", default="")
+    at: BitRange | None = key(
+        "For a row about some bits: the bit number, or a range with the high bit first.", default=None
+    )
+    field: Name = key("For a row about some bits: their field, if these bits are exactly one field.", default="")
+    value: Count | None = key("Number in these bits.", default=None)
+    is_: Name = key("Named value of the field, printed next to the number.", default="")
+    erratum: Name = key("Erratum that explains an incorrect row.", default="")
     source: SourceText = key("")

@@ -1,15 +1,95 @@
-"""Rules for cited places: sections and pages of the manual, and pages of other documents."""
+"""Rules for the manual: the form of cited sources, cited sections, pages and figures, and dates of revisions."""
 
 from __future__ import annotations
 
+import datetime
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
+from ...model import Revision
 from ..document import Path, value_at
 from ..problems import DocumentReport, quoted, suggest_word
-from ..written_parts import WrittenSection, WrittenSpec
-from .walk import is_placeholder, leaves_of, mapping, sources
+from ..written import LocatedPart
+from ..written_parts import WrittenManual, WrittenSection, WrittenSpec
+from .parts import has_erratum_at
+from .walk import is_placeholder, leaves_of, mapping, sources, texts_in_our_words
+
+#: One citation, with or without the key of a document: ``6.4 p.35`` or ``errata: 2``.
+_CITATION = re.compile(r"(?:(?P<key>[a-z][a-z0-9_]*):)?(?P<place>.*)")
+#: The number of a section or table, such as ``6.4``, ``A.2`` or ``7-1``.
+_NUMBER = r"(?:[A-Z]\.)?[0-9]+(?:[.-][0-9]+)*"
+#: A heading, possibly with a number, such as ``Table 41``. It does not begin with the word for a page.
+_HEADING = rf"(?!(?i:page|pag|pg|p)\b)[^\W\d_](?:[^\W\d_]|[ '&/()-])+(?: {_NUMBER})?"
+#: A section by number, possibly with a table or figure in it, or by its heading.
+_SECTION = rf"{_NUMBER}(?: (?:Table|Figure) {_NUMBER})?|{_HEADING}"
+#: One page or several, such as ``p.35`` or ``p.35-36``.
+_PAGE = r"p\.[0-9]+(?:-[0-9]+)?"
+_CITED_PLACE = re.compile(rf"(?:{_SECTION})(?: {_PAGE})?|{_PAGE}")
+
+
+def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that sources are well-formed, and that cited editions and documents are listed.
+
+    A source has one or more places, separated by semicolons, each with an optional document: ``6.4 p.35; errata: 2``.
+    """
+    editions = [edition.part.language for edition in spec.with_invalid_parts.manual.editions if edition.part.language]
+    documents = document_names(spec)
+    language = spec.with_invalid_parts.manual.language
+    known_sources = _KnownSources(language, editions, documents)
+    for path, source_text in sources(leaves_of(spec.data, report)):
+        for citation in source_text.split(";"):
+            _check_form_of_citation(citation.strip(), path, known_sources, report)
+
+
+def document_names(spec: WrittenSpec) -> list[str]:
+    """Return the keys of the documents, even of documents with a wrong shape."""
+    return spec.with_invalid_parts.names_in("documents")
+
+
+class _KnownSources(NamedTuple):
+    """The documents that a spec can cite: the manual, its editions in other languages, and other documents."""
+
+    #: Language of the manual itself, which is cited without a key.
+    language_of_manual: str
+    #: Language of each other edition, which is its key.
+    editions: list[str]
+    #: Keys of other documents.
+    documents: list[str]
+
+
+def _check_form_of_citation(citation: str, path: Path, known_sources: _KnownSources, report: DocumentReport) -> None:
+    """Check one citation of a source, such as ``6.4 p.35``, or ``errata: 2`` in the document with the key ``errata``.
+
+    The form of the place, such as ``6.4 p.35``, is checked only in the manual and its editions.
+    """
+    # TODO marks a place that is still to be checked.
+    citation_line = citation.replace("\n", " ").removeprefix("TODO ")
+    match = _CITATION.fullmatch(citation_line)
+    key, place = (match["key"], match["place"].strip()) if match is not None else (None, citation)
+    possible_keys = [*known_sources.editions, *known_sources.documents]
+    if key is not None and key == known_sources.language_of_manual:
+        report.add("bad-source", path, f"{quoted(key)} is the language of the manual itself; remove '{key}:'")
+    elif key is not None and key not in possible_keys:
+        hint = suggest_word(key, possible_keys)
+        report.add("undefined-reference", path, f"there is no edition or document {quoted(key)}{hint}")
+    elif key in known_sources.documents and place:
+        return  # Public documents have sections of every kind.
+    elif not _CITED_PLACE.fullmatch(place):
+        citation_text = quoted(citation) if citation else "empty text"
+        forms = (
+            "cite a section ('6.4' or 'Cover'), a table ('Table 41'), a page ('p.35'), "
+            "or a section or table followed by a page"
+        )
+        message = (
+            f"{citation_text} is not a valid source; {forms}. "
+            "Separate several sources with semicolons, and prefix those in other documents with the document's key and"
+            " a colon"
+        )
+        report.add("bad-source", path, message)
+
 
 #: A section by number or heading, perhaps with a page: ``4.2 p.17`` or ``Cover``.
 _CITATION_PATTERN = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(?P<page>[0-9]+))?")
@@ -257,62 +337,103 @@ def problems_of_other_manual(source: str, document: str, contents: Mapping[str, 
             yield problem
 
 
-#: A page or a range of pages, such as ``30`` or ``9-14``.
-_PAGES = re.compile(r"(?P<first>[0-9]{1,4})(?:-(?P<last>[0-9]{1,4}))?")
-#: Pages in a text, such as ``p.9-14, 18 and 22``, and the number of all pages after them, such as ``of 66``.
-_CITED_PAGES = re.compile(r"\bp\.([0-9]{1,4}(?:-[0-9]{1,4})?(?:(?:, | and )[0-9]{1,4}(?:-[0-9]{1,4})?)*)\b")
-_ALL_PAGES = re.compile(r" of ([0-9]+)")
+#: The numbers in ``Figures 2 to 4 and 7``.
+_FIGURE_NUMBERS = re.compile(r"\bFigures? (\d+(?:(?:, | and | to )\d+)*)\b")
+#: A longer range of figures is compared only by its first and its last number.
+_MOST_FIGURES = 1000
 
 
-def check_listed_pages(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that sources cite only the pages that are listed for their document.
+def check_figures(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that a figure that a text names is listed under ``lost_figures``, the figures that were not available.
 
-    They are listed under ``pages`` of the document, or in ``documents`` of ``evidence``, if that text has pages. Each
-    page under ``pages`` must be cited, but not in overlays and older editions, which omit facts. Other pages can be
-    evidence too.
+    Nothing is checked if the list contains no numbers of figures.
     """
-    is_derived = bool(report.document.family or report.document.other_files)
-    for key, pages_read in spec.evidence.part.documents.items():
-        path = ("evidence", "documents", key)
-        last_page = _ALL_PAGES.search(pages_read)
-        for page in _pages_in(pages_read):
-            if last_page is not None and page > int(last_page[1]):
-                report.add("cited-place", path, f"page {page} is after the last page, {last_page[1]}")
-        _check_pages_cited(spec, "" if key == "manual" else key, path, pages_read, report)
-    for key, document in spec.documents.items():
-        path = ("documents", key, "pages")
-        cited_pages = _check_pages_cited(spec, key, path, document.pages, report)
-        if is_derived:
+    lost_numbers: set[int] = set()
+    for figure in spec.lost_figures:
+        lost_numbers.update(_figure_numbers(figure.part.content))
+    for path, text in texts_in_our_words(spec, report):
+        if not lost_numbers or path[0] == "lost_figures":
             continue
-        for page in sorted(_pages_in(document.pages) - cited_pages):
-            report.add("cited-place", path, f"no source cites page {page}; correct or remove it")
+        unlisted_numbers = [number for number in _figure_numbers(text) if number not in lost_numbers]
+        if unlisted_numbers:
+            message = f"'lost_figures' has no Figure {unlisted_numbers[0]}; correct the number, or add the figure"
+            report.add("figure-number", path, message)
 
 
-def _check_pages_cited(
-    spec: WrittenSpec, document_key: str, list_path: Path, listed_text: str, report: DocumentReport
-) -> set[int]:
-    """Return the pages of a document that sources cite, and report each that is not among the pages in a text.
-
-    Nothing is reported if the text has no pages, such as "all pages".
-    """
-    listed_pages = _pages_in(listed_text)
-    cited_pages: set[int] = set()
-    for path, source in sources(leaves_of(spec.data, report)):
-        pages = set().union(*map(_pages_in, places_in_document(source, document_key)))
-        cited_pages |= pages
-        unlisted_pages = pages - listed_pages
-        if listed_pages and unlisted_pages:
-            line, _ = report.document.position(list_path)
-            message = f"page {min(unlisted_pages)} is not among the pages in line {line}; correct one of the two"
-            report.add("cited-place", path, message)
-    return cited_pages
+def _figure_numbers(figure_text: str) -> Iterator[int]:
+    """Yield the numbers of the figures that a text names: 2, 3, 4 and 7 for ``Figures 2 to 4 and 7``."""
+    for listed_numbers in _FIGURE_NUMBERS.findall(figure_text):
+        for number_or_range in re.split(", | and ", listed_numbers):
+            first_text, _, last_text = number_or_range.partition(" to ")
+            first_number = int(first_text)
+            last_number = int(last_text) if last_text else first_number
+            if last_number - first_number < _MOST_FIGURES:
+                yield from range(first_number, last_number + 1)
+            else:
+                yield from (first_number, last_number)
 
 
-def _pages_in(text: str) -> set[int]:
-    """Return the pages in a text, such as 9, 10 and 18 for ``p.9-10 and 18``."""
-    page_numbers: set[int] = set()
-    for pages_text in _CITED_PAGES.findall(text):
-        for pages in _PAGES.finditer(pages_text):
-            first_page = int(pages.group("first"))
-            page_numbers.update(range(first_page, int(pages.group("last") or first_page) + 1))
-    return page_numbers
+def check_dates(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that dates exist, that revisions are in order, and that the transcribed revision has the manual's date."""
+    _check_that_dates_exist(spec.manual, report)
+    dated_history = [revision for revision in spec.manual.history if _parse_date(revision.part.date)]
+    _check_order_of_revisions(dated_history, report)
+    _check_date_in_history(spec.manual, dated_history, report)
+
+
+def _check_that_dates_exist(manual: WrittenManual, report: DocumentReport) -> None:
+    """Check that each date of the manual, its editions and its revisions exists. It may be empty or only a year."""
+    dated_parts = [(manual.path, manual.date)]
+    dated_parts += [(edition.path, edition.part.date) for edition in manual.editions]
+    dated_parts += [(revision.path, revision.part.date) for revision in manual.history]
+    for path, date in dated_parts:
+        is_only_a_year = len(date) <= len("2024")  # or empty
+        if not is_only_a_year and _parse_date(date) is None:
+            report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
+
+
+def _check_order_of_revisions(dated_history: Sequence[LocatedPart[Revision]], report: DocumentReport) -> None:
+    """Check that no revision of the history has an earlier date than the one before it."""
+    for earlier, later in pairwise(dated_history):
+        if later.part.date < earlier.part.date:
+            message = (
+                f"revision {later.part.revision} is dated {later.part.date}, before revision {earlier.part.revision},"
+                f" dated {earlier.part.date}; list the oldest first"
+            )
+            report.add("date", (*later.path, "date"), message)
+
+
+def _check_date_in_history(
+    manual: WrittenManual, dated_history: Sequence[LocatedPart[Revision]], report: DocumentReport
+) -> None:
+    """Check that the revision table gives the manual's own revision the date of the manual, if it has both."""
+    date_by_revision = {revision.part.revision: revision.part.date for revision in dated_history}
+    date_in_history = date_by_revision.get(manual.revision)
+    if date_in_history is None or not _parse_date(manual.date):
+        return
+    if date_in_history != manual.date:
+        problem = f"revision {manual.revision} is dated {manual.date}, but {date_in_history} in 'history'"
+        report.add("date", manual.path_of("date"), problem)
+
+
+def _parse_date(date_text: str) -> datetime.date | None:
+    """Return the date in a text such as 2024-05-31, or None if it is not a date."""
+    try:
+        return datetime.date.fromisoformat(date_text)
+    except ValueError:
+        return None
+
+
+def check_revision_in_history(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the revision table of a manual lists the manual's own revision, unless an erratum explains it."""
+    # A revision that is not text is reported by the schema, and can still be the right revision.
+    listed_revisions = [str(row.data.get("revision")) for row in spec.with_invalid_parts.manual.history]
+    revision = spec.manual.revision
+    has_duplicates = len(set(listed_revisions)) < len(listed_revisions)  # Reported by another rule.
+    if not listed_revisions or has_duplicates or not revision or revision in listed_revisions:
+        return
+    if has_erratum_at(report.document, "manual", "history"):
+        return
+    problem = f"the manual has revision {quoted(revision)}, but its history lists {', '.join(listed_revisions)}"
+    remedy = "correct one of the two, or add an erratum that affects manual.history if the manual prints this"
+    report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")

@@ -1,12 +1,17 @@
-"""The parts of the spec language that are described by classes, as JSON Schema.
+"""The JSON Schemas as data: of each kind of file, of second readings, and of the parts that classes describe.
 
-``python -m codewheel.language.part_schema`` writes them into ``device.schema.json``. Editors and commands read that
-file. A test compares the two.
+The keys of each part of a spec are in device.schema.json. ``python -m codewheel.language.schemas`` writes the parts
+that classes describe into it, and a test compares the two. The language of second readings is derived from it, so that
+each key is described only once. A quick test tells whether data follow a schema. It supports only the keywords that our
+schemas use. In any doubt its answer is no, and jsonschema decides. Importing jsonschema takes several times as long as
+this test takes for a whole spec.
 """
 
 from __future__ import annotations
 
+import functools
 import json
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -17,7 +22,118 @@ from typing import Any
 from ..model import clocks, data_channels, documents, examples, facts, fields, interfaces, kinds, measurement
 from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, name_of_part
 from ..model.part import DescribedKey, SpecKey, description_of, is_part, keys_of
-from . import written_codes, written_interfaces, written_layouts, written_parts
+from . import written_codes, written_fields, written_parts
+
+#: Keys for prose, at any place. Of their texts, only the numbers and the cited sections are compared.
+PROSE = frozenset(
+    """
+    source alignment_source output_code_source meaning note title names where changes content why
+    special publisher mating detected remedy precondition result when_active when_inactive low high when_unused
+    hexadecimal profile signals
+    """.split()
+)
+#: Parts of a device file that explain or calculate.
+NO_FACTS = frozenset("evidence documents lost_figures examples errata editions".split())
+#: Keys that a spec must have and its second reading does not need.
+_NOT_NEEDED = frozenset(("manufacturer",))
+
+#: Parts that only a second reading has.
+ONLY_SECOND: dict[str, dict[str, Any]] = {
+    "sections": {
+        "description": "Sections of the manual, each with the paths of the facts that come from there. A path applies"
+        " to everything under it, unless a more specific path is listed.",
+        "type": "object",
+        "additionalProperties": {"type": "array", "minItems": 1, "items": {"type": "string", "maxLength": 200}},
+    },
+    "found": {
+        "description": "Numbers in texts and cited sections that were not read a second time, by path. They are still"
+        " compared, which catches later typos, but they count as having been read only once.",
+        "type": "object",
+        "additionalProperties": {"type": "string", "maxLength": 500},
+    },
+    "decided": {
+        "description": "Facts that the manual does not print, for which each reading contains a decision: paths, or"
+        " classes of facts such as verdict.",
+        "type": "array",
+        "items": {"type": "string", "maxLength": 200},
+    },
+}
+
+
+def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the schema of second readings, derived from the schema of device files.
+
+    Prose and the manufacturer are optional, parts that explain or calculate are left out, and parts of second readings
+    are added.
+    """
+    derived_schema: dict[str, Any] = _with_optional_prose(schema)
+    properties = derived_schema["properties"]
+    derived_schema["properties"] = {key: properties[key] for key in properties if key not in NO_FACTS} | ONLY_SECOND
+    optional_keys = _NOT_NEEDED | NO_FACTS
+    derived_schema["required"] = [key for key in derived_schema["required"] if key not in optional_keys]
+    return derived_schema
+
+
+def is_only_in_device_files(key: str) -> bool:
+    """Return True if device files have this key and second readings do not."""
+    return key in NO_FACTS
+
+
+def _with_optional_prose(schema: Any) -> Any:
+    """Return a copy of a JSON Schema, or of a part of it, in which no key for prose, such as ``note``, is required."""
+    if isinstance(schema, list):
+        return [_with_optional_prose(inner) for inner in schema]
+    if not isinstance(schema, dict):
+        return schema
+    copied_schema = {keyword: _with_optional_prose(inner) for keyword, inner in schema.items()}
+    if "required" in schema:
+        copied_schema["required"] = [key for key in schema["required"] if key not in PROSE]
+    return copied_schema
+
+
+@functools.cache
+def load_schema(file_kind: str) -> dict[str, Any]:
+    """Load the JSON Schema of this name, such as ``device``. Do not modify the result.
+
+    The schema of second readings, ``second``, is derived from ``device``.
+    """
+    if file_kind == "second":
+        return second_reading_schema(load_schema("device"))
+    text = (Path(__file__).parent / f"{file_kind}.schema.json").read_text(encoding="utf-8")
+    schema: dict[str, Any] = json.loads(text)
+    return schema
+
+
+@functools.cache
+def keys_of_file_kind(file_kind: str) -> frozenset[str]:
+    """Return the keys allowed at the top level of a ``device``, ``manufacturer``, ``master`` or ``overlay`` file."""
+    return frozenset(load_schema(file_kind)["properties"])
+
+
+@functools.cache
+def schema_without_references(file_kind: str) -> dict[str, Any]:
+    """Return the JSON Schema of a kind of file without references. Do not modify the result."""
+    schema = load_schema(file_kind)
+    inlined: dict[str, Any] = _inline_references(schema, schema.get("$defs", {}))
+    return inlined
+
+
+def _inline_references(schema: Any, definitions: dict[str, Any]) -> Any:
+    """Return a schema in which each reference is replaced by its definition. This halves the time of the check.
+
+    No definition may refer to itself. The definitions themselves are left out.
+    """
+    if isinstance(schema, list):
+        return [_inline_references(inner, definitions) for inner in schema]
+    if not isinstance(schema, dict):
+        return schema
+    keywords = dict(schema)
+    if "$ref" in schema:
+        keywords |= definitions[schema["$ref"].removeprefix("#/$defs/")]
+    return {
+        key: _inline_references(value, definitions) for key, value in keywords.items() if key not in ("$ref", "$defs")
+    }
+
 
 #: Modules with parts.
 _MODULES_WITH_PARTS = (
@@ -30,8 +146,7 @@ _MODULES_WITH_PARTS = (
     interfaces,
     kinds,
     measurement,
-    written_layouts,
-    written_interfaces,
+    written_fields,
     written_codes,
     written_parts,
 )
@@ -237,3 +352,98 @@ def main() -> int:
 
 if __name__ == "__main__":
     sys.exit(main())
+
+
+_PYTHON_TYPES: Mapping[str, tuple[type, ...]] = {
+    "object": (dict,),
+    "array": (list,),
+    "string": (str,),
+    "integer": (int,),
+    "number": (int, float),
+    "boolean": (bool,),
+}
+
+
+def follows_schema(checked_value: Any, schema: Mapping[str, Any]) -> bool:
+    """Return True if a value certainly follows a JSON Schema without references. False means that it may not.
+
+    If the schema has a keyword that this quick test does not support, the result is False.
+    """
+    return all(key in _CHECKS and _CHECKS[key](checked_value, expected, schema) for key, expected in schema.items())
+
+
+def matches(pattern: str, checked_text: str) -> bool:
+    """Return True if a pattern of a schema matches the whole text.
+
+    JSON Schema searches for the pattern, so that a name could end in a line break.
+    """
+    return re.fullmatch(pattern, checked_text.replace("\n", "\0")) is not None
+
+
+def _follows_type(checked_value: Any, type_names: str | list[str], _: object) -> bool:
+    """Return True if a value has one of the types under the keyword ``type``. True is a boolean, not an integer."""
+    names = [type_names] if isinstance(type_names, str) else type_names
+    return any(type(checked_value) in _PYTHON_TYPES.get(name, ()) for name in names)
+
+
+def _follows_enum(checked_value: Any, allowed_values: list[Any], _: object) -> bool:
+    """Return True if a value is one of those under the keyword ``enum``, and has the same type."""
+    allowed_values_of_type = [allowed for allowed in allowed_values if type(allowed) is type(checked_value)]
+    return checked_value in allowed_values_of_type
+
+
+def _follows_properties(checked_value: Any, schema_by_key: Mapping[str, Any], _: object) -> bool:
+    """Return True if the values in a map follow the schemas of their keys under the keyword ``properties``.
+
+    Other keys, and values that are not maps, are accepted.
+    """
+    if not isinstance(checked_value, dict):
+        return True
+    known_keys = [key for key in checked_value if key in schema_by_key]
+    return all(follows_schema(checked_value[key], schema_by_key[key]) for key in known_keys)
+
+
+def _follows_additional_properties(checked_value: Any, schema_of_others: Any, schema: Mapping[str, Any]) -> bool:
+    """Return True if the keys of a map that are not in ``properties`` follow the keyword ``additionalProperties``.
+
+    The keyword is False if no other keys are allowed, or the schema of their values.
+    """
+    if not isinstance(checked_value, dict):
+        return True
+    known_keys = schema.get("properties", ())
+    other_values = [inner for key, inner in checked_value.items() if key not in known_keys]
+    if not isinstance(schema_of_others, dict):
+        return not other_values
+    return all(follows_schema(inner, schema_of_others) for inner in other_values)
+
+
+def _only_for_type(type_name: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
+    """Return a test for a keyword that applies only to one type, such as ``minItems`` to lists.
+
+    Values of other types pass it.
+    """
+    return lambda value, expected, _: type(value) not in _PYTHON_TYPES[type_name] or test(value, expected)
+
+
+_CHECKS: Mapping[str, Callable[[Any, Any, Any], bool]] = {
+    **dict.fromkeys(("$schema", "$id", "title", "description"), lambda value, expected, schema: True),
+    "type": _follows_type,
+    "enum": _follows_enum,
+    "const": lambda value, expected, schema: _follows_enum(value, [expected], schema),
+    "properties": _follows_properties,
+    "additionalProperties": _follows_additional_properties,
+    "propertyNames": _only_for_type(
+        "object", lambda value, expected: all(follows_schema(key, expected) for key in value)
+    ),
+    "required": _only_for_type("object", lambda value, expected: all(key in value for key in expected)),
+    "minProperties": _only_for_type("object", lambda value, expected: len(value) >= expected),
+    "maxProperties": _only_for_type("object", lambda value, expected: len(value) <= expected),
+    "items": _only_for_type("array", lambda value, expected: all(follows_schema(inner, expected) for inner in value)),
+    "minItems": _only_for_type("array", lambda value, expected: len(value) >= expected),
+    "maxItems": _only_for_type("array", lambda value, expected: len(value) <= expected),
+    "pattern": _only_for_type("string", lambda value, expected: matches(expected, value)),
+    "minLength": _only_for_type("string", lambda value, expected: len(value) >= expected),
+    "maxLength": _only_for_type("string", lambda value, expected: len(value) <= expected),
+    "minimum": _only_for_type("number", lambda value, expected: value >= expected),
+    "maximum": _only_for_type("number", lambda value, expected: value <= expected),
+}

@@ -1,4 +1,4 @@
-"""Rules for sources: cited sections, the evidence of a spec, the sources of limits, and quotations."""
+"""Rules for the evidence of a spec: its grade, the pages read, sources of limits, examples and quotations."""
 
 from __future__ import annotations
 
@@ -8,12 +8,25 @@ from dataclasses import dataclass
 
 from ...model import Evidence
 from ...model.clocks import CABLE_LIMITS
+from ..document import Path
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
-from ..written_interfaces import WrittenBiss, WrittenSsi
+from ..written_codes import WrittenBiss, WrittenSsi
 from ..written_parts import WrittenExample, WrittenSpec
-from .parts import PlacedPart, WrittenInterface, by_name, clocks_of, interfaces
-from .walk import leaves, sources
+from .manual import places_in_document
+from .parts import (
+    FieldList,
+    FieldOwner,
+    PlacedPart,
+    WrittenInterface,
+    by_name,
+    clocks_of,
+    interfaces,
+    layouts_of_interfaces,
+    readable_names,
+)
+from .references import NameResolver
+from .walk import leaves, leaves_of, sources
 
 #: Grades of evidence, with and without data from real hardware, for which each fact needs the manufacturer's document
 #: or two implementations.
@@ -256,4 +269,163 @@ def check_open_quotation(spec: WrittenSpec, report: DocumentReport) -> None:
     for erratum in spec.errata:
         if erratum.printed.count('"') % 2 == 1:
             message = "a quotation mark is not closed; text between two quotation marks is a verbatim quotation"
-            report.add("open-quotation", erratum.place_of("printed"), message)
+            report.add("open-quotation", erratum.path_of("printed"), message)
+
+
+def check_example_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that everything that examples name exists, such as procedures, layouts, fields and errata."""
+    resolver = NameResolver(spec, report)
+    known_layouts = {frame.name: frame for frame in layouts_of_interfaces(spec.with_invalid_parts) if frame.name}
+    for example in spec.examples:
+        resolver.check_optional_name(example.path_of("procedure"), "procedure", example.procedure)
+        resolver.check_optional_name(example.path_of("erratum"), "erratum", example.erratum)
+        resolver.check_optional_name(example.path_of("register"), "register", example.register)
+        resolver.check_optional_name(example.path_of("crc"), "CRC", example.crc)
+        resolver.check_optional_name(example.path_of("layout"), "layout", example.layout, known_names=known_layouts)
+        procedure = resolver.procedures.get(example.procedure)
+        if procedure is not None:
+            noun = f"argument of {quoted(example.procedure)} called"
+            known_arguments = by_name(procedure.arguments)
+            for name in example.arguments:
+                resolver.check_name((*example.path, "arguments", name), noun, name, known_names=known_arguments)
+        _check_example_values(example, known_layouts, resolver)
+
+
+def _check_example_values(
+    example: WrittenExample, known_layouts: Mapping[str, FieldList], resolver: NameResolver
+) -> None:
+    """Check that the layout or register of an example has the fields whose values the example gives."""
+    field_list = known_layouts.get(example.layout)
+    if field_list is None and example.register in resolver.registers:
+        register = resolver.registers[example.register]
+        field_list = FieldList(FieldOwner.REGISTER, register, interface="")
+    if field_list is not None:
+        known_fields = readable_names(field_list, resolver.groups)
+        for name in example.values:
+            resolver.check_name((*example.path, "values", name), "field", name, known_names=known_fields)
+
+
+#: Several bytes in hexadecimal in a text, such as ``32h 10h 01h`` or ``32 10 01``.
+_BYTES_IN_TEXT = re.compile(r"\b[0-9A-F]{2}h?(?: [0-9A-F]{2}h?){2,}\b")
+
+
+def check_bytes_in_errata(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the bytes that an erratum quotes are the bytes of an example that names the erratum.
+
+    Only as many bytes as the example has are compared. If the erratum quotes several frames of this length, one of them
+    must be the example.
+    """
+    errata = by_name(spec.errata)
+    for example in spec.examples:
+        erratum = errata.get(example.erratum)
+        example_bytes = example.bytes.upper().split()
+        if erratum is None or not example_bytes:
+            continue
+        quoted_frames: list[list[str]] = []
+        for bytes_text in _BYTES_IN_TEXT.findall(erratum.printed):
+            quoted_frames.append(bytes_text.replace("h", "").split())
+        frames_of_length = [frame for frame in quoted_frames if len(frame) == len(example_bytes)]
+        if frames_of_length and example_bytes not in frames_of_length:
+            message = (
+                f"the text has the bytes {quoted(' '.join(frames_of_length[0]))}, but the example"
+                f" {quoted(example.name)} has {quoted(example.bytes)}; correct one of the two"
+            )
+            report.add("left-behind", erratum.path_of("printed"), message)
+
+
+#: A page or a range of pages, such as ``30`` or ``9-14``.
+_PAGES = re.compile(r"(?P<first>[0-9]{1,4})(?:-(?P<last>[0-9]{1,4}))?")
+#: Pages in a text, such as ``p.9-14, 18 and 22``, and the number of all pages after them, such as ``of 66``.
+_CITED_PAGES = re.compile(r"\bp\.([0-9]{1,4}(?:-[0-9]{1,4})?(?:(?:, | and )[0-9]{1,4}(?:-[0-9]{1,4})?)*)\b")
+_LAST_PAGE_OF_DOCUMENT = re.compile(r" of ([0-9]+)")
+
+
+def check_listed_pages(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that sources cite only the pages that are listed for their document.
+
+    They are listed under ``pages`` of the document, or in ``documents`` of ``evidence``, if that text has pages. Each
+    page under ``pages`` must be cited, but not in overlays and older editions, which omit facts. Other pages can be
+    evidence too.
+    """
+    is_derived = bool(report.document.family or report.document.other_files)
+    for key, pages_read in spec.evidence.part.documents.items():
+        path = ("evidence", "documents", key)
+        last_page = _LAST_PAGE_OF_DOCUMENT.search(pages_read)
+        for page in _pages_in(pages_read):
+            if last_page is not None and page > int(last_page[1]):
+                report.add("cited-place", path, f"page {page} is after the last page, {last_page[1]}")
+        _check_pages_cited(spec, "" if key == "manual" else key, path, pages_read, report)
+    for key, document in spec.documents.items():
+        path = ("documents", key, "pages")
+        cited_pages = _check_pages_cited(spec, key, path, document.pages, report)
+        if is_derived:
+            continue
+        for page in sorted(_pages_in(document.pages) - cited_pages):
+            report.add("cited-place", path, f"no source cites page {page}; correct or remove it")
+
+
+def _check_pages_cited(
+    spec: WrittenSpec, document_key: str, list_path: Path, listed_text: str, report: DocumentReport
+) -> set[int]:
+    """Return the pages of a document that sources cite, and report each that is not among the pages in a text.
+
+    Nothing is reported if the text has no pages, such as "all pages".
+    """
+    listed_pages = _pages_in(listed_text)
+    cited_pages: set[int] = set()
+    for path, source in sources(leaves_of(spec.data, report)):
+        pages = set().union(*map(_pages_in, places_in_document(source, document_key)))
+        cited_pages |= pages
+        unlisted_pages = pages - listed_pages
+        if listed_pages and unlisted_pages:
+            line, _ = report.document.position(list_path)
+            message = f"page {min(unlisted_pages)} is not among the pages in line {line}; correct one of the two"
+            report.add("cited-place", path, message)
+    return cited_pages
+
+
+def _pages_in(text: str) -> set[int]:
+    """Return the pages in a text, such as 9, 10 and 18 for ``p.9-10 and 18``."""
+    page_numbers: set[int] = set()
+    for pages_text in _CITED_PAGES.findall(text):
+        for pages in _PAGES.finditer(pages_text):
+            first_page = int(pages.group("first"))
+            page_numbers.update(range(first_page, int(pages.group("last") or first_page) + 1))
+    return page_numbers
+
+
+#: Pairs of quotes used by word processors and PDF files.
+_TYPOGRAPHIC_QUOTES = frozenset(map(tuple, ("“”", "„“", "„”", "””", "‘’", "‚‘", "’’", "«»", "»«")))
+
+
+def check_typographic_quotes(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that no text begins and ends with typographic quotes, which YAML treats as part of the text."""
+    for path, text in leaves_of(spec.data, report):
+        if not isinstance(text, str) or len(text) < 2:
+            continue
+        first_character, inner_text, last_character = text[0], text[1:-1], text[-1]
+        if (first_character, last_character) in _TYPOGRAPHIC_QUOTES:
+            message = (
+                f"the quotes {first_character} and {last_character} are part of this text; "
+                f'write "{inner_text}" with straight quotes'
+            )
+            report.add("typographic-quotes", path, message)
+
+
+def check_evidence_references(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that the documents, implementations and examples that the evidence names exist.
+
+    The manual is a document too, with the name ``manual`` and the language code of each edition.
+    """
+    resolver = NameResolver(spec, report)
+    evidence = spec.evidence.part
+    path = spec.evidence.path
+    documents = spec.with_invalid_parts.names_in("documents")
+    languages = [edition.part.language for edition in spec.with_invalid_parts.manual.editions]
+    known_documents = ("manual", *languages, *documents)
+    for key in evidence.documents:
+        resolver.check_name((*path, "documents", key), "document", key, known_names=known_documents)
+    implementations_path = (*path, "implementations")
+    resolver.check_each_name(implementations_path, "document", evidence.implementations, known_names=documents)
+    examples = by_name(spec.with_invalid_parts.examples)
+    resolver.check_each_name((*path, "vectors"), "example", evidence.vectors, known_names=examples)

@@ -1,16 +1,16 @@
-"""Rules for tables: their shape and units, and cells that other facts repeat, such as frequencies and order codes."""
+"""Rules for tables: their shape and units, and cells that other tables and facts repeat."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from decimal import Decimal
 
 from ...model import Table
 from ...say.text import count_with_unit
 from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
-from ..written_codes import WrittenCodePart
 from ..written_parts import WrittenSpec
 
 _DECIMAL_NUMBER = re.compile(r"\d+(?:\.\d+)?")
@@ -123,50 +123,6 @@ def _compare_rows(
             report.add("table-arithmetic", (*table.path, "rows", index, column), message)
 
 
-def check_order_codes_in_tables(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the codes in table columns with the heading "order code" begin with the fixed text of order codes.
-
-    Also check that each number between two hyphens in them is a label of a part of the order code, or one that an open
-    part accepts.
-    """
-    fixed_start, _, _ = spec.order_code.pattern.partition("{")  # The text before the first part.
-    if not fixed_start.strip("-/ "):
-        return
-    for table in spec.tables:
-        headings = [heading.casefold() for heading in table.part.columns]
-        if "order code" not in headings:
-            continue
-        column = headings.index("order code")
-        for index, row in enumerate(table.part.rows):
-            cell = row[column] if column < len(row) else ""
-            codes = re.findall(r"\S+-\.\.\.", cell)  # Such as ``TV62-0050-...``.
-            problems = [_problem_of_code(code, fixed_start, spec) for code in codes]
-            first_problem = next(filter(None, problems), "")
-            path = (*table.path, "rows", index, column)
-            is_reported = path in report.faults()  # As an order code in a text.
-            if first_problem and not is_reported:
-                report.add("table-arithmetic", path, f"{first_problem}; correct it")
-
-
-def _problem_of_code(code: str, fixed_start: str, spec: WrittenSpec) -> str:
-    """Return the reason that a text cannot be an order code, or an empty string if it can.
-
-    ``fixed_start`` is the text with which all order codes begin.
-    """
-    if not code.startswith(fixed_start):
-        return f"{quoted(code)} does not begin with {quoted(fixed_start)}, as order codes do"
-    for word in code.removeprefix(fixed_start).split("-"):
-        is_label = any(_accepts_label(part, word) for part in spec.order_code.parts)
-        if word.isdecimal() and not is_label:
-            return f"{quoted(word)} is not in the order code"
-    return ""
-
-
-def _accepts_label(part: WrittenCodePart, label: str) -> bool:
-    """Return True if a part of the order code lists a label or, if it is open, its expression matches the label."""
-    return label in part.values or bool(part.open and re.fullmatch(part.open, label))
-
-
 def check_reserved_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no register is in a range of addresses that a table calls reserved."""
     for table in spec.tables:
@@ -215,7 +171,7 @@ def check_lengths_of_errata(spec: WrittenSpec, report: DocumentReport) -> None:
             length = Decimal(number_text.replace(",", "")) * _NANOMETRES_PER_UNIT[unit]
             if length not in lengths_in_tables:
                 message = f"no table that it affects has {number_text} {unit}; correct one of the two"
-                report.add("left-behind", erratum.place_of("used"), message)
+                report.add("left-behind", erratum.path_of("used"), message)
                 break
 
 
@@ -262,3 +218,131 @@ def check_table_shape(spec: WrittenSpec, report: DocumentReport) -> None:
                 columns_text = count_with_unit(column_count, "column")
                 message = f"the row has {cells_text}, but the table has {columns_text}"
                 report.add("table-shape", (*table.path, "rows", row_index), message)
+
+
+#: Cells of two tables that must agree before one that differs is a mistake.
+_LEAST_EQUAL_CELLS = 8
+_MOST_TABLES = 50
+_SIGNED_DECIMAL_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
+
+
+def check_repeated_tables(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Report two tables with common columns whose numbers agree in all cells but one.
+
+    Rows belong together if a column whose cells are all different in each table contains the same cell in both.
+    """
+    tables = spec.tables[:_MOST_TABLES]
+    for index, located_table in enumerate(tables):
+        table = located_table.part
+        earlier_tables = [earlier.part for earlier in tables[:index]]
+        for earlier_table in earlier_tables:
+            pair = _only_difference(table, earlier_table)
+            if pair is not None:
+                message = (
+                    f"{quoted(pair.column)} is {pair.cell} here, but {pair.earlier_cell} in the table "
+                    f"{quoted(earlier_table.name)}; one of the two is wrong"
+                )
+                path = (*located_table.path, "rows", pair.row, table.columns.index(pair.column))
+                report.add("quantity-repeated", path, message)
+
+
+@dataclass(frozen=True, slots=True)
+class _CellPair:
+    """Cells of two tables that must agree, with the column and the row of the first cell."""
+
+    row: int
+    column: str
+    cell: str
+    earlier_cell: str
+
+    @property
+    def is_numeric(self) -> bool:
+        """Return True if both cells are numbers, or texts with a number that have the same words: ``below 7``."""
+        words = {_SIGNED_DECIMAL_NUMBER.sub("", cell) for cell in (self.cell, self.earlier_cell)}
+        return len(words) == 1 and _SIGNED_DECIMAL_NUMBER.search(self.cell) is not None
+
+
+def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
+    """Return the pair of cells that differs if two tables have the same numbers in all common cells but one.
+
+    Rows belong together if they have the same cell in a column that identifies rows. A column in which most numbers
+    differ is left out, because it is about something else. The result is None if no number or several numbers differ,
+    or if too few are equal.
+    """
+    common_columns = [name for name in table.columns if name in earlier_table.columns]
+    for key_column in common_columns:
+        if not _identifies_rows(table, key_column) or not _identifies_rows(earlier_table, key_column):
+            continue
+        compared_pairs: list[_CellPair] = []
+        for column in common_columns:
+            if column == key_column:
+                continue
+            pairs = _number_pairs(table, earlier_table, key_column, column)
+            are_mostly_equal = 2 * len(_differing_cells(pairs)) <= len(pairs)
+            if are_mostly_equal:
+                compared_pairs += pairs
+        differing_pairs = _differing_cells(compared_pairs)
+        if len(differing_pairs) == 1 and len(compared_pairs) > _LEAST_EQUAL_CELLS:
+            return differing_pairs[0]
+    return None
+
+
+def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
+    """Return the pairs of cells with numbers in a column, from the rows with the same cell in ``key_column``."""
+    earlier_cells: dict[str, str] = {}  # The cells in the column by the cells in the key column.
+    for row in earlier_table.rows:
+        key_cell = _text_of_cell(earlier_table, row, key_column)
+        earlier_cells[key_cell] = _text_of_cell(earlier_table, row, column)
+    cell_pairs = []
+    for row_number, row in enumerate(table.rows):
+        key_cell = _text_of_cell(table, row, key_column)
+        if key_cell in earlier_cells:
+            cell = _text_of_cell(table, row, column)
+            cell_pairs.append(_CellPair(row_number, column, cell, earlier_cell=earlier_cells[key_cell]))
+    return [pair for pair in cell_pairs if pair.is_numeric]
+
+
+def _differing_cells(pairs: list[_CellPair]) -> list[_CellPair]:
+    return [pair for pair in pairs if pair.cell != pair.earlier_cell]
+
+
+def _text_of_cell(table: Table, row: Sequence[str], column: str) -> str:
+    """Return the text in a column of a row, or an empty string if the row is too short."""
+    index = table.columns.index(column)
+    return row[index] if index < len(row) else ""
+
+
+def _identifies_rows(table: Table, column: str) -> bool:
+    """Return True if all cells of a column are different, so that each identifies its row."""
+    cells = [_text_of_cell(table, row, column) for row in table.rows]
+    return len(cells) == len(set(cells))
+
+
+_HEX_CELL = re.compile(r"(?:0x)?([0-9A-F]+)h?")
+
+
+def check_address_tables(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that each row of a table with first and last addresses is a range: the first address is not the higher one.
+
+    Both addresses must have the same number of digits. Rows with other text than hexadecimal numbers are skipped.
+    """
+    for table in spec.tables:
+        address_columns: list[int] = []
+        for index, heading in enumerate(table.part.columns):
+            if heading.casefold() in ("first address", "last address"):
+                address_columns.append(index)
+        if len(address_columns) != 2:
+            continue
+        for row_index, row in enumerate(table.part.rows):
+            cells = [row[column_index] for column_index in address_columns if column_index < len(row)]
+            matches = [_HEX_CELL.fullmatch(cell) for cell in cells]
+            digits_of_addresses = [match[1] for match in matches if match is not None]
+            if len(digits_of_addresses) != 2:
+                continue
+            first_digits, last_digits = digits_of_addresses
+            has_equal_length = len(first_digits) == len(last_digits)
+            is_range = has_equal_length and int(first_digits, 16) <= int(last_digits, 16)
+            if not is_range:
+                path = (*table.path, "rows", row_index, address_columns[0])
+                message = f"{cells[0]} to {cells[1]} is not a range of addresses; correct one of the two"
+                report.add("table-shape", path, message)

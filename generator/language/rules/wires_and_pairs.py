@@ -1,18 +1,21 @@
-"""Rules for the kinds of connectors, the order of their pairs, and the interfaces of their lines."""
+"""Rules for the kinds of connectors, lines of interfaces, differential pairs, and the wires of cables."""
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ...model import Connector
+from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 from .connectors import partner_of, signal_names
 from .parts import has_erratum_at, is_second_reading
+from .walk import KEYS_OF_EXPLANATIONS, texts_of
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
 #: A wire with one color or two: ``White``, ``Brown_Green``.
@@ -295,3 +298,68 @@ def _find_line(line_text: str, known_lines: Iterable[str]) -> str:
         if plain_text in (line, f"but {line}", f"and {line}"):
             return line
     return ""
+
+
+#: Two wires named together, as in "white and blue wires".
+_TWO_WIRES = re.compile(r"\b([A-Za-z]+(?:[-/_][A-Za-z]+)?) and ([A-Za-z]+(?:[-/_][A-Za-z]+)?) wires\b")
+#: A supply line, such as ``+5 V`` or ``0V``.
+_SUPPLY_LINE = re.compile(r"(?<![A-Za-z])[+-]?\d*(?:[.,]\d+)? ?V", re.IGNORECASE)
+
+
+def check_named_wires(spec: WrittenSpec, report: DocumentReport) -> None:
+    """Check that two wires that a text names together, by their colors, are a supply or a differential pair.
+
+    The signals of the wires are those in the tables of cables. Wires that no cable has are not checked.
+    """
+    signals_by_color = _signals_by_wire(spec)
+    if not signals_by_color:
+        return
+    for path, text in _all_texts(spec):
+        for first_wire, second_wire in _TWO_WIRES.findall(text):
+            first_signals = signals_by_color.get(first_wire.casefold())
+            second_signals = signals_by_color.get(second_wire.casefold())
+            if first_signals is None or second_signals is None:
+                continue
+            signal_pairs = itertools.product(first_signals, second_signals)
+            are_a_pair = any(_belong_together(signal, other_signal) for signal, other_signal in signal_pairs)
+            if not are_a_pair:
+                first_signal, second_signal = min(first_signals), min(second_signals)
+                message = (
+                    f"the text names the {first_wire} and {second_wire} wires together, but they carry"
+                    f" {quoted(first_signal)} and {quoted(second_signal)}; correct one of the two"
+                )
+                report.add("words-contradict", path, message)
+
+
+def _signals_by_wire(spec: WrittenSpec) -> dict[str, set[str]]:
+    """Return the signals that a wire of each color has in some cable: ``{"white": {"MA+"}}``."""
+    signals_by_color: dict[str, set[str]] = {}
+    for connector in spec.connectors:
+        if connector.part.kind != "cable":
+            continue
+        for wire in connector.part.contacts:
+            color = wire.contact.casefold()
+            signals_by_color.setdefault(color, set()).add(wire.signal)
+    return signals_by_color
+
+
+def _belong_together(signal: str, other_signal: str) -> bool:
+    """Return True if two signals are both supply lines, or have the same letters and digits.
+
+    The latter is true for the lines of a differential pair, such as ``MA+`` and ``MA-``.
+    """
+    if _SUPPLY_LINE.search(signal) and _SUPPLY_LINE.search(other_signal):
+        return True
+    letters_and_digits = re.sub(r"[^a-z0-9]", "", signal.casefold())
+    other_letters_and_digits = re.sub(r"[^a-z0-9]", "", other_signal.casefold())
+    return letters_and_digits == other_letters_and_digits
+
+
+def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of procedures, characteristics and alarms, each with its path."""
+    for procedure in spec.procedures:
+        yield from texts_of(procedure, KEYS_OF_EXPLANATIONS)
+    for characteristic in spec.characteristics:
+        yield from texts_of(characteristic, ("value", "note"))
+    for alarm in spec.alarms:
+        yield from texts_of(alarm, KEYS_OF_EXPLANATIONS)

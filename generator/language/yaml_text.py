@@ -1,8 +1,7 @@
-"""Mistakes in YAML: syntax errors with an explanation, and obvious typos that are fixed while reading.
+"""The text of YAML: values of unquoted scalars, explanations of syntax errors, and typos that are fixed while reading.
 
-PyYAML reports where its parser stopped. An open quote or bracket is higher up, often by many lines.
-
-Without this, a comma in text would look like an unknown key, and a missing dash like an item full of duplicate keys.
+PyYAML reports where its parser stopped. An open quote or bracket is higher up, often by many lines. Typos are fixed
+because a comma in text would look like an unknown key, and a missing dash like an item full of duplicate keys.
 """
 
 from __future__ import annotations
@@ -17,8 +16,35 @@ import yaml
 
 from .problems import quoted
 
-_YAML_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_LINE_BREAK = re.compile(r"\r\n|\r|\n")
+_NULL_WORDS = frozenset(("", "~", "null", "Null", "NULL"))
+_BOOLEAN_WORDS = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+INTEGER_TEXT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT_TEXT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_SPECIAL_FLOAT = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+
+
+def resolve_scalar(scalar_text: str) -> str | int | float | bool | None:
+    """Return the value of an unquoted scalar: None, a boolean, a number or text, by the core schema of YAML 1.2."""
+    if scalar_text in _NULL_WORDS:
+        return None
+    if scalar_text in _BOOLEAN_WORDS:
+        return _BOOLEAN_WORDS[scalar_text]
+    if INTEGER_TEXT.fullmatch(scalar_text):
+        base = {"0x": 16, "0o": 8}.get(scalar_text[:2], 10)
+        return int(scalar_text, base)
+    if _FLOAT_TEXT.fullmatch(scalar_text):
+        return float(scalar_text)
+    # Python writes infinities and NaN without the point.
+    return float(scalar_text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(scalar_text) else scalar_text
+
+
+def _is_text(scalar: str) -> bool:
+    """Return True if an unquoted scalar is text, not a number or the like."""
+    return isinstance(resolve_scalar(scalar), str)
+
+
+YAML_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+LINE_BREAK = re.compile(r"\r\n|\r|\n")
 _NO_COMMA = "a comma or closing bracket is missing before this"
 #: Spaces of word processors and PDF files, where YAML needs an ordinary one: in the indentation or after a colon.
 _ODD_SPACE = re.compile(r"(?:^|(?<=[:, -]))[\u00a0\u2000-\u200b\u202f\u3000\ufeff]")
@@ -38,7 +64,7 @@ def explain(error: yaml.MarkedYAMLError, yaml_text: str) -> YamlMistake:
 
     The parser's ``problem_mark`` is where it stopped, and its ``context_mark`` where the open value begins.
     """
-    lines = _LINE_BREAK.split(yaml_text)
+    lines = LINE_BREAK.split(yaml_text)
     problem = error.problem or "not understood"
     context = error.context or ""
     opened: Any = error.context_mark
@@ -115,7 +141,7 @@ def _find_last_quoted_text(yaml_text: str, stopped: Any) -> Any:
     """
     last = None
     try:
-        for token in yaml.scan(yaml_text, Loader=_YAML_LOADER):
+        for token in yaml.scan(yaml_text, Loader=YAML_LOADER):
             token_start = (token.start_mark.line, token.start_mark.column)
             if stopped is None or token_start >= (stopped.line, stopped.column):
                 break
@@ -203,17 +229,13 @@ class CorrectedEvents:
     Args:
         events: The events as they come.
         lines: The lines of the text.
-        is_text: Returns True if an unquoted scalar is text, not a number or the like.
         complain: Called for each mistake.
     """
 
-    def __init__(
-        self, events: Iterator[Any], lines: list[str], is_text: Callable[[str], bool], complain: Complain
-    ) -> None:
+    def __init__(self, events: Iterator[Any], lines: list[str], complain: Complain) -> None:
         self._events = events
         self._ahead: deque[Any] = deque()
         self._lines = lines
-        self._is_text = is_text
         self._complain = complain
         self._open: list[_Container] = []
 
@@ -312,7 +334,7 @@ class CorrectedEvents:
             text_after_comma = self._peek_event(0)
             if is_number and _THREE_DIGITS.fullmatch(text_after_comma.value):
                 value_event.value += text_after_comma.value
-            elif is_number or not self._is_text(value_event.value):
+            elif is_number or not _is_text(value_event.value):
                 break  # As in {12: , 16}, where keys may come alone.
             if first_skipped is None:
                 first_skipped = text_after_comma
