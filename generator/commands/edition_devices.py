@@ -6,13 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..language.problems import ProblemReport
-from ..loading.editions import UnknownEdition, revision_for
+from ..loading.history import UnknownEdition, revision_for
 from ..loading.library import in_edition, load_families
 from ..loading.overlays import Family
 from ..model import Device
-from ..order_codes.editions import edition_by_label
-from ..order_codes.labels import LabelMatch, UnknownOrderCode, find_code
-from ..reference.findings import edition_by_registers, without_tests
+from ..order_codes.labels import LabelMatch, UnknownOrderCode, edition_by_label, find_code
+from ..reference.registers import edition_by_registers, without_tests
 from .terminal import CommandError, error_after_printing
 
 #: Words that ask to infer the edition instead of naming it.

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ..model.clocks import CableLength, Clock, Timeout
-from ..model.data_channels import DataChannels
 from ..model.facts import (
     Timing,
 )
+from ..model.interface_parts import CableLength, Clock, DataChannels, Timeout
 from ..model.interfaces import (
     DataId,
     MemoryAccess,

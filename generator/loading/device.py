@@ -14,13 +14,12 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from ..language.problems import DocumentReport, Path
+from ..language.rules.walk import is_placeholder, placeholder_names
 from ..model import (
     Alarm,
     Alternative,
     Answer,
     Biss,
-    CodePart,
-    CodeValue,
     Crc,
     DataId,
     Device,
@@ -31,22 +30,27 @@ from ..model import (
     PlacedLayout,
     Register,
     RegisterMeaning,
-    SpelledValue,
-    Spelling,
     Variant,
 )
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..model.registers import bounded_width, name_with_limits, numbers_that_fit, value_bounds
-from ..order_codes.labels import listed_codes
-from ..reference.bits import join_value
-from .crc_rules import check_settings_of_crcs
-from .editions import editions
-from .evidence import with_placeholders
+from ..order_codes.patterns import listed_codes
+from ..reference.bits_and_values import join_value
+from ..say.plain_text import first_of
 from .examples import build_examples, check_examples
-from .facts_by_code import check_facts_by_code
 from .fields import LayoutContext, LayoutSite
 from .frame_kinds import check_errata, check_frame_kinds
-from .from_mapping import (
+from .frame_rules import check_control_bytes, check_requests, check_settings_of_crcs
+from .history import editions
+from .interfaces import build_interfaces, build_measurement, check_spi_registers
+from .layouts import build_layout
+from .order_code_facts import check_facts_by_code, check_limits_in_procedures, check_unused_parameters, code_grammar
+from .parameters import check_named_widths, check_reach, coded_values, held_in_registers, parameter_sets, too_much_work
+from .position_encoding import check_position_widths
+from .position_rules import check_measurements
+from .repeated_facts import check_agreement, check_stated_bits, check_stated_lengths
+from .samples import sample_frames
+from .spec_parts import (
     Raw,
     build_part,
     build_procedures,
@@ -59,16 +63,6 @@ from .from_mapping import (
     set_parameters,
     sources,
 )
-from .interfaces import build_interfaces, build_measurement, check_spi_registers
-from .layouts import build_layout
-from .parameters import check_named_widths, check_reach, coded_values, held_in_registers, parameter_sets, too_much_work
-from .position_rules import check_measurements
-from .position_widths import check_position_widths
-from .repeated_facts import check_agreement
-from .request_rules import check_control_bytes, check_limits_in_procedures, check_requests
-from .samples import sample_frames
-from .stated_lengths import check_stated_bits, check_stated_lengths
-from .unused_parameters import check_unused_parameters
 
 
 def _first_answers(alternatives: Iterable[Alternative]) -> dict[str, int]:
@@ -210,27 +204,6 @@ def _derived_expressions(raw_spec: Raw) -> Mapping[str, Expression]:
     return MappingProxyType(definitions)
 
 
-def code_grammar(raw_spec: Raw) -> OrderCode:
-    """Return the parts and spellings of order codes from the checked section ``order_code`` of a spec."""
-    parts = tuple(_build_code_part(part) for part in raw_spec["parts"])
-    spellings = tuple(_build_spelling(spelling) for spelling in raw_spec.get("also_written", ()))
-    return build_part(OrderCode, raw_spec, parts=parts, also_written=spellings)
-
-
-def _build_code_part(raw_part: Raw) -> CodePart:
-    """Return a part of the order code with its values. In the spec, a value without properties is empty."""
-    values = tuple(_build_code_value(text, value or {}, raw_part) for text, value in raw_part["values"].items())
-    return build_part(CodePart, raw_part, values=values, open_only_with=_texts_by_part(raw_part, "open_only_with"))
-
-
-def _build_spelling(raw_spelling: Raw) -> Spelling:
-    """Return an additional spelling of order codes, with its own texts for values of the parts."""
-    spelled_values: list[SpelledValue] = []
-    for part, values_by_text in raw_spelling.get("values", {}).items():
-        spelled_values += [SpelledValue(part, text, value) for text, value in values_by_text.items()]
-    return build_part(Spelling, raw_spelling, values=tuple(spelled_values))
-
-
 def _build_alternative(raw_alternative: Raw) -> Alternative:
     """Return a question that the manual leaves open, with its answers."""
     answers = tuple(_build_answer(name, answer) for name, answer in raw_alternative["values"].items())
@@ -251,22 +224,6 @@ def _build_answer(name: str, raw_answer: Raw) -> Answer:
         sets=MappingProxyType(dict(raw_answer["sets"])),
         source=sources(raw_answer),
     )
-
-
-def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeValue:
-    """Return a value of a part of the order code. ``text_in_code`` is its text in a label."""
-    return build_part(
-        CodeValue,
-        raw_value,
-        text=text_in_code,
-        only_with=_texts_by_part(raw_value, "only_with"),
-        supply=build_supply(raw_value, sources(raw_part)),
-    )
-
-
-def _texts_by_part(raw_value: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
-    """Return the texts of other parts of the order code with which a value is possible, by the name of the part."""
-    return MappingProxyType({part_name: tuple(texts) for part_name, texts in raw_value.get(key, {}).items()})
 
 
 def _list_variants(
@@ -453,3 +410,31 @@ def _number_within_limits(register: Register, placed: PlacedLayout, default: int
     # Read without a sign, a negative number is larger than the highest number of a signed field.
     is_negative = number_without_sign > highest
     return number_without_sign - (1 << width) if is_negative else number_without_sign
+
+
+#: The only grade of a spec that is still being filled in.
+_LOWEST_GRADE = "uncorroborated"
+
+
+#: Highest number of placeholders that a message names.
+_MAX_SHOWN_NAMES = 3
+
+
+def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> Device:
+    """Return the device with its placeholders listed in its evidence, and report a grade that is too high.
+
+    A placeholder is a text from the template for new specs that was not replaced. A spec with placeholders can only
+    have the lowest grade.
+    """
+    if not raw_spec.get("evidence"):
+        return device
+    names = placeholder_names(report.document.data)
+    if is_placeholder(device.manufacturer.title):
+        names.append("manufacturer.title")
+    grade = device.evidence.grade
+    if names and grade != _LOWEST_GRADE:
+        names_text = first_of(names, _MAX_SHOWN_NAMES)
+        message = f"values left over from the template are not allowed with grade '{grade}': {names_text}"
+        remedy = f"replace every text that contains TODO, or write 'grade: {_LOWEST_GRADE}' until all are replaced"
+        report.add("evidence-grade", ("evidence", "grade"), f"{message}; {remedy}")
+    return replace(device, evidence=replace(device.evidence, placeholders=tuple(names)))

@@ -24,11 +24,11 @@ from ..model import (
 )
 from ..order_codes.labels import UnknownOrderCode, find_code
 from ..order_codes.parameters import with_answers
-from ..reference.bits import bits_in_crc_order, compute_bytes, covered_bits, init_for_result
-from ..reference.codec import DecodedFrame, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
+from ..reference.bits_and_values import bits_in_crc_order, compute_bytes, covered_bits, init_for_result
+from ..reference.codec import EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
+from ..reference.findings import DecodedFrame
 from ..reference.registers import register_writes
-from .from_mapping import Raw, build_part
-from .valid_parts import valid_parts_so_far
+from .spec_parts import Raw, build_part, valid_parts_so_far
 
 #: Key in an example that is wrong, such as ``("values", "position")``, and the message.
 ExampleError = tuple[Path, str]

@@ -30,9 +30,8 @@ from ..model import (
 from ..model.expressions import Expression
 from ..say.plain_text import count_with_unit
 from .fields import LayoutContext, LayoutSite, build_values
-from .from_mapping import Raw, build_part, sources
 from .layouts import build_layout
-from .valid_parts import valid_parts_so_far
+from .spec_parts import Raw, build_part, sources, valid_parts_so_far
 
 
 def build_interfaces(raw_spec: Raw, context: LayoutContext) -> tuple[Interface, ...]:

@@ -26,10 +26,9 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from .byte_orders import check_byte_orders
-from .crc_rules import check_crc, check_one_crc
-from .fields import LayoutSite
-from .gaps import values_text
+from .bit_coverage import values_text
+from .fields import LayoutSite, check_byte_orders
+from .frame_rules import check_crc, check_one_crc
 
 
 def check_joined(layout: Layout, site: LayoutSite, low_byte_first: bool) -> None:

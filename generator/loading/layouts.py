@@ -6,7 +6,7 @@ are expressions. Overlaps and negative widths are found with the parameters of e
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from ..language.problems import Path
@@ -14,8 +14,18 @@ from ..language.rules.shapes import PLACES
 from ..model import INTERFACES, Constant, Field, Join, Layout, LayoutRange
 from ..model.expressions import Expression
 from ..model.kinds import WIDEST
-from ..model.record import dataclass
-from .byte_orders import with_byte_orders
+from .bit_coverage import (
+    ZERO,
+    UnplacedItem,
+    check_all_bits_covered,
+    check_items_fit,
+    content_of_gaps,
+    expand_groups,
+    in_whole_bytes,
+    values_text,
+    with_places,
+    with_zeros,
+)
 from .fields import (
     LayoutContext,
     LayoutSite,
@@ -24,41 +34,13 @@ from .fields import (
     build_combinations,
     expected_value,
     kind_of,
+    with_byte_orders,
     with_joins_covered,
     zero_field,
 )
 from .frame_kinds import with_unknown_verdicts
-from .from_mapping import Raw, build_part, sources
-from .gaps import (
-    ZERO,
-    bits_text,
-    check_all_bits_covered,
-    content_of_gaps,
-    in_whole_bytes,
-    values_text,
-    with_places,
-    with_zeros,
-)
 from .layout_rules import check_layout
-
-#: More bits than any frame has. Without this limit, a typo could take hours to process.
-_MAX_BITS = 100_000
-
-
-@dataclass(frozen=True)
-class UnplacedItem:
-    """A field, or a whole group of fields, whose place in the layout may not be known yet."""
-
-    #: Definition in the spec. For a whole group, this has only the key ``group``, with the items of its fields.
-    raw: Raw
-    path: Path
-    #: Name of the group that the field comes from, or "".
-    group: str
-    width: Expression
-    #: Width with padding.
-    span: Expression
-    #: Lowest bit: in the group for a field of a group, and otherwise in the layout.
-    low: Expression = ZERO
+from .spec_parts import Raw, build_part, sources
 
 
 def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) -> Layout | None:
@@ -185,7 +167,7 @@ def _place_items(
         items, bits = _place_in_sequence(items, low_first)
         if total is not None and not _check_total_width(bits, total, site):
             return None
-    return (items, bits) if _check_items_fit(items, bits, site) else None
+    return (items, bits) if check_items_fit(items, bits, site) else None
 
 
 def _with_gap_fields(
@@ -323,19 +305,9 @@ def _place_in_sequence(items: Sequence[UnplacedItem], low_first: bool) -> tuple[
     return in_sending_order, next_low
 
 
-def _expand_groups(items: Iterable[UnplacedItem]) -> Iterable[UnplacedItem]:
-    """Yield individual fields at their places in the layout. A group is replaced by its fields."""
-    for field_item in items:
-        if "group" not in field_item.raw:
-            yield field_item
-            continue
-        for group_field in field_item.raw["group"]:
-            yield replace(group_field, low=field_item.low + group_field.low)
-
-
 def _highest_used_bit(items: Sequence[UnplacedItem], site: LayoutSite) -> int:
     """Return the highest bit that a field uses for any order code."""
-    return max(site.widest(field_item.low + field_item.span) for field_item in _expand_groups(items)) - 1
+    return max(site.widest(field_item.low + field_item.span) for field_item in expand_groups(items)) - 1
 
 
 def _check_total_width(bits: Expression, total: int, site: LayoutSite) -> bool:
@@ -349,78 +321,9 @@ def _check_total_width(bits: Expression, total: int, site: LayoutSite) -> bool:
     return True
 
 
-def _check_items_fit(items: Sequence[UnplacedItem], bits: Expression, site: LayoutSite) -> bool:
-    """Return whether every field has a valid width, is inside the layout and overlaps no other field.
-
-    If not, report the problems for the first order code. ``bits`` is the width of the layout.
-    """
-    field_items = list(_expand_groups(items))
-    for parameters in site.parameter_sets:  # The parameters of each order code, such as {"position_bits": 24}.
-        total = bits.value(parameters)
-        if total > _MAX_BITS:
-            message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MAX_BITS}"
-            site.report("too-long", message)
-            return False
-        if not _check_fit(field_items, total, parameters, site):
-            return False
-    return True
-
-
-def _check_fit(
-    field_items: Sequence[UnplacedItem], total: int, parameters: Mapping[str, int], site: LayoutSite
-) -> bool:
-    """Return whether the fields fit into ``total`` bits with the parameters of an order code, and report if not.
-
-    Each overlap of two fields is reported, but only the first field with an invalid width or place.
-    """
-    has_overlap = False
-    occupied: list[tuple[range, UnplacedItem]] = []
-    for field_item in field_items:
-        width = field_item.width.value(parameters)
-        low = field_item.low.value(parameters)
-        bits = range(low, low + field_item.span.value(parameters))
-        condition = values_text(parameters, field_item.width, field_item.low)
-        problem = _range_problem(field_item, width, bits, total, condition)
-        if problem is not None:
-            rule, message = problem
-            site.context.report.add(rule, field_item.path, message)
-            return False
-        if width == 0:  # This order code does not have the field.
-            continue
-        for other_bits, other_item in occupied:
-            lowest_common = max(bits.start, other_bits.start)
-            highest_common = min(bits.stop, other_bits.stop) - 1
-            if lowest_common <= highest_common:
-                names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
-                message = f"{names} both use {bits_text(highest_common, lowest_common)}{condition}"
-                site.context.report.add("bit-overlap", field_item.path, message)
-                has_overlap = True
-        occupied.append((bits, field_item))
-    return not has_overlap
-
-
-def _range_problem(
-    field_item: UnplacedItem, width: int, bits: range, total: int, condition: str
-) -> tuple[str, str] | None:
-    """Return the rule and the message if a field has an invalid width or is outside the layout, or None.
-
-    ``bits`` are the bits of the field with its padding. ``condition`` is a text on the parameters, such as `` with
-    spare_bits = 3``.
-    """
-    name = field_item.raw.get("name", "")
-    span = bits.stop - bits.start
-    if width < 0 or width > span:
-        padding = f", but it is padded to {span}" if width > span else ""
-        return "width-mismatch", f"'{name}' has {width} bits{condition}{padding}"
-    if bits.start < 0 or bits.stop > total:
-        place = bits_text(bits.stop - 1, bits.start)
-        return "bit-out-of-range", f"'{name}' uses {place}{condition}, but there are only bits {total - 1} to 0"
-    return None
-
-
 def _build_fields(field_item: UnplacedItem, site: LayoutSite) -> Iterable[Field]:
     """Yield a field and its padding, if it has any, or all fields of a group."""
-    for expanded_item in _expand_groups([field_item]):
+    for expanded_item in expand_groups([field_item]):
         raw = expanded_item.raw
         width = expanded_item.width
         widest = site.widest(width)

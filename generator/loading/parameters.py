@@ -17,7 +17,7 @@ from ..model import Alternative, CodedValue, Device, Interface, Layout, Paramete
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..order_codes.parameters import State, coded_states, extreme_combinations
 from .fields import LayoutContext, bit_range
-from .from_mapping import Raw
+from .spec_parts import Raw
 
 _BITS_ENDING = "_bits"
 _NAME_IN_TEXT = re.compile(r"[a-z][a-z0-9_]*")

@@ -10,9 +10,9 @@ from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..model import Device, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression, is_power_of_two
-from ..model.key_types import LARGEST
+from ..model.keys_and_members import LARGEST
 from ..model.record import dataclass
-from .gray_positions import KeyProblem, check_gray_positions
+from .position_encoding import KeyProblem, check_gray_positions
 
 #: A power of two minus one is assumed to be the highest count, not the number of counts, if it is at least this number.
 _SMALLEST_HIGHEST_COUNT = 15

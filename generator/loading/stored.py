@@ -18,32 +18,28 @@ from typing import Any
 from .. import model
 from ..cache import Cache
 from ..model import (
-    channels,
-    clocks,
-    data_channels,
     device,
-    documents,
-    examples,
     expressions,
     facts,
     fields,
+    interface_parts,
     interfaces,
     kinds,
     layout,
+    manual,
     measurement,
     order_codes,
     registers,
-    steps,
 )
 
 _MODULES: tuple[ModuleType, ...] = (
     *(
-        channels,
-        clocks,
-        data_channels,
+        interface_parts,
+        interface_parts,
+        interface_parts,
         device,
-        documents,
-        examples,
+        manual,
+        manual,
         expressions,
         facts,
         fields,
@@ -53,7 +49,7 @@ _MODULES: tuple[ModuleType, ...] = (
         measurement,
         order_codes,
         registers,
-        steps,
+        registers,
     ),
 )
 

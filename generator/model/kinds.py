@@ -21,19 +21,8 @@ from math import gcd
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
-from .documents import (
-    Sources,
-)
-from .part import (
-    Name,
-    Prose,
-    fact,
-    key,
-    meaning_key,
-    name_key,
-    part,
-    source_key,
-)
+from .manual import Sources
+from .part import Name, Prose, fact, key, meaning_key, name_key, part, source_key
 from .record import dataclass
 
 if TYPE_CHECKING:

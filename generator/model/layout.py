@@ -11,13 +11,12 @@ from enum import Enum
 from functools import cached_property
 from types import MappingProxyType
 
-from .documents import Sources
 from .expressions import Expression
 from .fields import Combination, Field, Join, PlacedField, Sign, sign_of_combination, signs_of_values
 from .kinds import CrcValue, Flag, Kind, Parity, Unused, Verdict
-from .lookup import member_named
+from .manual import Sources
 from .measurement import LayoutRange
-from .record import dataclass
+from .record import dataclass, member_named
 
 
 @dataclass(frozen=True)

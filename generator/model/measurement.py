@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from .documents import (
-    Sources,
-)
 from .expressions import Expression
+from .manual import Sources
 from .part import (
     Name,
     key,

@@ -23,7 +23,8 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, number_to_bytes
 from codewheel.order_codes.labels import LabelMatch
 from codewheel.reference import codec
-from codewheel.reference.findings import findings, strange_values
+from codewheel.reference.findings import findings
+from codewheel.reference.registers import strange_values
 from codewheel.say.plain_text import quantity_text
 from codewheel.targets import Library
 from rust_frames import numbers

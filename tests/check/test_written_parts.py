@@ -21,7 +21,7 @@ from codewheel.language.written_codes import WrittenRegister
 from codewheel.language.written_interfaces import WrittenBiss
 from codewheel.language.written_layouts import WrittenField, WrittenLayout
 from codewheel.model.expressions import Expression
-from codewheel.model.key_types import name_of_part
+from codewheel.model.keys_and_members import name_of_part
 from codewheel.model.part import keys_of
 
 #: Methods of written parts whose argument is a key.

@@ -11,15 +11,16 @@ from codewheel.model import Device, Verdict
 from codewheel.order_codes.labels import find_code
 from codewheel.order_codes.parameters import RegisterError
 from codewheel.reference import codec
-from codewheel.reference.findings import (
+from codewheel.reference.findings import findings
+from codewheel.reference.registers import (
     compare_held,
+    decode_register,
     edition_by_registers,
-    findings,
     fixed_addresses,
+    register_writes,
     strange_values,
     without_tests,
 )
-from codewheel.reference.registers import decode_register, register_writes
 from codewheel.virtual import VirtualEncoder
 
 SPECS = Path(__file__).resolve().parents[1] / "plan" / "specs"

@@ -15,7 +15,7 @@ from ...language.document import Path as SpecPath
 from ...language.files import family_files
 from ...language.problems import ProblemReport
 from ...language.schema_files import coverage_path, second_reading_path, word_sheet_path
-from ...loading.evidence import RULE, counts_text
+from ...loading.history import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
 from ...loading.overlays import Family
 from ...model import TimesRead

@@ -93,7 +93,7 @@ def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
     """
     from ...order_codes.parameters import RegisterError, with_answers, with_registers
     from ...order_codes.reduction import reduced_to_codes
-    from ...reference.findings import compare_held, fixed_addresses
+    from ...reference.registers import compare_held, fixed_addresses
     from ..find_encoder import find_requested
     from ..open_questions import answers_of
     from ..read_specs import specs_to_read

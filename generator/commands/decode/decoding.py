@@ -15,7 +15,8 @@ from ...model import Device, Flag, PlacedLayout, Verdict
 from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
-from ...reference.findings import Findings, ValueDifference, findings, strange_values
+from ...reference.findings import Findings, ValueDifference, findings
+from ...reference.registers import strange_values
 from ...why import LEAST_FAILED, MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels

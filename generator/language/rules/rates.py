@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from ...model import Timing
-from ...model.clocks import CABLE_LIMITS, CableLength, Clock, Timeout
+from ...model.interface_parts import CABLE_LIMITS, CableLength, Clock, Timeout
 from ..problems import DocumentReport, Path, quoted
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenRs485, WrittenSpi, WrittenSsi

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Alarm, Biss, Measurement
 from ...model.expressions import Expression, ExpressionError
-from ...model.steps import has_steps
+from ...model.registers import has_steps
 from ..document import Path
 from ..hints import expression_hint, number_hint
 from ..problems import DocumentReport, quoted

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from ...model import Evidence
-from ...model.clocks import CABLE_LIMITS
+from ...model.interface_parts import CABLE_LIMITS
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
 from ..written_interfaces import WrittenBiss, WrittenSsi

@@ -27,9 +27,10 @@ from ...model import (
     Variant,
     Verdict,
 )
-from ...model.known_crcs import KNOWN_CRCS
+from ...model.fields import KNOWN_CRCS
 from ...model.layout import have_lengths
-from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, expression_of_code
+from ...order_codes.labels import AFTER, LONGEST, NEAR
+from ...order_codes.patterns import as_listed, expression_of_code
 from ...plan.crcs import CoveredData, kinds_of_covered_data
 from ...plan.frames import FrameDispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings

@@ -23,9 +23,9 @@ from ...model import (
     cite,
 )
 from ...model.expressions import Expression, Factor, Term
-from ...model.key_types import LARGEST
-from ...model.lookup import assert_never
-from ...order_codes.editions import edition_before, tests_of
+from ...model.keys_and_members import LARGEST
+from ...model.record import assert_never
+from ...order_codes.labels import edition_before, tests_of
 from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.description import Check as DescribedCheck
 from ...plan.description import DescribedReportCause, Description, Name, describe

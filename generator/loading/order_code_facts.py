@@ -1,19 +1,44 @@
-"""Check facts that only apply to some order codes: together, they must cover every order code exactly once."""
+"""Order codes of a spec, and checks of the facts that depend on them.
+
+Facts that apply only to some order codes must cover every order code exactly once. Each parameter must be used, and a
+procedure must not change the limits of its later arguments.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
+from types import MappingProxyType
 from typing import Protocol
 
-from ..language.problems import DocumentReport, Path, quoted
+from ..language.problems import DocumentReport, Path, join_words, quoted
 from ..language.rules.parts import has_erratum_at
-from ..model import Biss, Clocked, Interface, Ssi, Variant
-from ..model.device import Device
+from ..language.rules.walk import leaves
+from ..language.schema_files import is_second
+from ..model import (
+    Argument,
+    Biss,
+    Clocked,
+    CodePart,
+    CodeValue,
+    Device,
+    Interface,
+    ModifyStep,
+    OrderCode,
+    Parameter,
+    Procedure,
+    SpelledValue,
+    Spelling,
+    Ssi,
+    Step,
+    Variant,
+    WriteStep,
+)
+from ..model.expressions import Expression, ExpressionError
 from ..model.order_codes import Restricted, facts_for_code, fits
 from ..model.record import dataclass
 from ..say.plain_text import count_with_unit
-from .from_mapping import Raw
+from .spec_parts import Raw, build_part, build_supply, parameters_of_flags, set_parameters, sources
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,3 +221,169 @@ def _codes_text(codes: Sequence[str]) -> str:
 
 def _has_or_have(codes: Sequence[str]) -> str:
     return "has" if len(codes) == 1 else "have"
+
+
+#: Keys whose value is an expression, and ``when``, which is a parameter in ``gray``.
+EXPRESSION_KEYS = frozenset(
+    (
+        "bits",
+        "compared_bits",
+        "counts_per_turn",
+        "equals",
+        "excess",
+        "highest",
+        "label_is",
+        "low_bit",
+        "max",
+        "min",
+        "modulus",
+        "per_counts",
+        "step_nm",
+        "step_um",
+        "turns",
+        "when",
+        "word_bits",
+    )
+)
+#: Highest number of different values that a message lists.
+_MAX_VALUES = 4
+
+
+def check_unused_parameters(raw_spec: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
+    """Report each parameter of a spec that nothing depends on.
+
+    A parameter with a formula (``equals``) and a citation is a number from the manual, which outputs print, so it may
+    be unused. If the spec has another problem, nothing is reported, because the part with the problem may use the
+    parameter.
+    """
+    # A second reading of the manual must agree with the spec, so only the spec is checked. In an older edition, the
+    # fact that depends on a parameter may be missing.
+    if is_second(report.document.file) or report.document.family or report.faults():
+        return
+    used_names = {*_names_in_expressions(raw_spec), *parameters_of_flags(raw_spec, variants)}
+    names_set_by_codes = set_parameters(raw_spec)
+    for name, definition in raw_spec["parameters"].items():
+        is_printed_number = "equals" in definition and "source" in definition
+        if name in used_names or is_printed_number:
+            continue
+        problem = f"nothing depends on {quoted(name)}"
+        if name in names_set_by_codes:
+            problem += _values_text(name, variants)
+        remedy = "use it, for example in 'bits' of a field, or remove it"
+        if "equals" in definition:
+            remedy += ". If the manual names this number, add its 'source'"
+        report.add("unused-parameter", ("parameters", name), f"{problem}; {remedy}", at_key=True)
+
+
+def _names_in_expressions(raw_spec: Raw) -> Iterator[str]:
+    """Yield the names of the parameters in the expressions of a spec, and in verdicts that depend on an answer."""
+    for path, value in leaves(raw_spec):
+        if path[-1] in EXPRESSION_KEYS and isinstance(value, str):
+            try:
+                yield from Expression.parse(value).parameters
+            except ExpressionError:
+                continue  # This is the value of a text field.
+        elif "makes_position_if" in path:
+            yield str(path[-1])
+
+
+def _values_text(name: str, variants: Sequence[Variant]) -> str:
+    """Return a text on the values that order codes set a parameter to: ``, which order codes set to 0 or 1``."""
+    values = sorted({variant.parameters[name] for variant in variants})
+    if not values:
+        return ""
+    if len(values) > _MAX_VALUES:
+        return f", which order codes set to {len(values)} different values"
+    return f", which order codes set to {join_words(map(str, values), 'or')}"
+
+
+def check_limits_in_procedures(device: Device, report: DocumentReport) -> None:
+    """Report a step of a procedure that changes the limits of a later argument in a way that generated code ignores.
+
+    Generated code only takes the changed limits into account if the step writes an argument to a whole register. A
+    register with problems was not built, so the limits of its arguments are unknown.
+    """
+    built_registers = {register.name for register in device.registers}
+    for procedure in device.procedures:
+        for index, step in enumerate(procedure.steps):
+            changed_names = {parameter.name for parameter in _parameters_changed(device, step)}
+            if not changed_names:
+                continue
+            for argument in _arguments_written(procedure, procedure.steps[index + 1 :]):
+                if argument.of not in built_registers:
+                    continue
+                limiting_names = _limiting_names(device, argument) & changed_names
+                if limiting_names:
+                    effect = f"this changes {quoted(min(limiting_names))}, which limits the later argument"
+                    remedy = "write an argument to the whole register, or divide the steps into two procedures"
+                    message = f"{effect} {quoted(argument.name)}; {remedy}"
+                    report.add("limit-changed", ("procedures", procedure.name, "steps", index), message)
+                    break
+
+
+def _limiting_names(device: Device, argument: Argument) -> set[str]:
+    """Return the names of the parameters on which the lowest or highest value of an argument depends."""
+    limiting_names: set[str] = set()
+    for limit in device.limits(device.register(argument.of), argument.meant_as):
+        limiting_names.update(limit.parameters if limit is not None else ())
+    return limiting_names
+
+
+def _parameters_changed(device: Device, step: Step) -> Iterator[Parameter]:
+    """Yield the parameters that a step changes by writing to their field, or a fixed value to their register.
+
+    A step that writes an argument to a whole register is left out, because generated code takes it into account.
+    """
+    for parameter in device.run_time_parameters:
+        match step:
+            case ModifyStep() if (step.register, step.field) == (parameter.register, parameter.field):
+                yield parameter
+            case WriteStep() if step.register == parameter.register and step.value is not None:
+                yield parameter
+            case _:
+                pass
+
+
+def _arguments_written(procedure: Procedure, steps: tuple[Step, ...]) -> Iterator[Argument]:
+    """Yield the arguments of a procedure that these steps write."""
+    arguments = {argument.name: argument for argument in procedure.arguments}
+    for step in steps:
+        if isinstance(step, WriteStep | ModifyStep) and step.value is None and step.value_name in arguments:
+            yield arguments[step.value_name]
+
+
+def code_grammar(raw_spec: Raw) -> OrderCode:
+    """Return the parts and spellings of order codes from the checked section ``order_code`` of a spec."""
+    parts = tuple(_build_code_part(part) for part in raw_spec["parts"])
+    spellings = tuple(_build_spelling(spelling) for spelling in raw_spec.get("also_written", ()))
+    return build_part(OrderCode, raw_spec, parts=parts, also_written=spellings)
+
+
+def _build_code_part(raw_part: Raw) -> CodePart:
+    """Return a part of the order code with its values. In the spec, a value without properties is empty."""
+    values = tuple(_build_code_value(text, value or {}, raw_part) for text, value in raw_part["values"].items())
+    return build_part(CodePart, raw_part, values=values, open_only_with=_texts_by_part(raw_part, "open_only_with"))
+
+
+def _build_spelling(raw_spelling: Raw) -> Spelling:
+    """Return an additional spelling of order codes, with its own texts for values of the parts."""
+    spelled_values: list[SpelledValue] = []
+    for part, values_by_text in raw_spelling.get("values", {}).items():
+        spelled_values += [SpelledValue(part, text, value) for text, value in values_by_text.items()]
+    return build_part(Spelling, raw_spelling, values=tuple(spelled_values))
+
+
+def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeValue:
+    """Return a value of a part of the order code. ``text_in_code`` is its text in a label."""
+    return build_part(
+        CodeValue,
+        raw_value,
+        text=text_in_code,
+        only_with=_texts_by_part(raw_value, "only_with"),
+        supply=build_supply(raw_value, sources(raw_part)),
+    )
+
+
+def _texts_by_part(raw_value: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
+    """Return the texts of other parts of the order code with which a value is possible, by the name of the part."""
+    return MappingProxyType({part_name: tuple(texts) for part_name, texts in raw_value.get(key, {}).items()})
