@@ -32,25 +32,20 @@ from ..model import (
     registers,
 )
 
+#: Modules with the classes of the model.
 _MODULES: tuple[ModuleType, ...] = (
-    *(
-        interface_parts,
-        interface_parts,
-        interface_parts,
-        device,
-        manual,
-        manual,
-        expressions,
-        facts,
-        fields,
-        interfaces,
-        kinds,
-        layout,
-        measurement,
-        order_codes,
-        registers,
-        registers,
-    ),
+    interface_parts,
+    device,
+    manual,
+    expressions,
+    facts,
+    fields,
+    interfaces,
+    kinds,
+    layout,
+    measurement,
+    order_codes,
+    registers,
 )
 
 
