@@ -12,7 +12,7 @@ from ..model.expressions import Expression
 from ..model.record import dataclass
 from .fields import (
     LayoutContext,
-    LayoutSite,
+    SpecPlace,
     zero_field,
 )
 from .spec_parts import Raw
@@ -34,7 +34,7 @@ def values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
     return f" with {values}" if values else ""
 
 
-def with_places(fields: Sequence[Field], site: LayoutSite) -> list[Field]:
+def with_places(fields: Sequence[Field], spec_place: SpecPlace) -> list[Field]:
     """Return the fields sorted by their place in the layout, lowest first.
 
     Places differ between order codes, so the fields are sorted by the sum of their lowest bits over all order codes. If
@@ -42,8 +42,8 @@ def with_places(fields: Sequence[Field], site: LayoutSite) -> list[Field]:
     """
 
     def place_over_all_codes(field: Field) -> tuple[int, int]:
-        sum_of_lows = sum(field.low.value(parameters) for parameters in site.parameter_sets)
-        sum_of_widths = sum(field.width.value(parameters) for parameters in site.parameter_sets)
+        sum_of_lows = sum(field.low.value(parameters) for parameters in spec_place.parameter_sets)
+        sum_of_widths = sum(field.width.value(parameters) for parameters in spec_place.parameter_sets)
         return sum_of_lows, sum_of_widths
 
     return sorted(fields, key=place_over_all_codes)
@@ -99,7 +99,7 @@ def _find_gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
 
 
 def check_all_bits_covered(
-    fields: Sequence[Field], layout_width: Expression, gap_content: str, site: LayoutSite
+    fields: Sequence[Field], layout_width: Expression, gap_content: str, spec_place: SpecPlace
 ) -> bool:
     """Return whether every bit of a layout belongs to a field, for all order codes, and report the first gap if not.
 
@@ -107,11 +107,11 @@ def check_all_bits_covered(
     """
     if gap_content:
         return True
-    for parameters in site.parameter_sets:
+    for parameters in spec_place.parameter_sets:
         gap_text = _first_gap_text(fields, layout_width, parameters)
         if gap_text:
             remedy = "add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
-            site.report("bits-without-field", f"no field covers {gap_text}; {remedy}")
+            spec_place.report("bits-without-field", f"no field covers {gap_text}; {remedy}")
             return False
     return True
 
@@ -168,7 +168,7 @@ def _name_of_zeros(below: Field | None, above: Field | None) -> str:
     return f"zero_above_{below.name}" if below is not None else "zero"
 
 
-def with_zeros(fields: Sequence[Field], bits: Expression, site: LayoutSite) -> list[Field] | None:
+def with_zeros(fields: Sequence[Field], bits: Expression, spec_place: SpecPlace) -> list[Field] | None:
     """Return the fields of a layout with a field of zeros in every gap.
 
     If the order of the fields differs between order codes, this is reported, and the result is None.
@@ -176,12 +176,14 @@ def with_zeros(fields: Sequence[Field], bits: Expression, site: LayoutSite) -> l
     zero = Constant(fills_gap=True)
     zero_fields = []
     for gap in _find_gaps(fields, bits):
-        for parameters in site.parameter_sets:
+        for parameters in spec_place.parameter_sets:
             is_reversed = gap.width.value(parameters) < 0
             if is_reversed and gap.below is not None and gap.above is not None:
                 condition = values_text(parameters, gap.low, gap.width)
                 problem = f"'{gap.above.name}' is not above '{gap.below.name}'{condition}"
-                site.report("bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change")
+                spec_place.report(
+                    "bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change"
+                )
                 return None
         neighbor = gap.above or gap.below or fields[0]
         zeros = zero_field(
@@ -189,11 +191,11 @@ def with_zeros(fields: Sequence[Field], bits: Expression, site: LayoutSite) -> l
             constant=zero,
             low=gap.low,
             width=gap.width,
-            site=site,
+            spec_place=spec_place,
             source=neighbor.source,
         )
         zero_fields.append(zeros)
-    return with_places([*fields, *zero_fields], site)
+    return with_places([*fields, *zero_fields], spec_place)
 
 
 #: More bits than any frame has. Without this limit, a typo could take hours to process.
@@ -226,70 +228,79 @@ def expand_groups(items: Iterable[UnplacedItem]) -> Iterable[UnplacedItem]:
             yield replace(group_field, low=field_item.low + group_field.low)
 
 
-def check_items_fit(items: Sequence[UnplacedItem], bits: Expression, site: LayoutSite) -> bool:
+def check_items_fit(items: Sequence[UnplacedItem], bits: Expression, spec_place: SpecPlace) -> bool:
     """Return whether every field has a valid width, is inside the layout and overlaps no other field.
 
     If not, report the problems for the first order code. ``bits`` is the width of the layout.
     """
     field_items = list(expand_groups(items))
-    for parameters in site.parameter_sets:  # The parameters of each order code, such as {"position_bits": 24}.
-        total = bits.value(parameters)
-        if total > _MAX_BITS:
-            message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MAX_BITS}"
-            site.report("too-long", message)
+    for parameters in spec_place.parameter_sets:  # The parameters of each order code, such as {"position_bits": 24}.
+        layout_bits = bits.value(parameters)
+        if layout_bits > _MAX_BITS:
+            message = f"the fields have {layout_bits} bits{values_text(parameters, bits)}; the maximum is {_MAX_BITS}"
+            spec_place.report("too-long", message)
             return False
-        if not _check_fit(field_items, total, parameters, site):
+        if not _check_fit(field_items, layout_bits, parameters, spec_place):
             return False
     return True
 
 
 def _check_fit(
-    field_items: Sequence[UnplacedItem], total: int, parameters: Mapping[str, int], site: LayoutSite
+    field_items: Sequence[UnplacedItem], layout_bits: int, parameters: Mapping[str, int], spec_place: SpecPlace
 ) -> bool:
-    """Return whether the fields fit into ``total`` bits with the parameters of an order code, and report if not.
+    """Return whether the fields fit into ``layout_bits`` bits with the parameters of an order code, and report if not.
 
     Each overlap of two fields is reported, but only the first field with an invalid width or place.
     """
     has_overlap = False
-    occupied: list[tuple[range, UnplacedItem]] = []
+    items_by_bits: list[tuple[range, UnplacedItem]] = []
     for field_item in field_items:
         width = field_item.width.value(parameters)
         low = field_item.low.value(parameters)
         bits = range(low, low + field_item.span.value(parameters))
         condition = values_text(parameters, field_item.width, field_item.low)
-        problem = _range_problem(field_item, width, bits, total, condition)
+        problem = _range_problem(
+            field_item, width=width, occupied_bits=bits, layout_bits=layout_bits, condition=condition
+        )
         if problem is not None:
-            rule, message = problem
-            site.context.report.add(rule, field_item.path, message)
+            spec_place.context.report.add(problem.rule, field_item.path, problem.message)
             return False
         if width == 0:  # This order code does not have the field.
             continue
-        for other_bits, other_item in occupied:
+        for other_bits, other_item in items_by_bits:
             lowest_common = max(bits.start, other_bits.start)
             highest_common = min(bits.stop, other_bits.stop) - 1
             if lowest_common <= highest_common:
                 names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
                 message = f"{names} both use {bits_text(highest_common, lowest_common)}{condition}"
-                site.context.report.add("bit-overlap", field_item.path, message)
+                spec_place.context.report.add("bit-overlap", field_item.path, message)
                 has_overlap = True
-        occupied.append((bits, field_item))
+        items_by_bits.append((bits, field_item))
     return not has_overlap
 
 
-def _range_problem(
-    field_item: UnplacedItem, width: int, bits: range, total: int, condition: str
-) -> tuple[str, str] | None:
-    """Return the rule and the message if a field has an invalid width or is outside the layout, or None.
+class _RangeProblem(NamedTuple):
+    """A field that cannot have its bits: the rule and the message."""
 
-    ``bits`` are the bits of the field with its padding. ``condition`` is a text on the parameters, such as `` with
-    spare_bits = 3``.
+    rule: str
+    message: str
+
+
+def _range_problem(
+    field_item: UnplacedItem, *, width: int, occupied_bits: range, layout_bits: int, condition: str
+) -> _RangeProblem | None:
+    """Return the problem if a field has an invalid width or is outside the layout, or None.
+
+    ``occupied_bits`` are the bits of the field with its padding. ``condition`` is a text on the parameters, such as
+    `` with spare_bits = 3``.
     """
     name = field_item.raw.get("name", "")
-    span = bits.stop - bits.start
-    if width < 0 or width > span:
-        padding = f", but it is padded to {span}" if width > span else ""
-        return "width-mismatch", f"'{name}' has {width} bits{condition}{padding}"
-    if bits.start < 0 or bits.stop > total:
-        place = bits_text(bits.stop - 1, bits.start)
-        return "bit-out-of-range", f"'{name}' uses {place}{condition}, but there are only bits {total - 1} to 0"
+    padded_width = occupied_bits.stop - occupied_bits.start
+    if width < 0 or width > padded_width:
+        padding_text = f", but it is padded to {padded_width}" if width > padded_width else ""
+        return _RangeProblem("width-mismatch", f"'{name}' has {width} bits{condition}{padding_text}")
+    if occupied_bits.start < 0 or occupied_bits.stop > layout_bits:
+        bits = bits_text(occupied_bits.stop - 1, occupied_bits.start)
+        message = f"'{name}' uses {bits}{condition}, but there are only bits {layout_bits - 1} to 0"
+        return _RangeProblem("bit-out-of-range", message)
     return None

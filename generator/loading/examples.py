@@ -321,14 +321,14 @@ def _data_path(example: Example) -> Path:
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> DecodedFrame:
     """Decode the frame of an example, with the layout that its bytes select or with the layout that it names."""
     if example.bits:
-        placed = device.layout(example.layout).place(variant.parameters)
+        placed_layout = device.layout(example.layout).place(variant.parameters)
         number = int(example.bits, 2)
-        return decode_bits(device, placed, number, len(example.bits))
+        return decode_bits(device, placed_layout, number, len(example.bits))
     bytes_select_layout = not example.layout or example.layout in _selected_layouts(device, example.sender)
     if bytes_select_layout:
         return decode_bytes(device, variant, example.sender, example.bytes)
-    placed = device.layout(example.layout).place(variant.parameters)
-    return decode_placed(device, placed, example.bytes)
+    placed_layout = device.layout(example.layout).place(variant.parameters)
+    return decode_placed(device, placed_layout, example.bytes)
 
 
 def _selected_layouts(device: Device, sender: str) -> set[str]:

@@ -25,7 +25,7 @@ from ..model import (
     Unused,
     Verdict,
 )
-from .fields import LayoutSite
+from .fields import SpecPlace
 from .frame_rules import check_channels
 from .spec_parts import Raw, valid_parts_so_far
 
@@ -38,7 +38,7 @@ _VERDICT_PATTERNS = (
 )
 
 
-def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> Layout:
+def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], spec_place: SpecPlace) -> Layout:
     """Return a layout with UNKNOWN as the verdict of reserved bits, if no flag says whether the position is usable.
 
     Without such a flag, the verdict is always unknown. ``raw_fields``, the fields in the spec, must therefore not give
@@ -46,17 +46,19 @@ def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Layou
     """
     if layout.judges_position:
         return layout
-    _report_stated_warnings(layout, raw_fields, site)
+    _report_stated_warnings(layout, raw_fields, spec_place)
     return layout.with_unknown_verdicts()
 
 
-def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> None:
+def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], spec_place: SpecPlace) -> None:
     """Report reserved bits that the spec gives the verdict "usable with a warning"."""
     for index, field in enumerate(raw_fields):
         is_reserved = "unused" in field
         if is_reserved and field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
             problem = f"no flag of '{layout.name}' says whether the position is usable, so the verdict stays unknown"
-            site.report("reserved-verdict", f"{problem}; remove 'makes_position'", "fields", index, "makes_position")
+            spec_place.report(
+                "reserved-verdict", f"{problem}; remove 'makes_position'", "fields", index, "makes_position"
+            )
 
 
 def check_errata(device: Device, report: DocumentReport) -> None:

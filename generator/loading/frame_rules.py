@@ -29,24 +29,23 @@ from ..model import (
 from ..model.expressions import Expression
 from ..reference.codec import EncodeError, encode
 from .bit_coverage import values_text
-from .fields import LayoutSite
+from .fields import SpecPlace
 from .spec_parts import valid_parts_so_far
 
 
-def check_one_crc(layout: Layout, site: LayoutSite) -> None:
+def check_one_crc(layout: Layout, spec_place: SpecPlace) -> None:
     """Report a layout that sends several CRCs for the same order code. A CRC with a width of 0 bits is not sent.
 
-    ``site`` is the place of the layout in the spec. ``site.parameter_sets`` contains the parameters of each order code
-    that has this layout.
+    ``spec_place`` is the place of the layout in the spec, with the parameters of each order code that has this layout.
     """
-    for parameters in site.parameter_sets:
+    for parameters in spec_place.parameter_sets:
         sent_fields = [field for field in layout.crc_fields if field.width.value(parameters)]
         if len(sent_fields) > 1:
             first, second, *_ = sent_fields
             condition = values_text(parameters, first.width, second.width)
             problem = f"'{layout.name}' ends with '{first.name}' and '{second.name}'{condition}"
             remedy = "give each CRC a 'bits' that is 0 for order codes that send the other CRC"
-            site.report("several-crcs", f"{problem}; {remedy}", "fields", second.name)
+            spec_place.report("several-crcs", f"{problem}; {remedy}", "fields", second.name)
             return
 
 
@@ -66,39 +65,39 @@ def check_settings_of_crcs(device: Device, report: DocumentReport) -> None:
                 report.add("width-mismatch", path, f"{problem}; {remedy}")
 
 
-def check_crc(layout: Layout, field: Field, crc_value: CrcValue, site: LayoutSite) -> None:
+def check_crc(layout: Layout, field: Field, crc_value: CrcValue, spec_place: SpecPlace) -> None:
     """Check the width of a CRC, that it is the last field of the frame, and the fields that it covers.
 
     Only other CRCs may follow it, because each order code has at most one. A bit frame that is carried in bytes can
     begin with padding zeros. If the CRC or the bits before it are not whole bytes, these zeros must not change the CRC,
     and its bits must be in transmission order.
     """
-    crc = site.context.crcs.get(crc_value.crc)
+    crc = spec_place.context.crcs.get(crc_value.crc)
     if crc is None:
         return
-    _check_width(field, crc, site)
+    _check_width(field, crc, spec_place)
     index_of_crc = layout.fields.index(field)
     fields_after_crc = layout.fields[index_of_crc + 1 :]
     if any(not isinstance(later_field.kind, CrcValue) for later_field in fields_after_crc):
         problem = f"'{field.name}' covers everything sent before it, so it must be the last field of '{layout.name}'"
         if crc_value.of:
             problem = f"'{field.name}' must be the last field of '{layout.name}', even with 'crc_of'"
-        site.report("crc-not-last", problem)
-    problem = _problem_of_covered_fields(layout, crc_value, site) or _problem_of_fields_left_out(
+        spec_place.report("crc-not-last", problem)
+    problem = _problem_of_covered_fields(layout, crc_value, spec_place) or _problem_of_fields_left_out(
         layout, field, crc_value
     )
     if problem:
-        site.report("crc-of", problem, "crc_of")
-    is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
+        spec_place.report("crc-of", problem, "crc_of")
+    is_sent_as_bits = INTERFACES[spec_place.interface].carried_as == "bits" and layout.byte_order == "high_byte_first"
     has_zeros_before = layout.bits != layout.sent_bits
     if layout.in_bytes and crc.width % 8 and not is_sent_as_bits:
-        site.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
+        spec_place.report("width-mismatch", f"a frame of whole bytes cannot end with a CRC of {crc.width} bits")
     elif layout.in_bytes and (not layout.crc_covers_bytes or has_zeros_before) and not _is_plain(crc):
         problem = f"'{field.name}' or the bits before it are not whole bytes, so the CRC must start at 0"
-        site.report("width-mismatch", f"{problem}, without 'refin' and 'refout'")
+        spec_place.report("width-mismatch", f"{problem}, without 'refin' and 'refout'")
 
 
-def _check_width(field: Field, crc: Crc, site: LayoutSite) -> None:
+def _check_width(field: Field, crc: Crc, spec_place: SpecPlace) -> None:
     """Check that the field of a CRC has the width of the CRC, or no bits for order codes without a CRC.
 
     In a register, the field must always have the full width.
@@ -106,23 +105,25 @@ def _check_width(field: Field, crc: Crc, site: LayoutSite) -> None:
     if field.width.is_constant:
         if field.width != Expression(crc.width):
             message = f"'{field.name}' has {field.widest} bits, but the CRC '{crc.name}' has {crc.width}"
-            site.report("width-mismatch", message)
+            spec_place.report("width-mismatch", message)
         return
-    if site.path[0] == "registers":
+    if spec_place.is_in_register:
         message = f"'{field.name}' is a CRC in a register, so its width is {crc.width} for all order codes"
-        site.report("width-mismatch", f"{message}, but 'bits' is {field.width.render()}; remove 'bits'")
+        spec_place.report("width-mismatch", f"{message}, but 'bits' is {field.width.render()}; remove 'bits'")
         return
-    for parameters in site.parameter_sets:
+    for parameters in spec_place.parameter_sets:
         width = field.width.value(parameters)
         if width not in (0, crc.width):
             message = f"'{field.name}' has {width} bits{values_text(parameters, field.width)}"
             remedy = f"use a parameter that is 0 or {crc.width}"
-            site.report("width-mismatch", f"{message}, but the CRC '{crc.name}' has {crc.width} or none; {remedy}")
+            spec_place.report(
+                "width-mismatch", f"{message}, but the CRC '{crc.name}' has {crc.width} or none; {remedy}"
+            )
             return
     if field.widest == 0:
         message = f"'{field.name}' has no bits, because '{field.width.render()}' is 0 for all order codes"
         remedy = f"remove the field, or give the parameter {crc.width} where it is sent"
-        site.report("width-mismatch", f"{message}; {remedy}")
+        spec_place.report("width-mismatch", f"{message}; {remedy}")
 
 
 def _is_plain(crc: Crc) -> bool:
@@ -148,13 +149,13 @@ def _problem_of_fields_left_out(layout: Layout, crc: Field, crc_value: CrcValue)
     return f"'{crc.name}' does not cover {names_left_out}; {remedy}"
 
 
-def _problem_of_covered_fields(layout: Layout, crc_value: CrcValue, site: LayoutSite) -> str:
+def _problem_of_covered_fields(layout: Layout, crc_value: CrcValue, spec_place: SpecPlace) -> str:
     """Return why a CRC cannot cover the fields that it lists in ``crc_of``, or "".
 
     They must be adjacent bits at a place that is the same for all order codes, in a frame that is not sent as bytes.
     """
     if crc_value.of and layout.in_bytes:
-        interface = INTERFACES[site.interface]
+        interface = INTERFACES[spec_place.interface]
         is_always_bytes = interface.carried_as == "bytes"
         interface_text = f"over {interface.title}" if is_always_bytes else "with 'carried_as: bytes'"
         return f"{interface_text}, a CRC covers everything before it; remove 'crc_of'"
@@ -349,14 +350,14 @@ def check_control_bytes(device: Device, report: DocumentReport) -> None:
 
 def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Variant) -> int | None:
     """Return the first byte of a frame with a data ID and zeros, or None if such a frame cannot be encoded."""
-    placed = layout.place(variant.parameters)
+    placed_layout = layout.place(variant.parameters)
     # All fields are 0, except the selector, which identifies the layout.
     values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
     try:
-        frame = encode(device, placed, values)
+        frame = encode(device, placed_layout, values)
     except EncodeError:
         return None  # Other rules report the reason.
-    return number_to_bytes(layout, frame, placed.bits)[0]
+    return number_to_bytes(layout, frame, placed_layout.bits)[0]
 
 
 def check_requests(device: Device, report: DocumentReport) -> None:

@@ -34,11 +34,19 @@ from ..model import (
     Variant,
     WriteStep,
 )
-from ..model.expressions import Expression, ExpressionError
+from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..model.order_codes import Restricted, facts_for_code, fits
 from ..model.record import dataclass
+from ..order_codes.patterns import listed_codes
 from ..say.plain_text import count_with_unit
-from .spec_parts import Raw, build_part, build_supply, parameters_of_flags, set_parameters, sources
+from .spec_parts import (
+    Raw,
+    build_part,
+    build_supply,
+    parameters_of_flags,
+    set_parameters,
+    sources,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -387,3 +395,22 @@ def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeV
 def _texts_by_part(raw_value: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
     """Return the texts of other parts of the order code with which a value is possible, by the name of the part."""
     return MappingProxyType({part_name: tuple(texts) for part_name, texts in raw_value.get(key, {}).items()})
+
+
+def list_variants(
+    order_code: OrderCode, definitions: Mapping[str, Expression], default_values: Mapping[str, int]
+) -> tuple[Variant, ...]:
+    """Return every listed order code with its parameters.
+
+    ``default_values`` are the values of parameters that an order code does not set: the factory defaults of registers,
+    and the first answers to open questions.
+    """
+    if not order_code.parts:
+        return ()
+    variants = []
+    for code, values_by_part, interface, set_values in listed_codes(order_code):
+        parameters = resolve_parameters({**default_values, **set_values}, definitions)
+        variants.append(
+            Variant(code=code, parts=MappingProxyType(dict(values_by_part)), interface=interface, parameters=parameters)
+        )
+    return tuple(variants)

@@ -58,16 +58,16 @@ def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
     """Return whether a frame of the encoder sends the lowest bits of the position within a turn in Gray code."""
     if layout.sender != "encoder" or measurement.counts_per_turn is None:
         return False
-    if not layout.gray_of or measurement.of not in layout.member_names:
+    if not layout.gray_of or measurement.position_name not in layout.member_names:
         return False
-    lowest_name = layout.names_in(measurement.of)[-1]  # The most significant field is the first.
+    lowest_name = layout.names_in(measurement.position_name)[-1]  # The most significant field is the first.
     return lowest_name in layout.names_in(layout.gray_of)
 
 
 def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
     """Return whether the number in Gray code is the whole position within one turn, in one unsigned field."""
     names = layout.names_in(layout.gray_of)
-    is_position = names == layout.names_in(measurement.of)
+    is_position = names == layout.names_in(measurement.position_name)
     if len(names) != 1 or not is_position or measurement.turns != Expression(1):
         return False
     kind = layout.field(names[0]).kind
@@ -175,7 +175,7 @@ def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
 
     The field must be unsigned, binary and without padding, with a constant width and without a note.
     """
-    names = layout.names_in(measurement.of)
+    names = layout.names_in(measurement.position_name)
     if len(names) != 1:
         return None
     (position_name,) = names

@@ -48,11 +48,11 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
     if default is None or has_too_many_bits:
         return  # The check of the limits reports too many bits.
     for variant in device.variants_over(register.interface):
-        placed = register.layout.place(variant.parameters)
-        decoded = codec.decode(device, placed, default)
+        placed_layout = register.layout.place(variant.parameters)
+        decoded = codec.decode(device, placed_layout, default)
         # Only constants are checked here. The check of the limits reports numbers without a name.
         contradictions = [problem.message for problem in decoded.problems if problem.fault is Fault.CONSTANT]
-        for placed_field in placed.fields:
+        for placed_field in placed_layout.fields:
             value = decoded.values.get(placed_field.name)
             contradictions.append(_describe_contradiction(placed_field, default, value, variant))
         problem = next(filter(None, contradictions), "")
@@ -291,12 +291,12 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     for interface, layout in device.layouts():
         if interface.name != variant.interface:
             continue
-        placed = layout.place(variant.parameters)
+        placed_layout = layout.place(variant.parameters)
         # The position consists of one or several fields, or of none if the frame does not contain it.
-        position_names = layout.names_in(measurement.of)
-        position_fields = placed.find_fields(position_names)
+        position_names = layout.names_in(measurement.position_name)
+        position_fields = placed_layout.find_fields(position_names)
         if layout.sender == "encoder" and position_fields:
-            widths |= {placed.bits, sum(field.width for field in position_fields)}
+            widths |= {placed_layout.bits, sum(field.width for field in position_fields)}
     return widths
 
 

@@ -91,18 +91,18 @@ def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     made_up_values = {field.name: _made_up_value(field.field, field.width, layout) for field in data_fields}
     measurement = device.measurement_of(variant.interface)
     worked_example = _worked_example(device, variant)
-    if measurement is None or measurement.of not in layout.member_names:
+    if measurement is None or measurement.position_name not in layout.member_names:
         return _encoded_sample(device, placed, variant, made_up_values)
-    position_fields = layout.names_in(measurement.of)
+    position_fields = layout.names_in(measurement.position_name)
     # The position may consist of several fields. It replaces their values.
     other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
     if worked_example is not None:
-        values_with_position = {**other_values, measurement.of: worked_example.counts}
+        values_with_position = {**other_values, measurement.position_name: worked_example.counts}
         with suppress(EncodeError):  # The position may not fit.
             return _encoded_sample(device, placed, variant, values_with_position, worked_example.source)
     with suppress(EncodeError):  # The made-up number may be above the highest position.
         return _encoded_sample(device, placed, variant, made_up_values)
-    return _encoded_sample(device, placed, variant, {**other_values, measurement.of: _LOW_POSITION})
+    return _encoded_sample(device, placed, variant, {**other_values, measurement.position_name: _LOW_POSITION})
 
 
 def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:

@@ -266,7 +266,7 @@ class Device:
     def position_name(self, interface: str) -> str:
         """Return the name of the field or join with the position. Without a measurement, it is ``position``."""
         measurement = self.measurement_of(interface)
-        return measurement.of if measurement is not None else "position"
+        return measurement.position_name if measurement is not None else "position"
 
     def position_names(self, interface: str) -> frozenset[str]:
         """Return the names of the fields and joins that form the measured position or a part of it.

@@ -411,7 +411,7 @@ def _is_status(field: Field) -> bool:
     return isinstance(field.kind, Flag) or is_unused_one
 
 
-def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
+def differ_in_length(layouts: Sequence[Layout], sender: str) -> bool:
     """Return True if the sender, ``encoder`` or ``master``, sends frames of different lengths on the same channel.
 
     The length of a frame in bytes then matters, so leading zeros must not be left out.

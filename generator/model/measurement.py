@@ -152,6 +152,11 @@ class Measurement:
     source: Sources = source_key(default=())
 
     @property
+    def position_name(self) -> str:
+        """Name of the measured field, or of the number that several fields form together."""
+        return self.of
+
+    @property
     def is_length(self) -> bool:
         return self.step_um is not None or self.step_nm is not None
 

@@ -119,21 +119,21 @@ def name_with_limits(register: Register) -> str:
     return only_name
 
 
-def bounded_width(register: Register, placed: PlacedLayout) -> int:
+def bounded_width(register: Register, placed_layout: PlacedLayout) -> int:
     """Return the width of the field or join of a register to which its limits apply, or of the whole register."""
-    _, width_of_field = placed.place_of(name_with_limits(register))
+    _, width_of_field = placed_layout.place_of(name_with_limits(register))
     # The width is 0 if the limits apply to the whole register.
     return width_of_field or 8 * register.length
 
 
-def numbers_that_fit(register: Register, placed: PlacedLayout) -> tuple[int, int]:
+def numbers_that_fit(register: Register, placed_layout: PlacedLayout) -> tuple[int, int]:
     """Return the lowest and the highest number that fit in the part of a register to which its limits apply.
 
     With 8 bits, these are -128 and 127 for a signed field, and 0 and 255 otherwise.
     """
-    width = bounded_width(register, placed)
+    width = bounded_width(register, placed_layout)
     # None for a join or a whole register, which are never signed.
-    limited_field = placed.find_field(name_with_limits(register))
+    limited_field = placed_layout.find_field(name_with_limits(register))
     if limited_field is not None and limited_field.field.number.signed:
         return -(1 << (width - 1)), (1 << (width - 1)) - 1
     return 0, (1 << width) - 1
@@ -141,7 +141,7 @@ def numbers_that_fit(register: Register, placed: PlacedLayout) -> tuple[int, int
 
 def value_bounds(
     register: Register,
-    placed: PlacedLayout,
+    placed_layout: PlacedLayout,
     limits: tuple[Expression | None, Expression | None],
     parameters: Mapping[str, int],
 ) -> tuple[int, int]:
@@ -149,8 +149,8 @@ def value_bounds(
 
     ``zero_means`` of the field, the number for which a stored zero stands, may be higher than the width allows.
     """
-    lowest, highest = numbers_that_fit(register, placed)
-    limited_field = placed.find_field(name_with_limits(register))
+    lowest, highest = numbers_that_fit(register, placed_layout)
+    limited_field = placed_layout.find_field(name_with_limits(register))
     if limited_field is not None:
         highest = max(highest, limited_field.field.number.zero_means)
     lower_limit, upper_limit = limits

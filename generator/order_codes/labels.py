@@ -341,7 +341,7 @@ def edition_by_label(device: Device, match: LabelMatch) -> str:
     return ""
 
 
-def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
+def edition_tests_of_register(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
     """Yield the tests of a register that show which revision of the manual applies to an encoder.
 
     Each test comes with the first revision for which the register passes it.

@@ -23,7 +23,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..model.registers import name_with_limits, value_bounds
-from ..order_codes.labels import LabelMatch, edition_before, tests_of
+from ..order_codes.labels import LabelMatch, edition_before, edition_tests_of_register
 from ..order_codes.parameters import RegisterError, after_write
 from ..say import report
 from ..say.plain_text import count_with_unit
@@ -217,7 +217,7 @@ def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
     return (register for register in device.registers_over(variant.interface) if register.name in names)
 
 
-def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
+def identifying_addresses(device: Device, variant: Variant) -> frozenset[int]:
     """Return the addresses of the registers whose documented contents identify an encoder with this order code."""
     addresses: set[int] = set()
     for register in _identity_registers(device, variant):
@@ -230,7 +230,9 @@ def _list_addresses(register: Register) -> range:
     return range(register.address, register.last_address + 1)
 
 
-def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[ValueDifference, ...]:
+def compare_identifying_registers(
+    device: Device, variant: Variant, bytes_by_address: Mapping[int, int]
+) -> tuple[ValueDifference, ...]:
     """Return the fields of identifying registers whose contents show that the encoder has a different order code.
 
     Registers that ``bytes_by_address`` does not contain are unknown, and are not compared.
@@ -294,7 +296,7 @@ def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
     return text + "h"
 
 
-def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDifference]:
+def values_of_older_edition(device: Device, decoded: DecodedFrame) -> Iterator[ValueDifference]:
     """Yield values of a register that show that an older edition of the manual applies to the encoder.
 
     An edition has tests: a register field, ``run``, whose value must be from ``min`` to ``max`` in encoders of this
@@ -305,7 +307,7 @@ def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDiffe
         return
     register = decoded.layout.name
     number_by_field = {field.name: field.raw for field in decoded.fields}
-    for revision, test in tests_of(device, register):
+    for revision, test in edition_tests_of_register(device, register):
         number = number_by_field.get(test.run)
         if number is None or test.min <= number <= test.max:
             continue
@@ -352,7 +354,7 @@ def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Ma
     return device.manual.revision
 
 
-def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[int, int]:
+def without_edition_registers(device: Device, bytes_by_address: Mapping[int, int]) -> dict[int, int]:
     """Return the register bytes by address, without the bytes of registers that identify the edition of the manual."""
     edition_addresses: set[int] = set()
     for name in _names_of_edition_registers(device):
