@@ -11,7 +11,7 @@ from pathlib import Path
 
 from codewheel.loading.library import load_library
 from codewheel.model import Crc
-from codewheel.reference.bits import compute_bits
+from codewheel.reference.bits_and_values import compute_bits
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
 

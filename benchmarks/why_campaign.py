@@ -40,7 +40,7 @@ from codewheel.model import (
     number_to_bytes,
 )
 from codewheel.reference import codec
-from codewheel.reference.bits import compute_bits, compute_bytes, parity_bit, reflect
+from codewheel.reference.bits_and_values import compute_bits, compute_bytes, parity_bit, reflect
 from codewheel.why.diagnosis import Diagnosis, Explanation, without_details
 from codewheel.why.doubts import other_positions, position_name
 from codewheel.why.exchanges import usual_values_of

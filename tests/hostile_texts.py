@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from codewheel.model.steps import has_steps
+from codewheel.model.registers import has_steps
 
 #: Members that are running text in the spec language. The others are words that schema and rules restrict.
 TEXTS = frozenset(

@@ -50,12 +50,12 @@ READERS = {
         "targets/docs/page_links.py",
     },
     "builds the family, or passes its facts to one of the others": {
-        "loading/facts_by_code.py",
-        "loading/editions.py",
+        "loading/order_code_facts.py",
+        "loading/history.py",
         "loading/library.py",
         "loading/overlays.py",
         "loading/frame_kinds.py",
-        "loading/from_mapping.py",
+        "loading/spec_parts.py",
     },
     "reads the errata of a cable table, which the record has chosen": {
         "masters/text.py",
@@ -65,7 +65,7 @@ READERS = {
         "virtual/encoder.py",
         "virtual/memory.py",
     },
-    "compares a length with those of the frames of all order codes": {"loading/stated_lengths.py"},
+    "compares a length with those of the frames of all order codes": {"loading/repeated_facts.py"},
     "denies something only if no fact of any order code mentions it": {
         "say/evidence.py",
         "targets/docs/wiring_tables.py",

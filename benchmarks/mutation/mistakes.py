@@ -9,7 +9,7 @@ from enum import Enum
 from typing import Any
 
 from codewheel.language.document import Document, Path
-from codewheel.loading.from_mapping import parse_sources
+from codewheel.loading.spec_parts import parse_sources
 
 from .names import other_names
 from .places import PROSE, WORD, WORDED, Place, places

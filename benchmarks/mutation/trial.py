@@ -17,7 +17,7 @@ from codewheel.language.files import packaged_masters, packaged_specs
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_specs
 from codewheel.loading.library import Family, families_of
-from codewheel.loading.shared_facts import check_shared_facts
+from codewheel.loading.manufacturer_rules import check_shared_facts
 from codewheel.readings.cloze import check_sheets, read_sheet, vocabulary_of
 from codewheel.readings.compare import compare
 from codewheel.readings.reading import ComparedFacts, SpecReading

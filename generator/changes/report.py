@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..language.files import top_keys
-from ..loading.evidence import history_beside, history_text, with_release
+from ..loading.history import history_beside, history_text, with_release
 from ..loading.overlays import Family
 from ..model import Release, ReleasedChange
 from ..say.markdown import code_span as in_code

@@ -6,13 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..language.problems import ProblemReport
-from ..loading.editions import UnknownEdition, revision_for
+from ..loading.history import UnknownEdition, revision_for
 from ..loading.library import in_edition, load_families
 from ..loading.overlays import Family
 from ..model import Device
-from ..order_codes.editions import edition_by_label
-from ..order_codes.labels import LabelMatch, UnknownOrderCode, find_code
-from ..reference.findings import edition_by_registers, without_tests
+from ..order_codes.labels import LabelMatch, UnknownOrderCode, edition_by_label, find_code
+from ..reference.registers import edition_by_registers, without_edition_registers
 from .terminal import CommandError, error_after_printing
 
 #: Words that ask to infer the edition instead of naming it.
@@ -49,7 +48,7 @@ def in_requested_edition(
         revision = _find_revision(device, code_match, wanted_edition, register_bytes)
         device_in_edition = _load_in_edition(specs, device, revision)
         if wanted_edition == BY_REGISTERS:
-            remaining_bytes = without_tests(device, register_bytes)
+            remaining_bytes = without_edition_registers(device, register_bytes)
         match_in_edition = find_code(device_in_edition, text) if code_match is not None else None
         return device_in_edition, match_in_edition, remaining_bytes
     except UnknownOrderCode as error:

@@ -271,8 +271,7 @@ def _unknown_code_error(devices: Sequence[Device], text: str, *, suggests_line: 
     """
     from ..language.files import SUFFIXES
     from ..order_codes import labels
-    from ..order_codes.labels import NEAR, nearest_codes
-    from ..order_codes.unknown_labels import closest_reason, family_with_name
+    from ..order_codes.labels import NEAR, closest_reason, family_with_name, nearest_codes
 
     if Path(text).suffix in SUFFIXES:
         return CommandError(f"'{text}' is not an order code; give a spec as --specs {text}", 2)

@@ -179,8 +179,8 @@ def _read_beginnings(spec: Path) -> tuple[str, ...]:
     which any label begins.
     """
     from ..language.read import Unreadable, parse
-    from ..loading.device import code_grammar
-    from ..order_codes.labels import beginnings
+    from ..loading.order_code_facts import code_grammar
+    from ..order_codes.patterns import beginnings
 
     order_code_section = _ORDER_CODE.search("\n" + spec.read_text(encoding="utf-8"))
     section_text = order_code_section[0] if order_code_section else ""

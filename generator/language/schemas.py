@@ -19,8 +19,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ..model import clocks, data_channels, documents, examples, facts, fields, interfaces, kinds, measurement
-from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, name_of_part
+from ..model import facts, fields, interface_parts, interfaces, kinds, manual, measurement
+from ..model.keys_and_members import JsonSchema, KeyType, key_type, limits_in_schema, name_of_part
 from ..model.part import DescribedKey, SpecKey, description_of, is_part, keys_of
 from . import written_codes, written_fields, written_parts
 
@@ -137,10 +137,10 @@ def _inline_references(schema: Any, definitions: dict[str, Any]) -> Any:
 
 #: Modules with parts.
 _MODULES_WITH_PARTS = (
-    clocks,
-    data_channels,
-    documents,
-    examples,
+    interface_parts,
+    interface_parts,
+    manual,
+    manual,
     facts,
     fields,
     interfaces,

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 from ..model.expressions import Expression, ExpressionError
-from ..model.key_types import KeyType, key_type
+from ..model.keys_and_members import KeyType, key_type
 from ..model.part import NOTHING, About, DescribedKey, described_key, keys_of
 from .document import Path
 

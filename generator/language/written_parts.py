@@ -8,16 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from ..model.documents import (
-    Edition,
-    EditionTest,
-    Evidence,
-    LostFigure,
-    Revision,
-)
-from ..model.examples import (
-    Write,
-)
 from ..model.facts import (
     Alarm,
     Characteristic,
@@ -29,6 +19,7 @@ from ..model.facts import (
     Timing,
 )
 from ..model.fields import Crc
+from ..model.manual import Edition, EditionTest, Evidence, LostFigure, Revision, Write
 from ..model.measurement import Measurement
 from ..model.part import (
     NOTHING,

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from math import log2
 
 from ..model import Crc
-from ..model.known_crcs import KNOWN_CRCS
-from ..reference.bits import compute_bytes
+from ..model.fields import KNOWN_CRCS
+from ..reference.bits_and_values import compute_bytes
 from .frames import MOST_FRAMES, RecordedFrames
 
 #: Fewest bits that must match before a CRC is considered.

@@ -14,7 +14,7 @@ from itertools import groupby
 from math import e, log2
 from typing import NamedTuple
 
-from ..reference.bits import gray_to_binary
+from ..reference.bits_and_values import gray_to_binary
 from .frames import MOST_FRAMES, RecordedFrames
 
 #: Bits that describe a number, a flag and a constant field, in addition to their values.

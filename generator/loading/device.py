@@ -14,13 +14,12 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from ..language.problems import DocumentReport, Path
+from ..language.rules.walk import is_placeholder, placeholder_names
 from ..model import (
     Alarm,
     Alternative,
     Answer,
     Biss,
-    CodePart,
-    CodeValue,
     Crc,
     DataId,
     Device,
@@ -31,22 +30,39 @@ from ..model import (
     PlacedLayout,
     Register,
     RegisterMeaning,
-    SpelledValue,
-    Spelling,
     Variant,
 )
-from ..model.expressions import Expression, ExpressionError, resolve_parameters
+from ..model.expressions import Expression, ExpressionError
 from ..model.registers import bounded_width, name_with_limits, numbers_that_fit, value_bounds
-from ..order_codes.labels import listed_codes
-from ..reference.bits import join_value
-from .crc_rules import check_settings_of_crcs
-from .editions import editions
-from .evidence import with_placeholders
+from ..reference.bits_and_values import join_value
+from ..say.plain_text import first_of
 from .examples import build_examples, check_examples
-from .facts_by_code import check_facts_by_code
-from .fields import LayoutContext, LayoutSite
+from .fields import LayoutContext, SpecPlace
 from .frame_kinds import check_errata, check_frame_kinds
-from .from_mapping import (
+from .frame_rules import check_control_bytes, check_requests, check_settings_of_crcs
+from .history import editions
+from .interfaces import build_interfaces, build_measurement, check_spi_registers
+from .layouts import build_layout
+from .order_code_facts import (
+    check_facts_by_code,
+    check_limits_in_procedures,
+    check_unused_parameters,
+    code_grammar,
+    list_variants,
+)
+from .parameters import (
+    check_expression_values,
+    check_named_widths,
+    coded_values,
+    exceeds_work_limit,
+    factory_defaults,
+    parameter_sets,
+)
+from .position_encoding import check_position_widths
+from .position_rules import check_measurements
+from .repeated_facts import check_agreement, check_stated_bits, check_stated_lengths
+from .samples import sample_frames
+from .spec_parts import (
     Raw,
     build_part,
     build_procedures,
@@ -59,16 +75,6 @@ from .from_mapping import (
     set_parameters,
     sources,
 )
-from .interfaces import build_interfaces, build_measurement, check_spi_registers
-from .layouts import build_layout
-from .parameters import check_named_widths, check_reach, coded_values, held_in_registers, parameter_sets, too_much_work
-from .position_rules import check_measurements
-from .position_widths import check_position_widths
-from .repeated_facts import check_agreement
-from .request_rules import check_control_bytes, check_limits_in_procedures, check_requests
-from .samples import sample_frames
-from .stated_lengths import check_stated_bits, check_stated_lengths
-from .unused_parameters import check_unused_parameters
 
 
 def _first_answers(alternatives: Iterable[Alternative]) -> dict[str, int]:
@@ -87,12 +93,12 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
     definitions = _derived_expressions(raw_spec)
     order_code = code_grammar(raw_spec["order_code"])
     alternatives = tuple(_build_alternative(raw_alternative) for raw_alternative in raw_spec.get("alternatives", ()))
-    default_values = {**held_in_registers(raw_spec, report), **_first_answers(alternatives)}
-    variants = _list_variants(order_code, definitions, default_values)
+    default_values = {**factory_defaults(raw_spec, report), **_first_answers(alternatives)}
+    variants = list_variants(order_code, definitions, default_values)
     context = _build_context(raw_spec, report, definitions=definitions, variants=variants, alternatives=alternatives)
-    if too_much_work(raw_spec, context):
+    if exceeds_work_limit(raw_spec, context):
         return None
-    if variants and not check_reach(raw_spec, context, variants):
+    if variants and not check_expression_values(raw_spec, context, variants):
         return None
     check_only(raw_spec, variants, report)
     check_alarms(raw_spec, report)
@@ -210,27 +216,6 @@ def _derived_expressions(raw_spec: Raw) -> Mapping[str, Expression]:
     return MappingProxyType(definitions)
 
 
-def code_grammar(raw_spec: Raw) -> OrderCode:
-    """Return the parts and spellings of order codes from the checked section ``order_code`` of a spec."""
-    parts = tuple(_build_code_part(part) for part in raw_spec["parts"])
-    spellings = tuple(_build_spelling(spelling) for spelling in raw_spec.get("also_written", ()))
-    return build_part(OrderCode, raw_spec, parts=parts, also_written=spellings)
-
-
-def _build_code_part(raw_part: Raw) -> CodePart:
-    """Return a part of the order code with its values. In the spec, a value without properties is empty."""
-    values = tuple(_build_code_value(text, value or {}, raw_part) for text, value in raw_part["values"].items())
-    return build_part(CodePart, raw_part, values=values, open_only_with=_texts_by_part(raw_part, "open_only_with"))
-
-
-def _build_spelling(raw_spelling: Raw) -> Spelling:
-    """Return an additional spelling of order codes, with its own texts for values of the parts."""
-    spelled_values: list[SpelledValue] = []
-    for part, values_by_text in raw_spelling.get("values", {}).items():
-        spelled_values += [SpelledValue(part, text, value) for text, value in values_by_text.items()]
-    return build_part(Spelling, raw_spelling, values=tuple(spelled_values))
-
-
 def _build_alternative(raw_alternative: Raw) -> Alternative:
     """Return a question that the manual leaves open, with its answers."""
     answers = tuple(_build_answer(name, answer) for name, answer in raw_alternative["values"].items())
@@ -253,57 +238,26 @@ def _build_answer(name: str, raw_answer: Raw) -> Answer:
     )
 
 
-def _build_code_value(text_in_code: str, raw_value: Raw, raw_part: Raw) -> CodeValue:
-    """Return a value of a part of the order code. ``text_in_code`` is its text in a label."""
-    return build_part(
-        CodeValue,
-        raw_value,
-        text=text_in_code,
-        only_with=_texts_by_part(raw_value, "only_with"),
-        supply=build_supply(raw_value, sources(raw_part)),
-    )
-
-
-def _texts_by_part(raw_value: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
-    """Return the texts of other parts of the order code with which a value is possible, by the name of the part."""
-    return MappingProxyType({part_name: tuple(texts) for part_name, texts in raw_value.get(key, {}).items()})
-
-
-def _list_variants(
-    order_code: OrderCode, definitions: Mapping[str, Expression], default_values: Mapping[str, int]
-) -> tuple[Variant, ...]:
-    """Return every listed order code with its parameters.
-
-    ``default_values`` are the values of parameters that an order code does not set: the factory defaults of registers,
-    and the first answers to open questions.
-    """
-    if not order_code.parts:
-        return ()
-    variants = []
-    for code, values_by_part, interface, set_values in listed_codes(order_code):
-        parameters = resolve_parameters({**default_values, **set_values}, definitions)
-        variants.append(
-            Variant(code=code, parts=MappingProxyType(dict(values_by_part)), interface=interface, parameters=parameters)
-        )
-    return tuple(variants)
-
-
 def _build_parameter(name: str, raw_parameter: Raw, context: LayoutContext) -> Parameter:
     """Return a parameter with its limits and its largest value over all order codes.
 
     If a register holds the parameter as a code, the limits are the lowest and the highest value of the codes.
     """
-    codes = coded_values(raw_parameter)
-    if codes:
-        coded_numbers = raw_parameter["by_code"].values()
-        raw_parameter = {**raw_parameter, "min": min(coded_numbers), "max": max(coded_numbers)}
-    all_values: list[int] = []
+    codes_with_values = coded_values(raw_parameter)
+    if codes_with_values:
+        values_of_codes = [coded.value for coded in codes_with_values]
+        raw_parameter = {**raw_parameter, "min": min(values_of_codes), "max": max(values_of_codes)}
+    values_of_order_codes: list[int] = []
     for sets_of_interface in context.parameter_sets.values():
         # A parameter that an order code does not have counts as 0.
-        all_values += [parameters.get(name, 0) for parameters in sets_of_interface]
-    equals = context.definitions.get(name)
+        values_of_order_codes += [parameters.get(name, 0) for parameters in sets_of_interface]
     return build_part(
-        Parameter, raw_parameter, name=name, equals=equals, largest=max(all_values, default=0), by_code=codes
+        Parameter,
+        raw_parameter,
+        name=name,
+        equals=context.definitions.get(name),  # The formula of a calculated parameter, or None.
+        largest=max(values_of_order_codes, default=0),
+        by_code=codes_with_values,
     )
 
 
@@ -323,7 +277,7 @@ def _build_register(raw_register: Raw, path: Path, context: LayoutContext) -> Re
     register_bits = 8 * raw_register["length"]
     only_field = {"name": raw_register["name"], "bits": register_bits}
     raw_with_fields = {"fields": [only_field], **raw_register}  # If the register lists fields, these replace it.
-    layout = build_layout(raw_with_fields, LayoutSite(path, context, interface), register_bits)
+    layout = build_layout(raw_with_fields, SpecPlace(path, context, interface), register_bits)
     if layout is None:
         return None
     opener = raw_register.get("opened_by", {})  # The register that must have a value before this one is written.
@@ -365,16 +319,21 @@ def _check_limits(register: Register, path: Path, context: LayoutContext) -> Non
     # If nothing depends on the order code, the first order code represents all.
     compared_sets = sets if depends_on_order_code else sets[:1]
     for parameters in compared_sets:
-        placed = register.layout.place(parameters)
-        problem = _problem_of_limits(register, placed, parameters) or _problem_of_default(register, placed, parameters)
+        placed_layout = register.layout.place(parameters)
+        problem = _problem_of_limits(register, placed_layout, parameters) or _problem_of_default(
+            register, placed_layout, parameters
+        )
         if problem is not None:
-            rule, key, message = problem
-            context.report.add(rule, (*path, key), message)
+            context.report.add(problem.rule, (*path, problem.key), problem.message)
             return
 
 
-#: A problem of a register: the rule, the key with the problem, the message.
-_Problem = tuple[str, str, str]
+class _RegisterProblem(NamedTuple):
+    """A problem of a register: the rule, the key with the problem, and the message."""
+
+    rule: str
+    key: str
+    message: str
 
 
 class _Limits(NamedTuple):
@@ -385,41 +344,48 @@ class _Limits(NamedTuple):
     zero_means: int
 
 
-def _limits_for_code(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
+def _limits_for_code(register: Register, placed_layout: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
     """Return the limits of a register for one order code.
 
     Some registers store their highest number as 0, such as 256 in 8 bits. Then ``high`` is the number below it.
     """
-    bounded_field = placed.find_field(name_with_limits(register))
+    bounded_field = placed_layout.find_field(name_with_limits(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
-    low, high = value_bounds(register, placed, (register.min, register.max), parameters)
+    low, high = value_bounds(register, placed_layout, (register.min, register.max), parameters)
     is_highest_stored_as_zero = zero_means > 0 and high == zero_means
     if is_highest_stored_as_zero:
         high -= 1
     return _Limits(low, high, zero_means)
 
 
-def _problem_of_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Problem | None:
+def _problem_of_limits(
+    register: Register, placed_layout: PlacedLayout, parameters: Mapping[str, int]
+) -> _RegisterProblem | None:
     """Return the first problem with the limits of a register for one order code, or None."""
-    lowest, highest = numbers_that_fit(register, placed)
-    limits = _limits_for_code(register, placed, parameters)
-    width_text = f"the {bounded_width(register, placed)} bits of '{register.limits_of}'"
+    lowest, highest = numbers_that_fit(register, placed_layout)
+    limits = _limits_for_code(register, placed_layout, parameters)
+    width_text = f"the {bounded_width(register, placed_layout)} bits of '{register.limits_of}'"
     if limits.high > highest:
-        return "limit-does-not-fit", "max", f"the maximum {limits.high} does not fit into {width_text}"
+        message = f"the maximum {limits.high} does not fit into {width_text}"
+        return _RegisterProblem("limit-does-not-fit", "max", message)
     if limits.low < lowest:
-        return "limit-does-not-fit", "min", f"the minimum {limits.low} does not fit into {width_text}"
+        message = f"the minimum {limits.low} does not fit into {width_text}"
+        return _RegisterProblem("limit-does-not-fit", "min", message)
     if limits.low > limits.high:
-        return "limit-does-not-fit", "min", f"the minimum {limits.low} is above the maximum {limits.high}"
+        message = f"the minimum {limits.low} is above the maximum {limits.high}"
+        return _RegisterProblem("limit-does-not-fit", "min", message)
     return None
 
 
-def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Problem | None:
+def _problem_of_default(
+    register: Register, placed_layout: PlacedLayout, parameters: Mapping[str, int]
+) -> _RegisterProblem | None:
     """Return the first problem with the default of a register for one order code, or None."""
     default = register.default
     if default is None:
         return None
-    limits = _limits_for_code(register, placed, parameters)
-    value = _number_within_limits(register, placed, default)
+    limits = _limits_for_code(register, placed_layout, parameters)
+    value = _number_within_limits(register, placed_layout, default)
     # A stored zero can represent a different number.
     represented_value = value or limits.zero_means
     named_numbers = [named_value.value for named_value in register.values]
@@ -429,27 +395,56 @@ def _problem_of_default(register: Register, placed: PlacedLayout, parameters: Ma
     elif not limits.low <= represented_value <= max(limits.high, limits.zero_means):
         problem = f"{value} is outside the limits {limits.low} to {limits.high}"
     elif named_numbers and default not in named_numbers and not register.clears_itself:
-        problem = f"{default:#x} is not one of the values {', '.join(f'{number:#x}' for number in named_numbers)}"
+        values_text = ", ".join(f"{number:#x}" for number in named_numbers)
+        problem = f"{default:#x} is not one of the values {values_text}"
     else:
         return None
-    return "default-does-not-fit", "default", f"the default {problem}"
+    return _RegisterProblem("default-does-not-fit", "default", f"the default {problem}")
 
 
-def _number_within_limits(register: Register, placed: PlacedLayout, default: int) -> int:
+def _number_within_limits(register: Register, placed_layout: PlacedLayout, default: int) -> int:
     """Return the signed number in the default value of a register to which the limits apply.
 
     The limits apply to a field, to a number that consists of several fields, or to the whole register.
     """
-    bounded_name, width = name_with_limits(register), bounded_width(register, placed)
+    bounded_name, width = name_with_limits(register), bounded_width(register, placed_layout)
     bounded_joins = [join for join in register.layout.joins if join.name == bounded_name]
     if bounded_joins:
-        number_without_sign = join_value(placed, bounded_joins[0], default)
+        number_without_sign = join_value(placed_layout, bounded_joins[0], default)
     else:
-        bounded_field = placed.find_field(bounded_name)
+        bounded_field = placed_layout.find_field(bounded_name)
         low_bit = bounded_field.low if bounded_field is not None else 0
         mask = (1 << width) - 1
         number_without_sign = (default >> low_bit) & mask
-    _, highest = numbers_that_fit(register, placed)
+    _, highest = numbers_that_fit(register, placed_layout)
     # Read without a sign, a negative number is larger than the highest number of a signed field.
     is_negative = number_without_sign > highest
     return number_without_sign - (1 << width) if is_negative else number_without_sign
+
+
+#: The only grade of a spec that is still being filled in.
+_LOWEST_GRADE = "uncorroborated"
+
+
+#: Highest number of placeholders that a message names.
+_MAX_SHOWN_NAMES = 3
+
+
+def with_placeholders(raw_spec: Raw, device: Device, report: DocumentReport) -> Device:
+    """Return the device with its placeholders listed in its evidence, and report a grade that is too high.
+
+    A placeholder is a text from the template for new specs that was not replaced. A spec with placeholders can only
+    have the lowest grade.
+    """
+    if not raw_spec.get("evidence"):
+        return device
+    names = placeholder_names(report.document.data)
+    if is_placeholder(device.manufacturer.title):
+        names.append("manufacturer.title")
+    grade = device.evidence.grade
+    if names and grade != _LOWEST_GRADE:
+        names_text = first_of(names, _MAX_SHOWN_NAMES)
+        message = f"values left over from the template are not allowed with grade '{grade}': {names_text}"
+        remedy = f"replace every text that contains TODO, or write 'grade: {_LOWEST_GRADE}' until all are replaced"
+        report.add("evidence-grade", ("evidence", "grade"), f"{message}; {remedy}")
+    return replace(device, evidence=replace(device.evidence, placeholders=tuple(names)))

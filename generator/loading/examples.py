@@ -24,11 +24,11 @@ from ..model import (
 )
 from ..order_codes.labels import UnknownOrderCode, find_code
 from ..order_codes.parameters import with_answers
-from ..reference.bits import bits_in_crc_order, compute_bytes, covered_bits, init_for_result
-from ..reference.codec import DecodedFrame, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
+from ..reference.bits_and_values import bits_in_crc_order, compute_bytes, covered_bits, init_for_result
+from ..reference.codec import EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
+from ..reference.findings import DecodedFrame
 from ..reference.registers import register_writes
-from .from_mapping import Raw, build_part
-from .valid_parts import valid_parts_so_far
+from .spec_parts import Raw, build_part, valid_parts_so_far
 
 #: Key in an example that is wrong, such as ``("values", "position")``, and the message.
 ExampleError = tuple[Path, str]
@@ -321,14 +321,14 @@ def _data_path(example: Example) -> Path:
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> DecodedFrame:
     """Decode the frame of an example, with the layout that its bytes select or with the layout that it names."""
     if example.bits:
-        placed = device.layout(example.layout).place(variant.parameters)
+        placed_layout = device.layout(example.layout).place(variant.parameters)
         number = int(example.bits, 2)
-        return decode_bits(device, placed, number, len(example.bits))
+        return decode_bits(device, placed_layout, number, len(example.bits))
     bytes_select_layout = not example.layout or example.layout in _selected_layouts(device, example.sender)
     if bytes_select_layout:
         return decode_bytes(device, variant, example.sender, example.bytes)
-    placed = device.layout(example.layout).place(variant.parameters)
-    return decode_placed(device, placed, example.bytes)
+    placed_layout = device.layout(example.layout).place(variant.parameters)
+    return decode_placed(device, placed_layout, example.bytes)
 
 
 def _selected_layouts(device: Device, sender: str) -> set[str]:

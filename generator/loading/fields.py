@@ -1,4 +1,7 @@
-"""The context in which layouts are built, and the parts of a field that do not depend on its place."""
+"""The context in which layouts are built, and the parts of a field that do not depend on its place.
+
+A single field can have a byte order of its own, such as a CRC that is sent low byte first.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +24,7 @@ from ..model import (
     Field,
     Flag,
     Kind,
+    Layout,
     Number,
     Parity,
     Sources,
@@ -31,7 +35,7 @@ from ..model import (
 )
 from ..model.expressions import Expression, ExpressionError
 from ..model.record import dataclass
-from .from_mapping import Raw, build_part
+from .spec_parts import Raw, build_part
 
 
 @dataclass(frozen=True)
@@ -90,12 +94,20 @@ def _verdict_while_active(raw_field: Raw, interface: str) -> Verdict | None:
 
 
 @dataclass(frozen=True)
-class LayoutSite:
-    """The place of a layout in the spec, and the interface whose order codes it must support."""
+class SpecPlace:
+    """The place of a layout in the spec, where its problems are reported.
+
+    The layout must be valid for all order codes of its interface.
+    """
 
     path: Path
     context: LayoutContext
     interface: str
+
+    @property
+    def is_in_register(self) -> bool:
+        """True for the layout of a register, False for a frame."""
+        return self.path[0] == "registers"
 
     @property
     def parameter_sets(self) -> Sequence[Mapping[str, int]]:
@@ -110,9 +122,9 @@ class LayoutSite:
         widths = [width.value(parameters) for parameters in self.parameter_sets]
         return max(widths, default=width.constant)
 
-    def report(self, rule: str, message: str, *below: str | int) -> None:
-        """Report a problem of the layout, or of the part at the path ``below`` in it."""
-        self.context.report.add(rule, (*self.path, *below), message)
+    def report(self, rule: str, message: str, *path_in_layout: str | int) -> None:
+        """Report a problem of the layout, or of the part at this path in it, such as ``"fields", "position"``."""
+        self.context.report.add(rule, (*self.path, *path_in_layout), message)
 
 
 def bit_range(bits_text: int | str) -> tuple[int, int] | None:
@@ -149,7 +161,7 @@ def expected_value(raw_field: Raw, context: LayoutContext) -> Expression | int |
 
 
 def zero_field(
-    *, name: str, constant: Constant, low: Expression, width: Expression, site: LayoutSite, source: Sources
+    *, name: str, constant: Constant, low: Expression, width: Expression, spec_place: SpecPlace, source: Sources
 ) -> Field:
     """Return a field whose bits are always 0, such as padding or a gap. ``constant`` is its kind."""
     return Field(
@@ -157,7 +169,7 @@ def zero_field(
         kind=constant,
         low=low,
         width=width,
-        widest=site.widest(width),
+        widest=spec_place.widest(width),
         meaning="Always zero",
         source=source,
     )
@@ -181,16 +193,19 @@ def kind_of(raw_field: Raw, context: LayoutContext, interface: str, width: Expre
         covered_fields = tuple(raw_field.get("crc_of", ()))
         return CrcValue(raw_field["crc"], covered_fields)
     if "parity_of" in raw_field:
-        one_or_more_names = raw_field["parity_of"]
-        # One field is a text in the spec, several are a list.
-        covered_names = (one_or_more_names,) if isinstance(one_or_more_names, str) else tuple(one_or_more_names)
-        is_odd = raw_field.get("parity") == "odd"
-        return Parity(of=covered_names, odd=is_odd, over=raw_field.get("over", ""))
+        return _build_parity(raw_field)
     if "digits" in raw_field:
         return Decimal(_digit_runs(raw_field["digits"]))
     if "text" in raw_field:
         return Text()
     return build_part(Number, raw_field)
+
+
+def _build_parity(raw_field: Raw) -> Parity:
+    """Return the kind of a parity bit. One covered field is a text in the spec, several are a list."""
+    covered_fields = raw_field["parity_of"]
+    covered_names = (covered_fields,) if isinstance(covered_fields, str) else tuple(covered_fields)
+    return Parity(of=covered_names, odd=raw_field.get("parity") == "odd", over=raw_field.get("over", ""))
 
 
 def _named_values(raw_field: Raw, width: Expression) -> tuple[Value, ...]:
@@ -211,9 +226,9 @@ def _build_flag(raw_field: Raw, context: LayoutContext, interface: str) -> Flag:
     verdict_parameter = ""
     verdict_if_set = None
     # The map has at most one entry.
-    for parameter, verdict in raw_field.get("makes_position_if", {}).items():
-        verdict_parameter = parameter
-        verdict_if_set = Verdict(verdict)
+    for parameter_name, verdict_text in raw_field.get("makes_position_if", {}).items():
+        verdict_parameter = parameter_name
+        verdict_if_set = Verdict(verdict_text)
     return build_part(
         Flag,
         raw_field,
@@ -275,28 +290,28 @@ def _value_of_data_id(data_id: DataId) -> Value:
     )
 
 
-def _digit_runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
+def _digit_runs(raw_runs: Sequence[Raw]) -> tuple[Digits, ...]:
     """Return the runs of digits in a decimal number, most significant first.
 
     A run is isolated by dividing by its divisor, and taking the result modulo its modulus. For runs of three and two
     digits, the divisors are 100 and 1, and the moduli are 1000 and 100.
     """
-    runs = []
+    lowest_first = []
     divisor = 1
     # The divisor of a run depends on the digits after it, so the least significant run comes first.
-    for run in reversed(digits):
-        modulus = 10 ** run["digits"]
-        runs.append(build_part(Digits, run, divisor=divisor, modulus=modulus))
+    for raw_run in reversed(raw_runs):
+        modulus = 10 ** raw_run["digits"]
+        lowest_first.append(build_part(Digits, raw_run, divisor=divisor, modulus=modulus))
         divisor *= modulus
-    return tuple(reversed(runs))
+    return tuple(reversed(lowest_first))
 
 
-def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice, ...]:
+def bit_slices_of(field: Field, length: int, low_byte_first: bool) -> tuple[BitSlice, ...]:
     """Return the bits of a field in each byte of a frame of ``length`` bytes, beginning with its lowest bits.
 
     In a frame of 3 bytes, 10 bits from bit 4 are 4 bits in the last byte, from its bit 4, and 6 bits in the byte before
-    it. If ``low_first`` is true, byte 0 contains the lowest bits of the frame, and otherwise the last byte. A field
-    with a byte order of its own has its bytes in reverse order. The result is empty if the place or width of the field
+    it. With ``low_byte_first``, byte 0 contains the lowest bits of the frame, and otherwise the last byte. A field with
+    a byte order of its own has its bytes in reverse order. The result is empty if the place or width of the field
     depends on the order code.
     """
     width = field.width.constant if field.width.is_constant else 0
@@ -305,35 +320,35 @@ def bit_slices_of(field: Field, length: int, low_first: bool) -> tuple[BitSlice,
     if not field.low.is_constant or not bits_with_padding:
         return ()
     bit_slices = []
-    bits_done = 0
-    while bits_done < bits_with_padding:
+    sliced_bits = 0  # The lowest bits of the field, which earlier slices contain.
+    while sliced_bits < bits_with_padding:
         # This byte index counts from the byte with the lowest bits of the frame.
-        index_from_lowest, low_bit_in_byte = divmod(field.low.constant + bits_done, 8)
-        bits_left = bits_with_padding - bits_done
-        bits_in_byte = min(8 - low_bit_in_byte, bits_left)
-        byte = index_from_lowest if low_first else length - 1 - index_from_lowest
+        index_from_lowest, low_bit_in_byte = divmod(field.low.constant + sliced_bits, 8)
+        remaining_bits = bits_with_padding - sliced_bits
+        bits_in_byte = min(8 - low_bit_in_byte, remaining_bits)
+        byte_index = index_from_lowest if low_byte_first else length - 1 - index_from_lowest
         mask = (1 << bits_in_byte) - 1
-        bit_slices.append(BitSlice(byte=byte, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=bits_done))
-        bits_done += bits_in_byte
+        bit_slices.append(BitSlice(byte=byte_index, low_in_byte=low_bit_in_byte, mask=mask, low_in_number=sliced_bits))
+        sliced_bits += bits_in_byte
     if field.byte_order:
-        bytes_of_field = [bit_slice.byte for bit_slice in bit_slices]
-        exchanged_bytes = zip(bit_slices, reversed(bytes_of_field), strict=True)
-        return tuple(replace(bit_slice, byte=byte) for bit_slice, byte in exchanged_bytes)
+        reversed_bytes = [bit_slice.byte for bit_slice in reversed(bit_slices)]
+        slices_with_bytes = zip(bit_slices, reversed_bytes, strict=True)
+        return tuple(replace(bit_slice, byte=byte_index) for bit_slice, byte_index in slices_with_bytes)
     return tuple(bit_slices)
 
 
-def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], site: LayoutSite) -> list[Field]:
+def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], spec_place: SpecPlace) -> list[Field]:
     """Return the fields of a layout, with parity bits that cover individual fields.
 
     In the spec, a parity bit can also cover a joined number, which consists of several fields, and constants.
     """
     joins = {name: tuple(members) for name, members in raw_layout.get("join", {}).items()}
     constants = {field.name: field.kind.value for field in fields if isinstance(field.kind, Constant)}
-    return [_resolve_parity(field, joins, constants, site) for field in fields]
+    return [_resolve_parity(field, joins, constants, spec_place) for field in fields]
 
 
 def _resolve_parity(
-    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], site: LayoutSite
+    field: Field, joins: Mapping[str, tuple[str, ...]], constants: Mapping[str, int], spec_place: SpecPlace
 ) -> Field:
     """Return a parity bit that covers individual fields with data. Any other field is returned unchanged.
 
@@ -348,7 +363,7 @@ def _resolve_parity(
     for name in parity.of:
         if parity.over and name in joins:
             message = f"'over' counts the bits of each field from 0, and '{name}' has several fields; list its fields"
-            site.report("parity-of", message, "fields", field.name, "parity_of")
+            spec_place.report("parity-of", message, "fields", field.name, "parity_of")
         covered_names += joins.get(name, (name,))
     constant_names = [name for name in covered_names if name in constants]
     if len(covered_names) == 1:
@@ -365,3 +380,37 @@ def _resolve_parity(
         parity, of=tuple(data_names), odd=is_odd, constants=tuple(constant_names), turned=inverts_parity
     )
     return replace(field, kind=resolved_parity)
+
+
+def with_byte_orders(fields: Sequence[Field], byte_order: str) -> list[Field]:
+    """Return the fields of a layout. The key ``byte_order`` of a field is removed if the layout has the same order."""
+    return [replace(field, byte_order="") if field.byte_order == byte_order else field for field in fields]
+
+
+def check_byte_orders(layout: Layout, spec_place: SpecPlace) -> None:
+    """Report a field with a byte order of its own that does not consist of whole bytes in a frame of bytes."""
+    for field in layout.fields:
+        if field.byte_order:
+            problem = _problem_of_byte_order(layout, field, spec_place)
+            if problem:
+                spec_place.report("byte-order", problem, "fields", field.name, "byte_order")
+
+
+def _problem_of_byte_order(layout: Layout, field: Field, spec_place: SpecPlace) -> str:
+    """Return why a field cannot have a byte order that differs from that of its layout, with a fix, or ""."""
+    name = f"'{field.name}'"
+    if spec_place.is_in_register:
+        return f"{name} is in a register, whose 'byte_order' applies to all fields; remove 'byte_order' here"
+    if INTERFACES[spec_place.interface].carried_as == "bits":
+        title = INTERFACES[spec_place.interface].title
+        return f"{name} is sent over {title}, as bits; describe each byte as a field, and 'join' them"
+    if field.name == layout.selector:
+        return f"{name} distinguishes frames, so its bytes have the order of the layout; remove 'byte_order'"
+    if not field.is_fixed:
+        return f"the place or width of {name} depends on the order code; remove 'byte_order', or write constant widths"
+    if field.container:
+        return f"{name} has 'padded_to'; write its bits with the padding as 'bits', and remove 'padded_to'"
+    width, low = field.width.constant, field.low.constant
+    if width % 8 or low % 8 or width < 16:
+        return f"{name} does not fill two or more whole bytes, so it has no byte order; remove 'byte_order'"
+    return ""

@@ -25,10 +25,9 @@ from ..model import (
     Unused,
     Verdict,
 )
-from .channel_rules import check_channels
-from .fields import LayoutSite
-from .from_mapping import Raw
-from .valid_parts import valid_parts_so_far
+from .fields import SpecPlace
+from .frame_rules import check_channels
+from .spec_parts import Raw, valid_parts_so_far
 
 #: Regular expressions for verdicts in the text of errata. A longer phrase comes before a phrase that it contains.
 _VERDICT_PATTERNS = (
@@ -39,7 +38,7 @@ _VERDICT_PATTERNS = (
 )
 
 
-def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> Layout:
+def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], spec_place: SpecPlace) -> Layout:
     """Return a layout with UNKNOWN as the verdict of reserved bits, if no flag says whether the position is usable.
 
     Without such a flag, the verdict is always unknown. ``raw_fields``, the fields in the spec, must therefore not give
@@ -47,17 +46,19 @@ def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Layou
     """
     if layout.judges_position:
         return layout
-    _report_stated_warnings(layout, raw_fields, site)
+    _report_stated_warnings(layout, raw_fields, spec_place)
     return layout.with_unknown_verdicts()
 
 
-def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: LayoutSite) -> None:
+def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], spec_place: SpecPlace) -> None:
     """Report reserved bits that the spec gives the verdict "usable with a warning"."""
     for index, field in enumerate(raw_fields):
         is_reserved = "unused" in field
         if is_reserved and field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
             problem = f"no flag of '{layout.name}' says whether the position is usable, so the verdict stays unknown"
-            site.report("reserved-verdict", f"{problem}; remove 'makes_position'", "fields", index, "makes_position")
+            spec_place.report(
+                "reserved-verdict", f"{problem}; remove 'makes_position'", "fields", index, "makes_position"
+            )
 
 
 def check_errata(device: Device, report: DocumentReport) -> None:
@@ -342,3 +343,35 @@ def _ambiguous_numbers(
                 number, other_kind = placed_field.field, other_field.field.kind
                 if isinstance(number.kind, Number) and isinstance(other_kind, Constant):
                     yield _Clash(number, other_layout, other_kind.value)
+
+
+def check_selector_places(device: Device, report: DocumentReport) -> None:
+    """Check that the same bits distinguish all frames of a sender, at the same place for every order code.
+
+    The key ``when`` of a layout names the field that distinguishes it, the selector.
+    """
+    for interface in device.interfaces:
+        first_by_sender: dict[str, tuple[str, object]] = {}
+        for layout in interface.layouts:
+            if not layout.selector:
+                continue
+            path: Path = ("interfaces", interface.name, "layouts", layout.name, "when")
+            field = next((candidate for candidate in layout.fields if candidate.name == layout.selector), None)
+            if field is None:
+                continue  # Reported by the rule on references.
+            has_fixed_place = bool(field.bit_slices)
+            if not has_fixed_place:
+                report.add(
+                    "selector-place",
+                    path,
+                    f"the position of '{layout.selector}' depends on the order code; bits that identify a frame must"
+                    " have a fixed position",
+                )
+                continue
+            first_name, first_bits = first_by_sender.setdefault(layout.sender, (layout.name, field.bit_slices))
+            if first_bits != field.bit_slices:
+                message = (
+                    f"'{layout.selector}' is not at the same position as in '{first_name}'; the same bits must"
+                    " distinguish all frames of a sender"
+                )
+                report.add("selector-place", path, message)

@@ -29,10 +29,9 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..say.plain_text import count_with_unit
-from .fields import LayoutContext, LayoutSite, build_values
-from .from_mapping import Raw, build_part, sources
+from .fields import LayoutContext, SpecPlace, build_values
 from .layouts import build_layout
-from .valid_parts import valid_parts_so_far
+from .spec_parts import Raw, build_part, sources, valid_parts_so_far
 
 
 def build_interfaces(raw_spec: Raw, context: LayoutContext) -> tuple[Interface, ...]:
@@ -43,11 +42,11 @@ def _build_interface(name: str, raw_interface: Raw, context: LayoutContext) -> I
     """Return an interface with its valid layouts. Layouts with problems are reported and left out."""
     layouts: list[Layout] = []
     for index, definition in enumerate(raw_interface["layouts"]):
-        layout = build_layout(definition, LayoutSite(("interfaces", name, "layouts", index), context, name))
+        layout = build_layout(definition, SpecPlace(("interfaces", name, "layouts", index), context, name))
         if layout is not None:
             layouts.append(layout)
     if "word_bits" in raw_interface:
-        _check_words(raw_interface, layouts, LayoutSite(("interfaces", name), context, name))
+        _check_words(raw_interface, layouts, SpecPlace(("interfaces", name), context, name))
     kind: Callable[..., Interface] = INTERFACES[name]
     members_of_kind = _INTERFACES[name](raw_interface, context)
     measurement = build_measurement(raw_interface, context)
@@ -68,18 +67,18 @@ class _Word(NamedTuple):
     bits: Expression | None
 
 
-def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: LayoutSite) -> None:
+def _check_words(raw_interface: Raw, layouts: Sequence[Layout], spec_place: SpecPlace) -> None:
     """Check that SPI words have a possible number of bits for every order code, and that their layouts have as many.
 
     ``word_bits`` of an exchange replaces ``word_bits`` of the interface. If several layouts all have the same number of
     bits, but ``word_bits`` is different, ``word_bits`` is the mistake, and is reported once.
     """
-    default_bits = _checked_word_bits(raw_interface, site)
+    default_bits = _checked_word_bits(raw_interface, spec_place)
     words: list[_Word] = []
     for index, exchange in enumerate(raw_interface.get("exchanges", ())):
         bits = default_bits
         if "word_bits" in exchange:
-            bits = _checked_word_bits(exchange, site, "exchanges", index)
+            bits = _checked_word_bits(exchange, spec_place, "exchanges", index)
         words.append(_Word(exchange, bits))
     words_have_default_bits = all(word.bits == default_bits for word in words)
     layout_widths = {layout.bits for layout in layouts}
@@ -87,15 +86,15 @@ def _check_words(raw_interface: Raw, layouts: Sequence[Layout], site: LayoutSite
     if default_bits is not None and words_have_default_bits and layouts_agree:
         if default_bits not in layout_widths:
             message = f"'word_bits' is {default_bits.render()}, but every layout has {layouts[0].bits.render()} bits"
-            site.report("width-mismatch", f"{message}; correct 'word_bits' or the fields", "word_bits")
+            spec_place.report("width-mismatch", f"{message}; correct 'word_bits' or the fields", "word_bits")
         return
     for layout in layouts:
         words_of_layout = [word for word in words if layout.name in (word.exchange["request"], word.exchange["reply"])]
         # A layout that no exchange uses is compared with ``word_bits`` of the interface.
-        _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], layouts, site)
+        _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], layouts, spec_place)
 
 
-def _check_word_bits(layout: Layout, words: Sequence[_Word], layouts: Sequence[Layout], site: LayoutSite) -> None:
+def _check_word_bits(layout: Layout, words: Sequence[_Word], layouts: Sequence[Layout], spec_place: SpecPlace) -> None:
     """Report the first SPI exchange that uses a layout, but whose words have a different number of bits."""
     mismatches = [word for word in words if word.bits is not None and not word.bits.has_value_of(layout.bits)]
     if not mismatches:
@@ -109,13 +108,13 @@ def _check_word_bits(layout: Layout, words: Sequence[_Word], layouts: Sequence[L
         remedy += f", or give the exchange of '{exchange['request']}' its own 'word_bits'"
     bits_text = bits.render() if bits is not None else ""
     message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{exchange_text} is {bits_text}"
-    if _is_longer_than_request(layout, exchange, layouts, site):
+    if _is_longer_than_request(layout, exchange, layouts, spec_place):
         reason = "a reply that is longer than its request is not supported"
         remedy = f"{reason}, so add a constant to the request, and give the exchange their 'word_bits'"
-    site.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
+    spec_place.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
 
 
-def _is_longer_than_request(layout: Layout, exchange: Raw, layouts: Sequence[Layout], site: LayoutSite) -> bool:
+def _is_longer_than_request(layout: Layout, exchange: Raw, layouts: Sequence[Layout], spec_place: SpecPlace) -> bool:
     """Return whether a layout is the reply of an exchange whose request has fewer bits for some order code."""
     if layout.name != exchange.get("reply"):
         return False
@@ -123,24 +122,24 @@ def _is_longer_than_request(layout: Layout, exchange: Raw, layouts: Sequence[Lay
     return any(
         request.bits.value(parameters) < layout.bits.value(parameters)
         for request in requests
-        for parameters in site.parameter_sets
+        for parameters in spec_place.parameter_sets
     )
 
 
-def _checked_word_bits(raw: Raw, site: LayoutSite, *below: str | int) -> Expression | None:
+def _checked_word_bits(raw: Raw, spec_place: SpecPlace, *below: str | int) -> Expression | None:
     """Return ``word_bits`` of an SPI interface or exchange, after checking its range for every order code.
 
     Return None for an invalid expression. ``below`` is the path of the exchange in the interface.
     """
     low, high = _SPI_WORD_BITS
-    bits = site.context.expression(raw.get("word_bits", low))
+    bits = spec_place.context.expression(raw.get("word_bits", low))
     if bits is None:
         return None
-    numbers_of_bits = sorted({bits.value(parameters) for parameters in site.parameter_sets})
+    numbers_of_bits = sorted({bits.value(parameters) for parameters in spec_place.parameter_sets})
     impossible_numbers = [length for length in numbers_of_bits if not low <= length <= high]
     if impossible_numbers:
         message = f"a word has {impossible_numbers[0]} bits, but {low} to {high} are possible"
-        site.report("width-mismatch", message, *below, "word_bits")
+        spec_place.report("width-mismatch", message, *below, "word_bits")
     return bits
 
 

@@ -26,64 +26,63 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from .byte_orders import check_byte_orders
-from .crc_rules import check_crc, check_one_crc
-from .fields import LayoutSite
-from .gaps import values_text
+from .bit_coverage import values_text
+from .fields import SpecPlace, check_byte_orders
+from .frame_rules import check_crc, check_one_crc
 
 
-def check_joined(layout: Layout, site: LayoutSite, low_byte_first: bool) -> None:
+def check_joined(layout: Layout, spec_place: SpecPlace, low_byte_first: bool) -> None:
     """Check the joined numbers, parity bits and Gray code of a layout.
 
     A joined number consists of several fields. In a bit frame with the low byte first, joined numbers are the only way
     to put the bytes of a number in order.
     """
-    low_first = low_byte_first and not layout.in_bytes
-    joins_with_problems = _check_joins(layout, site, low_first)
-    if low_first:
-        _check_bytes(layout, site)
-    _check_parities(layout, site)
+    sends_low_byte_first = low_byte_first and not layout.in_bytes
+    joins_with_problems = _check_joins(layout, spec_place, sends_low_byte_first)
+    if sends_low_byte_first:
+        _check_bytes(layout, spec_place)
+    _check_parities(layout, spec_place)
     if layout.gray_of and layout.gray_of not in joins_with_problems:
-        _check_gray(layout, site)
+        _check_gray(layout, spec_place)
 
 
-def _check_joins(layout: Layout, site: LayoutSite, low_first: bool) -> set[str]:
+def _check_joins(layout: Layout, spec_place: SpecPlace, sends_low_byte_first: bool) -> set[str]:
     """Check all joined numbers of a layout, and return the names of those with a problem.
 
     A joined number consists of plain bits, and contains each field once. In a bit frame, its fields are listed in
-    transmission order, or in reverse order if ``low_first`` is true.
+    transmission order, or in reverse order if ``sends_low_byte_first`` is true.
     """
     fields_by_name = {field.name: field for field in layout.fields}
     joins_with_problems: set[str] = set()
     for join in layout.joins:
-        problems_before = len(site.context.report)
-        _check_parts_of_join(join, fields_by_name, site)
+        problems_before = len(spec_place.context.report)
+        _check_parts_of_join(join, fields_by_name, spec_place)
         # Bytes may be sent in any order, but the bits of a word are sent from the highest to the lowest.
         if not layout.in_bytes:
-            _check_order_of_join(join, fields_by_name, layout, site, low_first)
-        if len(site.context.report) > problems_before:
+            _check_order_of_join(join, fields_by_name, layout, spec_place, sends_low_byte_first)
+        if len(spec_place.context.report) > problems_before:
             joins_with_problems.add(join.name)
     return joins_with_problems
 
 
-def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: LayoutSite) -> None:
+def _check_parts_of_join(join: Join, fields: Mapping[str, Field], spec_place: SpecPlace) -> None:
     """Check that a joined number consists of plain bits, and contains each field once."""
     for index, name in enumerate(join.fields):
         if name in join.fields[:index]:
-            site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
+            spec_place.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
             continue
         reason = _obstacle_to_join(fields[name].kind) if name in fields else ""
         if reason:
             # A reason may already end with a remedy after a semicolon.
             separator = ", or" if ";" in reason else ";"
             remedy = f"{separator} remove '{name}' from '{join.name}'"
-            site.report("join-of", f"'{join.name}' contains '{name}', {reason}{remedy}", "join", join.name, index)
+            spec_place.report("join-of", f"'{join.name}' contains '{name}', {reason}{remedy}", "join", join.name, index)
 
 
 def _check_order_of_join(
-    join: Join, fields: Mapping[str, Field], layout: Layout, site: LayoutSite, low_first: bool
+    join: Join, fields: Mapping[str, Field], layout: Layout, spec_place: SpecPlace, sends_low_byte_first: bool
 ) -> None:
-    """Check that each field of a joined number is sent before the next one, or after it if ``low_first`` is true.
+    """Check that each field of a joined number is sent before the next one, or after it with the low byte first.
 
     A field that is sent earlier has higher bits in the layout.
     """
@@ -92,23 +91,23 @@ def _check_order_of_join(
         if above != below and above in fields and below in fields:
             different_neighbors.append((above, below))
     for index, (above, below) in enumerate(different_neighbors, 1):
-        must_be_lower, must_be_higher = (above, below) if low_first else (below, above)
-        if _is_above(fields[must_be_lower], fields[must_be_higher], site):
+        must_be_lower, must_be_higher = (above, below) if sends_low_byte_first else (below, above)
+        if _is_above(fields[must_be_lower], fields[must_be_higher], spec_place):
             problem = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{must_be_lower}' first"
-            remedy = _remedy_for_order(low_first, site)
-            site.report("join-order", problem + remedy, "join", join.name, index)
+            remedy = _remedy_for_order(sends_low_byte_first, spec_place)
+            spec_place.report("join-order", problem + remedy, "join", join.name, index)
 
 
-def _remedy_for_order(low_first: bool, site: LayoutSite) -> str:
+def _remedy_for_order(sends_low_byte_first: bool, spec_place: SpecPlace) -> str:
     """Return the end of the message about joined fields in the wrong order."""
-    if low_first:
+    if sends_low_byte_first:
         return ", and the low byte of each number comes first"
-    if site.interface == Spi.name:
+    if spec_place.interface == Spi.name:
         return "; list the more significant part first, or write 'byte_order: low_byte_first' if it is sent last"
     return ", as the more significant bits"
 
 
-def _check_bytes(layout: Layout, site: LayoutSite) -> None:
+def _check_bytes(layout: Layout, spec_place: SpecPlace) -> None:
     """Check that no field of a word that is sent with the low byte first has more than 8 bits.
 
     A wider number must be described as several fields, one for each byte.
@@ -118,7 +117,9 @@ def _check_bytes(layout: Layout, site: LayoutSite) -> None:
         is_number = not isinstance(field.kind, Unused) and not _is_zeros(field.kind)
         if is_number and field.widest > 8:
             message = f"'{field.name}' has {field.widest} bits, but the low byte of each number comes first"
-            site.report("join-order", f"{message}; describe each byte as a field, and join them", "fields", field.name)
+            spec_place.report(
+                "join-order", f"{message}; describe each byte as a field, and join them", "fields", field.name
+            )
 
 
 def _is_zeros(kind: Kind) -> bool:
@@ -126,7 +127,7 @@ def _is_zeros(kind: Kind) -> bool:
     return isinstance(kind, Constant) and kind.value == 0
 
 
-def _check_parities(layout: Layout, site: LayoutSite) -> None:
+def _check_parities(layout: Layout, spec_place: SpecPlace) -> None:
     """Check that parity bits cover each field at most once, and no computed field: a CRC or another parity bit."""
     fields_by_name = {field.name: field for field in layout.fields}
     for field in layout.fields:
@@ -137,15 +138,15 @@ def _check_parities(layout: Layout, site: LayoutSite) -> None:
             is_computed = name in fields_by_name and fields_by_name[name].kind.role == "check"
             if name in covered_names[:index]:
                 problem = f"'{field.name}' covers '{name}' twice; list it once"
-                site.report("parity-of", problem, "fields", field.name, "parity_of")
+                spec_place.report("parity-of", problem, "fields", field.name, "parity_of")
             elif is_computed:
                 problem = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
-                site.report("parity-of", problem, "fields", field.name, "parity_of")
+                spec_place.report("parity-of", problem, "fields", field.name, "parity_of")
         # The bits of a field count from 0, so only a field with at least two bits has a bit with an odd number.
         covers_odd_bits = any(fields_by_name[name].widest > 1 for name in covered_names if name in fields_by_name)
         if field.kind.over == "odd_bits" and not covers_odd_bits:
             problem = f"'{field.name}' covers no bit, because no covered field has a bit 1; write 'over: even_bits'"
-            site.report("parity-of", problem, "fields", field.name, "parity_of")
+            spec_place.report("parity-of", problem, "fields", field.name, "parity_of")
 
 
 def _obstacle_to_join(kind: Kind) -> str:
@@ -168,7 +169,7 @@ def _obstacle_to_join(kind: Kind) -> str:
     return "which has 'zero_means'; remove 'zero_means'"
 
 
-def _check_gray(layout: Layout, site: LayoutSite) -> None:
+def _check_gray(layout: Layout, spec_place: SpecPlace) -> None:
     """Check that a number in Gray code consists of several adjacent bits.
 
     The bits can include a flag. Also check that the parameter ``gray_when``, which turns Gray code on, is 0 or 1 for
@@ -184,21 +185,23 @@ def _check_gray(layout: Layout, site: LayoutSite) -> None:
     elif len(coded_fields) == 1 and coded_fields[0].widest == 1:
         problem = f"'{coded_fields[0].name}' has one bit"
     if problem:
-        site.report("gray-of", f"{problem}; only a multi-bit number can be in Gray code", "gray", "of")
-    sets_with_switch = [parameters for parameters in site.parameter_sets if layout.gray_when in parameters]
+        spec_place.report("gray-of", f"{problem}; only a multi-bit number can be in Gray code", "gray", "of")
+    sets_with_switch = [parameters for parameters in spec_place.parameter_sets if layout.gray_when in parameters]
     switch_values = {parameters[layout.gray_when] for parameters in sets_with_switch}
     if not switch_values <= {0, 1}:
         message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
-        site.report("gray-of", message, "gray", "when")
+        spec_place.report("gray-of", message, "gray", "when")
     # Without such a parameter, the number is always in Gray code.
-    sets_with_gray_code = [parameters for parameters in site.parameter_sets if parameters.get(layout.gray_when, 1)]
+    sets_with_gray_code = [
+        parameters for parameters in spec_place.parameter_sets if parameters.get(layout.gray_when, 1)
+    ]
     for above, below in pairwise(coded_fields):
         if not _are_adjacent(above, below, sets_with_gray_code):
             message = (
                 f"'{above.name}' and '{below.name}' are not adjacent; a number in Gray code must be contiguous,"
                 " most significant part first"
             )
-            site.report("gray-of", message, "gray", "of")
+            spec_place.report("gray-of", message, "gray", "of")
             return
 
 
@@ -208,9 +211,9 @@ def _are_adjacent(above: Field, below: Field, parameter_sets: Iterable[Mapping[s
     return all(end_below.value(parameters) == above.low.value(parameters) for parameters in parameter_sets)
 
 
-def _is_above(upper: Field, lower: Field, site: LayoutSite) -> bool:
+def _is_above(upper: Field, lower: Field, spec_place: SpecPlace) -> bool:
     """Return whether ``upper`` is above ``lower`` for an order code that has both fields."""
-    for parameters in site.parameter_sets:
+    for parameters in spec_place.parameter_sets:
         has_both = upper.width.value(parameters) and lower.width.value(parameters)
         if has_both and upper.low.value(parameters) > lower.low.value(parameters):
             return True
@@ -225,54 +228,54 @@ WIDEST_DIGIT = 8
 LARGEST_BYTES = 128
 
 
-def check_layout(layout: Layout, site: LayoutSite, low_byte_first: bool) -> bool:
+def check_layout(layout: Layout, spec_place: SpecPlace, low_byte_first: bool) -> bool:
     """Return whether a layout is valid with the parameters of every order code, and report why if it is not.
 
-    ``site`` is the place of the layout in the spec. ``low_byte_first`` is true if the spec says so for this layout.
+    ``spec_place`` is the place of the layout in the spec. ``low_byte_first`` is true if the spec says so there.
     """
-    problems_before = len(site.context.report)
-    _check_length(layout, site)
+    problems_before = len(spec_place.context.report)
+    _check_length(layout, spec_place)
     for field in layout.fields:
-        _check_field(layout, field, replace(site, path=(*site.path, "fields", field.name)))
-    check_byte_orders(layout, site)
-    check_one_crc(layout, site)
-    _check_selected_values(layout, site)
+        _check_field(layout, field, replace(spec_place, path=(*spec_place.path, "fields", field.name)))
+    check_byte_orders(layout, spec_place)
+    check_one_crc(layout, spec_place)
+    _check_selected_values(layout, spec_place)
     if layout.unused and "unused" in layout.member_names:
         message = "decoded frames use the name 'unused' for all unused bits; rename the field"
-        site.report("duplicate-name", message, "fields", "unused")
-    check_joined(layout, site, low_byte_first)
-    return len(site.context.report) == problems_before
+        spec_place.report("duplicate-name", message, "fields", "unused")
+    check_joined(layout, spec_place, low_byte_first)
+    return len(spec_place.context.report) == problems_before
 
 
-def _check_length(layout: Layout, site: LayoutSite) -> None:
+def _check_length(layout: Layout, spec_place: SpecPlace) -> None:
     """Check the number of bits in a layout: whole bytes if it is carried as bytes, and not more than the maximum."""
     # A register is not sent by itself, so the limits for frames do not apply to it.
-    is_sent_as_bits = INTERFACES[site.interface].carried_as == "bits" and site.path[0] == "interfaces"
+    is_sent_as_bits = INTERFACES[spec_place.interface].carried_as == "bits" and spec_place.path[0] == "interfaces"
     if layout.in_bytes and (not layout.bits.is_constant or layout.bits.constant % 8):
         message = f"'{layout.name}' has {layout.bits.render()} bits, not a whole number of bytes"
         if is_sent_as_bits and not layout.bits.is_constant:
             message = (
                 f"'{layout.name}' has {layout.bits.render()} bits; a frame that is carried as bytes has one length"
             )
-        site.report("width-mismatch", message)
+        spec_place.report("width-mismatch", message)
     if not layout.in_bytes and layout.widest > LARGEST_NUMBER:
         message = f"'{layout.name}' has {layout.widest} bits; the maximum is {LARGEST_NUMBER}"
-        if layout.widest <= LARGEST_BYTES and site.interface != Spi.name:
+        if layout.widest <= LARGEST_BYTES and spec_place.interface != Spi.name:
             message += _remedy_for_long_frames(layout)
-        site.report("too-long", message)
+        spec_place.report("too-long", message)
     if layout.in_bytes and is_sent_as_bits and layout.widest > LARGEST_BYTES:
         sent_bits = layout.sent_bits.constant
-        site.report("too-long", f"'{layout.name}' has {sent_bits} bits; the maximum is {LARGEST_BYTES}")
+        spec_place.report("too-long", f"'{layout.name}' has {sent_bits} bits; the maximum is {LARGEST_BYTES}")
 
 
-def _check_selected_values(layout: Layout, site: LayoutSite) -> None:
+def _check_selected_values(layout: Layout, spec_place: SpecPlace) -> None:
     """Check that the values that select a layout exist in its selector, the field that distinguishes frames."""
     selector = next((field for field in layout.fields if field.name == layout.selector), None)
     named_numbers = [value.value for value in selector.values] if selector is not None else []
     for selecting_value in layout.selects:
         # A selector without named values can have any number.
         if named_numbers and selecting_value not in named_numbers:
-            site.report("undefined-reference", f"'{layout.selector}' has no value {selecting_value}", "when")
+            spec_place.report("undefined-reference", f"'{layout.selector}' has no value {selecting_value}", "when")
 
 
 def _remedy_for_long_frames(layout: Layout) -> str:
@@ -287,59 +290,59 @@ def _remedy_for_long_frames(layout: Layout) -> str:
     return f", or {LARGEST_BYTES} with 'carried_as: bytes' {condition}; {remedy}"
 
 
-def _check_field(layout: Layout, field: Field, site: LayoutSite) -> None:
+def _check_field(layout: Layout, field: Field, spec_place: SpecPlace) -> None:
     """Check the width, the kind and the code of a field. Only texts and filling zeros can have more than 64 bits."""
     kind = field.kind
     bits = field.widest
     is_filling = field.padding_of or field.fills_gap or field.fills_byte
     if bits > LARGEST_NUMBER and not isinstance(kind, Text) and not is_filling:
-        site.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
-    _check_kind(layout, field, site)
+        spec_place.report("too-long", f"'{field.name}' has {bits} bits; the maximum is {LARGEST_NUMBER}")
+    _check_kind(layout, field, spec_place)
     if kind.digit_code:
-        _check_digits(layout, field, site)
+        _check_digits(layout, field, spec_place)
 
 
-def _check_kind(layout: Layout, field: Field, site: LayoutSite) -> None:
+def _check_kind(layout: Layout, field: Field, spec_place: SpecPlace) -> None:
     """Check a field by its kind, regardless of its code and its maximum width."""
     kind = field.kind
     match kind:
         case Number():
-            _check_number(field, kind, site)
+            _check_number(field, kind, spec_place)
         case Flag():
-            _check_one_bit(field, "flag", site)
+            _check_one_bit(field, "flag", spec_place)
         case Parity():
-            _check_one_bit(field, "parity bit", site)
+            _check_one_bit(field, "parity bit", spec_place)
         case Choice():
-            _check_choice(field, kind, site)
+            _check_choice(field, kind, spec_place)
         case Constant() | Unused():
-            _check_fixed(field, kind, site)
+            _check_fixed(field, kind, spec_place)
         case Decimal():
-            _check_decimal(field, kind, site)
+            _check_decimal(field, kind, spec_place)
         case Text():
-            _check_text(field, site)
+            _check_text(field, spec_place)
         case CrcValue():
-            check_crc(layout, field, kind, site)
+            check_crc(layout, field, kind, spec_place)
         case _:
             assert_never(kind)
 
 
-def _check_number(field: Field, number: Number, site: LayoutSite) -> None:
+def _check_number(field: Field, number: Number, spec_place: SpecPlace) -> None:
     """Check that a power of two has bits for every order code, because a number without bits is 0."""
     if number.power_of_two:
-        _check_absent(field, "0 is not a power of two; remove 'power_of_two'", site)
+        _check_absent(field, "0 is not a power of two; remove 'power_of_two'", spec_place)
 
 
-def _check_digits(layout: Layout, field: Field, site: LayoutSite) -> None:
+def _check_digits(layout: Layout, field: Field, spec_place: SpecPlace) -> None:
     """Check that a field whose digits are sent separately is in a frame that can have them."""
-    problem = _problem_of_digits(layout, field, site)
+    problem = _problem_of_digits(layout, field, spec_place)
     if problem:
-        site.report("digit-code", f"'{field.name}' {problem}", "digit_code")
+        spec_place.report("digit-code", f"'{field.name}' {problem}", "digit_code")
 
 
-def _problem_of_digits(layout: Layout, field: Field, site: LayoutSite) -> str:
+def _problem_of_digits(layout: Layout, field: Field, spec_place: SpecPlace) -> str:
     """Return the reason the decimal digits of a field cannot be sent separately, with a fix, or "" if they can."""
     fix = "leave 'digit_code' out, and convert the number in your program"
-    if site.path[0] == "registers" or site.interface == Biss.name:
+    if spec_place.is_in_register or spec_place.interface == Biss.name:
         return f"is in a register or over BiSS, where numbers are binary; {fix}"
     if field.name in layout.names_in(layout.gray_of):
         return "has 'digit_code' and is also covered by 'gray'; remove one of them"
@@ -360,45 +363,45 @@ def _problem_of_digits(layout: Layout, field: Field, site: LayoutSite) -> str:
     return ""
 
 
-def _check_decimal(field: Field, decimal: Decimal, site: LayoutSite) -> None:
+def _check_decimal(field: Field, decimal: Decimal, spec_place: SpecPlace) -> None:
     """Check that every decimal number with these digits fits into the bits of the field."""
     if decimal.limit > 1 << field.widest:
-        site.report("value-too-wide", f"{decimal.digits} decimal digits do not fit into {field.widest} bits")
+        spec_place.report("value-too-wide", f"{decimal.digits} decimal digits do not fit into {field.widest} bits")
 
 
-def _check_text(field: Field, site: LayoutSite) -> None:
+def _check_text(field: Field, spec_place: SpecPlace) -> None:
     """Check that a text field has whole bytes, and as many as its documented text ``equals`` has characters."""
     fills_bits = not isinstance(field.equals, str) or 8 * len(field.equals) == field.widest
     if field.widest % 8 or not fills_bits:
-        site.report("width-mismatch", f"the text of '{field.name}' does not fill its {field.widest} bits")
+        spec_place.report("width-mismatch", f"the text of '{field.name}' does not fill its {field.widest} bits")
 
 
-def _check_one_bit(field: Field, kind_text: str, site: LayoutSite) -> None:
+def _check_one_bit(field: Field, kind_text: str, spec_place: SpecPlace) -> None:
     """Check that a flag or parity bit has exactly one bit, or, in a frame, no bit for some order codes."""
     subject = f"'{field.name}' is a {kind_text}"
     if field.width.is_constant:
         if field.width != Expression(1):
-            site.report("width-mismatch", f"{subject}, so it must have one bit, not {field.widest}")
+            spec_place.report("width-mismatch", f"{subject}, so it must have one bit, not {field.widest}")
         return
-    if site.path[0] == "registers":
+    if spec_place.is_in_register:
         message = (
             f"{subject} in a register, so it has one bit for all order codes, but 'bits' is {field.width.render()}"
         )
-        site.report("width-mismatch", f"{message}; remove 'bits'")
+        spec_place.report("width-mismatch", f"{message}; remove 'bits'")
         return
-    for parameters in site.parameter_sets:
+    for parameters in spec_place.parameter_sets:
         width = field.width.value(parameters)
         if width > 1:
             message = f"{subject}, so it has one bit or none, but it has {width}{values_text(parameters, field.width)}"
-            site.report("width-mismatch", f"{message}; use a parameter that is 0 or 1")
+            spec_place.report("width-mismatch", f"{message}; use a parameter that is 0 or 1")
             return
     if field.widest == 0:
         message = f"'{field.name}' has no bits, because '{field.width.render()}' is 0 for all order codes"
         remedy = "remove the field, or give the parameter 1 where it is sent, or 'max: 1' if it is read from a register"
-        site.report("width-mismatch", f"{message}; {remedy}")
+        spec_place.report("width-mismatch", f"{message}; {remedy}")
 
 
-def _check_choice(field: Field, choice: Choice, site: LayoutSite) -> None:
+def _check_choice(field: Field, choice: Choice, spec_place: SpecPlace) -> None:
     """Check that all named values fit into the field. If an order code lacks the field, one of them must be 0."""
     # If the width is constant, the rules on the text have already checked it.
     if not field.width.is_constant:
@@ -406,38 +409,38 @@ def _check_choice(field: Field, choice: Choice, site: LayoutSite) -> None:
             has_too_many_bits = value.value >> field.widest != 0
             if has_too_many_bits:
                 message = f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits"
-                site.report("value-too-wide", message)
+                spec_place.report("value-too-wide", message)
     has_zero = any(value.value == 0 for value in choice.values)
     if not has_zero:
-        _check_absent(field, "none of its values is 0; add one", site)
+        _check_absent(field, "none of its values is 0; add one", spec_place)
 
 
-def _check_fixed(field: Field, fixed: Constant | Unused, site: LayoutSite) -> None:
+def _check_fixed(field: Field, fixed: Constant | Unused, spec_place: SpecPlace) -> None:
     """Check that a constant, or the value of unused bits, fits into the field for all order codes that have it.
 
     If an order code lacks the field, a constant must be 0.
     """
-    widths = [field.width.value(parameters) for parameters in site.parameter_sets]
+    widths = [field.width.value(parameters) for parameters in spec_place.parameter_sets]
     # An order code with a width of 0 does not have the field.
     narrowest = min((width for width in widths if width), default=field.widest)
     if not field.width.is_constant and fixed.value >> narrowest:
         key = "unused" if isinstance(fixed, Unused) else "constant"
         noun = "bits" if narrowest > 1 else "bit"
         message = f"'{key}' is {fixed.value:#x}, which does not fit into {narrowest} {noun}"
-        site.report("value-too-wide", message)
+        spec_place.report("value-too-wide", message)
     if isinstance(fixed, Constant) and fixed.value:
-        _check_absent(field, f"'constant' is {fixed.value:#x}; use 0, or a constant width", site)
+        _check_absent(field, f"'constant' is {fixed.value:#x}; use 0, or a constant width", spec_place)
 
 
-def _check_absent(field: Field, reason: str, site: LayoutSite) -> None:
+def _check_absent(field: Field, reason: str, spec_place: SpecPlace) -> None:
     """Report a field that has no bits for an order code, although its kind does not allow 0.
 
     A field without bits reads as 0, so all frames of this order code would be rejected. ``reason`` says why 0 is not
     allowed.
     """
-    for parameters in site.parameter_sets:
+    for parameters in spec_place.parameter_sets:
         if field.width.value(parameters) == 0:
             parameter_texts = ", ".join(f"{name} = {parameters[name]}" for name in field.width.parameters)
             message = f"'{field.name}' has no bits with {parameter_texts} and reads as 0, but {reason}"
-            site.report("value-too-wide", message)
+            spec_place.report("value-too-wide", message)
             return

@@ -6,7 +6,7 @@ are expressions. Overlaps and negative widths are found with the parameters of e
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from ..language.problems import Path
@@ -14,104 +14,94 @@ from ..language.rules.shapes import PLACES
 from ..model import INTERFACES, Constant, Field, Join, Layout, LayoutRange
 from ..model.expressions import Expression
 from ..model.kinds import WIDEST
-from ..model.record import dataclass
-from .byte_orders import with_byte_orders
-from .fields import (
-    LayoutContext,
-    LayoutSite,
-    bit_range,
-    bit_slices_of,
-    build_combinations,
-    expected_value,
-    kind_of,
-    with_joins_covered,
-    zero_field,
-)
-from .frame_kinds import with_unknown_verdicts
-from .from_mapping import Raw, build_part, sources
-from .gaps import (
+from .bit_coverage import (
     ZERO,
-    bits_text,
+    UnplacedItem,
     check_all_bits_covered,
+    check_items_fit,
     content_of_gaps,
+    expand_groups,
     in_whole_bytes,
     values_text,
     with_places,
     with_zeros,
 )
+from .fields import (
+    LayoutContext,
+    SpecPlace,
+    bit_range,
+    bit_slices_of,
+    build_combinations,
+    expected_value,
+    kind_of,
+    with_byte_orders,
+    with_joins_covered,
+    zero_field,
+)
+from .frame_kinds import with_unknown_verdicts
 from .layout_rules import check_layout
-
-#: More bits than any frame has. Without this limit, a typo could take hours to process.
-_MAX_BITS = 100_000
+from .spec_parts import Raw, build_part, sources
 
 
-@dataclass(frozen=True)
-class UnplacedItem:
-    """A field, or a whole group of fields, whose place in the layout may not be known yet."""
-
-    #: Definition in the spec. For a whole group, this has only the key ``group``, with the items of its fields.
-    raw: Raw
-    path: Path
-    #: Name of the group that the field comes from, or "".
-    group: str
-    width: Expression
-    #: Width with padding.
-    span: Expression
-    #: Lowest bit: in the group for a field of a group, and otherwise in the layout.
-    low: Expression = ZERO
-
-
-def build_layout(raw_layout: Raw, site: LayoutSite, total: int | None = None) -> Layout | None:
+def build_layout(raw_layout: Raw, spec_place: SpecPlace, register_bits: int | None = None) -> Layout | None:
     """Return the layout of a frame or register in a spec, or report why it is not valid and return None.
 
     Args:
         raw_layout: The frame or register. Its ``fields`` have passed the schema.
-        site: The place of the layout in the spec, and its interface.
-        total: The number of bits in a register. For a frame, it is None, because the fields determine it.
+        spec_place: The place of the layout in the spec, and its interface.
+        register_bits: The number of bits in a register. For a frame, it is None, because the fields determine it.
     """
-    is_frame = total is None
-    default_carrier = INTERFACES[site.interface].carried_as if is_frame else "bytes"
+    is_frame = register_bits is None
+    default_carrier = INTERFACES[spec_place.interface].carried_as if is_frame else "bytes"
     byte_order = _byte_order(raw_layout, default_carrier)
-    low_first = byte_order == "low_byte_first"
-    items_and_bits = _place_items(raw_layout, site, total, low_first)
-    if items_and_bits is None:
+    low_byte_first = byte_order == "low_byte_first"
+    items_and_width = _place_items(raw_layout, spec_place, register_bits, low_byte_first)
+    if items_and_width is None:
         return None
-    items, bits = items_and_bits
-    gaps = content_of_gaps(raw_layout, site.context)
-    fields = _with_gap_fields(items, bits, gaps, site)
+    items, bits = items_and_width
+    gap_content = content_of_gaps(raw_layout, spec_place.context)
+    fields = _with_gap_fields(items, bits, gap_content, spec_place)
     if fields is None:
         return None
-    if byte_order == "high_byte_first" and is_frame and INTERFACES[site.interface].carried_as == "bits":
+    if byte_order == "high_byte_first" and is_frame and INTERFACES[spec_place.interface].carried_as == "bits":
         # The interface sends bits, but the frame is carried as bytes, so zeros fill its first byte.
         fields, bits = in_whole_bytes(fields, bits)
     fields = with_byte_orders(fields, byte_order)
     if byte_order:
-        length = site.widest(bits) // 8
-        fields = [replace(field, bit_slices=bit_slices_of(field, length, low_first)) for field in fields]
-    fields = with_joins_covered(raw_layout, fields, site)
-    if not (is_frame and low_first):
+        length = spec_place.widest(bits) // 8
+        fields = [replace(field, bit_slices=bit_slices_of(field, length, low_byte_first)) for field in fields]
+    fields = with_joins_covered(raw_layout, fields, spec_place)
+    if not (is_frame and low_byte_first):
         # The lowest bits come first in ``fields``, but last in transmission order.
         fields = fields[::-1]
-    layout = _build_layout(raw_layout, site, byte_order=byte_order, bits=bits, fields=fields, gaps=gaps)
+    layout = _build_layout(
+        raw_layout, spec_place, byte_order=byte_order, bits=bits, fields=fields, gap_content=gap_content
+    )
     # A layout that is carried as bits can also send the low byte first.
-    is_low_byte_first = raw_layout.get("byte_order") == "low_byte_first"
-    if not check_layout(layout, site, is_low_byte_first):
+    states_low_byte_first = raw_layout.get("byte_order") == "low_byte_first"
+    if not check_layout(layout, spec_place, states_low_byte_first):
         return None
-    return with_unknown_verdicts(layout, raw_layout["fields"], site) if is_frame else layout
+    return with_unknown_verdicts(layout, raw_layout["fields"], spec_place) if is_frame else layout
 
 
 def _build_layout(
-    raw_layout: Raw, site: LayoutSite, *, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str
+    raw_layout: Raw,
+    spec_place: SpecPlace,
+    *,
+    byte_order: str,
+    bits: Expression,
+    fields: Sequence[Field],
+    gap_content: str,
 ) -> Layout:
     """Return the layout with these fields, which are in transmission order.
 
-    ``gaps`` is the content of the bits that belong to no field: ``zero``, ``unspecified`` or "".
+    ``gap_content`` is the content of the bits that belong to no field: ``zero``, ``unspecified`` or "".
     """
-    gray = raw_layout.get("gray", {})
-    selector, selects = "", ()
+    raw_gray = raw_layout.get("gray", {})  # Which number is sent in Gray code.
+    selector, selecting_values = "", ()
     # ``when`` has at most one entry: the field that identifies the layout, and the values that select it.
-    for name, values in raw_layout.get("when", {}).items():
-        selector, selects = name, tuple(values)
+    for field_name, field_values in raw_layout.get("when", {}).items():
+        selector, selecting_values = field_name, tuple(field_values)
     return build_part(
         Layout,
         raw_layout,
@@ -119,17 +109,17 @@ def _build_layout(
         in_bytes=byte_order != "",
         byte_order=byte_order,
         bits=bits,
-        widest=site.widest(bits),
+        widest=spec_place.widest(bits),
         fields=tuple(fields),
         joins=tuple(_joins_of_fields(raw_layout, fields)),
         selector=selector,
-        selects=selects,
-        gaps=gaps,
-        gray_of=gray.get("of", ""),
-        gray_when=gray.get("when", ""),
-        gray_excess=site.context.expressions(gray, ("excess",))["excess"],
+        selects=selecting_values,
+        gaps=gap_content,
+        gray_of=raw_gray.get("of", ""),
+        gray_when=raw_gray.get("when", ""),
+        gray_excess=spec_place.context.expressions(raw_gray, ("excess",))["excess"],
         combinations=build_combinations(raw_layout),
-        position_range=_build_position_range(raw_layout, site.context),
+        position_range=_build_position_range(raw_layout, spec_place.context),
     )
 
 
@@ -165,66 +155,66 @@ def _byte_order(raw_layout: Raw, carried_as: str) -> str:
 
 
 def _place_items(
-    raw_layout: Raw, site: LayoutSite, total: int | None, low_first: bool
+    raw_layout: Raw, spec_place: SpecPlace, register_bits: int | None, low_byte_first: bool
 ) -> tuple[list[UnplacedItem], Expression] | None:
     """Return the fields of a layout with their places, and the width of the layout.
 
     If one field states its place, all are placed by bit number. Otherwise, they are in transmission order, and must
-    fill the ``total`` bits of a register. ``low_first`` is true if the lowest byte is sent first. If the fields are not
-    valid or do not fit, this is reported, and the result is None.
+    fill the ``register_bits`` of a register. ``low_byte_first`` is true if the lowest byte is sent first. If the fields
+    are not valid or do not fit, this is reported, and the result is None.
     """
-    items = _build_items(raw_layout.get("fields", ()), (*site.path, "fields"), site.context, low_first)
+    items = _build_items(raw_layout.get("fields", ()), (*spec_place.path, "fields"), spec_place.context, low_byte_first)
     if items is None:
         return None
     single_fields = [field_item for field_item in items if not field_item.group]
     have_places = any(_is_placed(field_item.raw) for field_item in single_fields)
     if have_places:
-        layout_bits = _highest_used_bit(items, site) + 1 if total is None else total
+        layout_bits = _highest_used_bit(items, spec_place) + 1 if register_bits is None else register_bits
         bits = Expression(layout_bits)
     else:
-        items, bits = _place_in_sequence(items, low_first)
-        if total is not None and not _check_total_width(bits, total, site):
+        items, bits = _place_in_sequence(items, low_byte_first)
+        if register_bits is not None and not _check_total_width(bits, register_bits, spec_place):
             return None
-    return (items, bits) if _check_items_fit(items, bits, site) else None
+    return (items, bits) if check_items_fit(items, bits, spec_place) else None
 
 
 def _with_gap_fields(
-    items: Sequence[UnplacedItem], bits: Expression, gaps: str, site: LayoutSite
+    items: Sequence[UnplacedItem], bits: Expression, gap_content: str, spec_place: SpecPlace
 ) -> list[Field] | None:
     """Return the fields of a layout, beginning with the lowest, or report a problem and return None.
 
-    ``gaps`` is the content of the bits that belong to no field. If it is ``zero``, each gap gets a field of zeros, and
-    the order of the fields must be the same for all order codes. If it is "", there must be no such bits.
+    ``gap_content`` is the content of the bits that belong to no field. If it is ``zero``, each gap gets a field of
+    zeros, and the order of the fields must be the same for all order codes. If it is "", there must be no such bits.
     """
     fields: list[Field] = []
     for field_item in items:
-        fields += _build_fields(field_item, site)
-    fields = with_places(fields, site)
-    if not check_all_bits_covered(fields, bits, gaps, site):
+        fields += _build_fields(field_item, spec_place)
+    fields = with_places(fields, spec_place)
+    if not check_all_bits_covered(fields, bits, gap_content, spec_place):
         return None
-    return with_zeros(fields, bits, site) if gaps == "zero" else fields
+    return with_zeros(fields, bits, spec_place) if gap_content == "zero" else fields
 
 
 def _build_items(
-    raw_fields: Sequence[Raw], path: Path, context: LayoutContext, low_first: bool
+    raw_fields: Sequence[Raw], path: Path, context: LayoutContext, low_byte_first: bool
 ) -> list[UnplacedItem] | None:
     """Return the fields and groups of a layout without their places, unless they state them.
 
     If one of them is not valid, this is reported elsewhere, and the result is None.
     """
-    items = [_build_item(raw, (*path, index), context, low_first) for index, raw in enumerate(raw_fields)]
+    items = [_build_item(raw, (*path, index), context, low_byte_first) for index, raw in enumerate(raw_fields)]
     valid_items = [field_item for field_item in items if field_item is not None]
     return valid_items if len(valid_items) == len(items) else None
 
 
-def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> UnplacedItem | None:
+def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_byte_first: bool) -> UnplacedItem | None:
     """Return a field or a whole group of fields, with its width, or None if it is not valid.
 
     If the field states its place, the result contains it. Otherwise, the place is 0 until it is known. The span is the
     number of bits that the field occupies: its width, or ``padded_to`` bits.
     """
     if "use" in raw_field:
-        return _build_group_item(raw_field, path, context, low_first)
+        return _build_group_item(raw_field, path, context, low_byte_first)
     width = _width_of_field(raw_field, context)
     if width is None:
         return None
@@ -235,30 +225,32 @@ def _build_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: b
     return UnplacedItem(raw_field, path, group="", width=width, span=span, low=low)
 
 
-def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_first: bool) -> UnplacedItem | None:
+def _build_group_item(raw_field: Raw, path: Path, context: LayoutContext, low_byte_first: bool) -> UnplacedItem | None:
     """Return a whole group of fields that a layout uses, or None if there is no such group or it is not valid."""
     if raw_field["use"] not in context.groups:
         return None
     group, group_path = context.groups[raw_field["use"]]
-    group_items = _build_items_of_group(group, group_path, context, low_first)
+    group_items = _build_items_of_group(group, group_path, context, low_byte_first)
     if group_items is None:
         return None
     width = Expression(group["bits"])
     return UnplacedItem({"group": group_items}, path, group=raw_field["use"], width=width, span=width)
 
 
-def _build_items_of_group(group: Raw, path: Path, context: LayoutContext, low_first: bool) -> list[UnplacedItem] | None:
+def _build_items_of_group(
+    group: Raw, path: Path, context: LayoutContext, low_byte_first: bool
+) -> list[UnplacedItem] | None:
     """Return the fields of a group with their places in the group, or None if they are not valid.
 
     Fields that are listed in transmission order must have as many bits as the group states.
     """
     # A field without a citation has the citation of the group.
     raw_fields = [{"source": group["source"], **raw} for raw in group["fields"]]
-    group_items = _build_items(raw_fields, (*path, "fields"), context, low_first)
+    group_items = _build_items(raw_fields, (*path, "fields"), context, low_byte_first)
     if group_items is None:
         return None
     if not any(_is_placed(field_item.raw) for field_item in group_items):
-        group_items, bits = _place_in_sequence(group_items, low_first)
+        group_items, bits = _place_in_sequence(group_items, low_byte_first)
         if bits != Expression(group["bits"]):
             context.report.add(
                 "width-mismatch",
@@ -308,136 +300,57 @@ def _lowest_bit_of_field(raw_field: Raw, width: Expression, path: Path, context:
     return Expression(low)
 
 
-def _place_in_sequence(items: Sequence[UnplacedItem], low_first: bool) -> tuple[list[UnplacedItem], Expression]:
+def _place_in_sequence(items: Sequence[UnplacedItem], low_byte_first: bool) -> tuple[list[UnplacedItem], Expression]:
     """Return the fields placed next to each other, and their total width. They are and stay in transmission order.
 
-    The field that is sent last begins at bit 0, or, if ``low_first`` is true, the field that is sent first.
+    The field that is sent last begins at bit 0, or, if ``low_byte_first`` is true, the field that is sent first.
     """
-    from_lowest = list(items) if low_first else list(reversed(items))
+    from_lowest = list(items) if low_byte_first else list(reversed(items))
     placed_items = []
     next_low = ZERO
     for field_item in from_lowest:
         placed_items.append(replace(field_item, low=next_low))
         next_low += field_item.span
-    in_sending_order = placed_items if low_first else placed_items[::-1]
+    in_sending_order = placed_items if low_byte_first else placed_items[::-1]
     return in_sending_order, next_low
 
 
-def _expand_groups(items: Iterable[UnplacedItem]) -> Iterable[UnplacedItem]:
-    """Yield individual fields at their places in the layout. A group is replaced by its fields."""
-    for field_item in items:
-        if "group" not in field_item.raw:
-            yield field_item
-            continue
-        for group_field in field_item.raw["group"]:
-            yield replace(group_field, low=field_item.low + group_field.low)
-
-
-def _highest_used_bit(items: Sequence[UnplacedItem], site: LayoutSite) -> int:
+def _highest_used_bit(items: Sequence[UnplacedItem], spec_place: SpecPlace) -> int:
     """Return the highest bit that a field uses for any order code."""
-    return max(site.widest(field_item.low + field_item.span) for field_item in _expand_groups(items)) - 1
+    return max(spec_place.widest(field_item.low + field_item.span) for field_item in expand_groups(items)) - 1
 
 
-def _check_total_width(bits: Expression, total: int, site: LayoutSite) -> bool:
-    """Return whether the fields of a register have ``total`` bits for every order code, and report if not."""
-    for parameters in site.parameter_sets:
+def _check_total_width(bits: Expression, register_bits: int, spec_place: SpecPlace) -> bool:
+    """Return whether the fields of a register fill its bits for every order code, and report if not."""
+    for parameters in spec_place.parameter_sets:
         field_bits = bits.value(parameters)
-        if field_bits != total:
-            message = f"the fields have {field_bits} bits{values_text(parameters, bits)}, but the register has {total}"
-            site.report("width-mismatch", message)
+        if field_bits != register_bits:
+            problem = f"the fields have {field_bits} bits{values_text(parameters, bits)}"
+            spec_place.report("width-mismatch", f"{problem}, but the register has {register_bits}")
             return False
     return True
 
 
-def _check_items_fit(items: Sequence[UnplacedItem], bits: Expression, site: LayoutSite) -> bool:
-    """Return whether every field has a valid width, is inside the layout and overlaps no other field.
-
-    If not, report the problems for the first order code. ``bits`` is the width of the layout.
-    """
-    field_items = list(_expand_groups(items))
-    for parameters in site.parameter_sets:  # The parameters of each order code, such as {"position_bits": 24}.
-        total = bits.value(parameters)
-        if total > _MAX_BITS:
-            message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MAX_BITS}"
-            site.report("too-long", message)
-            return False
-        if not _check_fit(field_items, total, parameters, site):
-            return False
-    return True
-
-
-def _check_fit(
-    field_items: Sequence[UnplacedItem], total: int, parameters: Mapping[str, int], site: LayoutSite
-) -> bool:
-    """Return whether the fields fit into ``total`` bits with the parameters of an order code, and report if not.
-
-    Each overlap of two fields is reported, but only the first field with an invalid width or place.
-    """
-    has_overlap = False
-    occupied: list[tuple[range, UnplacedItem]] = []
-    for field_item in field_items:
-        width = field_item.width.value(parameters)
-        low = field_item.low.value(parameters)
-        bits = range(low, low + field_item.span.value(parameters))
-        condition = values_text(parameters, field_item.width, field_item.low)
-        problem = _range_problem(field_item, width, bits, total, condition)
-        if problem is not None:
-            rule, message = problem
-            site.context.report.add(rule, field_item.path, message)
-            return False
-        if width == 0:  # This order code does not have the field.
-            continue
-        for other_bits, other_item in occupied:
-            lowest_common = max(bits.start, other_bits.start)
-            highest_common = min(bits.stop, other_bits.stop) - 1
-            if lowest_common <= highest_common:
-                names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
-                message = f"{names} both use {bits_text(highest_common, lowest_common)}{condition}"
-                site.context.report.add("bit-overlap", field_item.path, message)
-                has_overlap = True
-        occupied.append((bits, field_item))
-    return not has_overlap
-
-
-def _range_problem(
-    field_item: UnplacedItem, width: int, bits: range, total: int, condition: str
-) -> tuple[str, str] | None:
-    """Return the rule and the message if a field has an invalid width or is outside the layout, or None.
-
-    ``bits`` are the bits of the field with its padding. ``condition`` is a text on the parameters, such as `` with
-    spare_bits = 3``.
-    """
-    name = field_item.raw.get("name", "")
-    span = bits.stop - bits.start
-    if width < 0 or width > span:
-        padding = f", but it is padded to {span}" if width > span else ""
-        return "width-mismatch", f"'{name}' has {width} bits{condition}{padding}"
-    if bits.start < 0 or bits.stop > total:
-        place = bits_text(bits.stop - 1, bits.start)
-        return "bit-out-of-range", f"'{name}' uses {place}{condition}, but there are only bits {total - 1} to 0"
-    return None
-
-
-def _build_fields(field_item: UnplacedItem, site: LayoutSite) -> Iterable[Field]:
+def _build_fields(field_item: UnplacedItem, spec_place: SpecPlace) -> Iterable[Field]:
     """Yield a field and its padding, if it has any, or all fields of a group."""
-    for expanded_item in _expand_groups([field_item]):
+    for expanded_item in expand_groups([field_item]):
         raw = expanded_item.raw
         width = expanded_item.width
-        widest = site.widest(width)
+        widest = spec_place.widest(width)
         container = raw.get("padded_to", 0)
         if "scale" in raw and widest > WIDEST:
             message = f"'{raw['name']}' has {widest} bits; a number with 'scale' has at most {WIDEST}"
-            site.context.report.add("scale-of", (*expanded_item.path, "scale"), message, at_key=True)
+            spec_place.context.report.add("scale-of", (*expanded_item.path, "scale"), message, at_key=True)
         yield build_part(
             Field,
             raw,
-            kind=kind_of(raw, site.context, site.interface, width),
+            kind=kind_of(raw, spec_place.context, spec_place.interface, width),
             low=expanded_item.low,
             width=width,
             widest=widest,
             group=expanded_item.group,
             container=container,
-            equals=expected_value(raw, site.context),
+            equals=expected_value(raw, spec_place.context),
         )
         if container:
             padding_bits = expanded_item.span - width
@@ -447,6 +360,6 @@ def _build_fields(field_item: UnplacedItem, site: LayoutSite) -> Iterable[Field]
                 constant=padding,
                 low=expanded_item.low + width,
                 width=padding_bits,
-                site=site,
+                spec_place=spec_place,
                 source=sources(raw),
             )

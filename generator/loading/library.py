@@ -19,12 +19,11 @@ from ..language.problems import ProblemReport, join_words
 from ..language.read import read_document, read_specs
 from ..model import Device, Manufacturer
 from .device import build_device
-from .editions import check_editions, edition_of, errata_of_other_editions
-from .evidence import read_counts, read_history
-from .from_mapping import build_manufacturer
+from .history import check_editions, edition_of, errata_of_other_editions, read_counts, read_history
+from .manufacturer_rules import check_shared_facts
 from .overlays import Family as Family
 from .overlays import apply_overlays, is_overlay, overlays_beside
-from .shared_facts import check_shared_facts
+from .spec_parts import build_manufacturer
 from .stored import store_device, stored_device
 
 #: Names that the Python package of a manufacturer cannot have.

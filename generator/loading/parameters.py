@@ -17,7 +17,7 @@ from ..model import Alternative, CodedValue, Device, Interface, Layout, Paramete
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..order_codes.parameters import State, coded_states, extreme_combinations
 from .fields import LayoutContext, bit_range
-from .from_mapping import Raw
+from .spec_parts import Raw
 
 _BITS_ENDING = "_bits"
 _NAME_IN_TEXT = re.compile(r"[a-z][a-z0-9_]*")
@@ -77,8 +77,8 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
     if layout.sender != "encoder" or not has_number:
         return ""
     for variant in device.variants_over(interface.name):
-        placed = layout.place(variant.parameters)
-        placed_fields = placed.find_fields(layout.names_in(name))
+        placed_layout = layout.place(variant.parameters)
+        placed_fields = placed_layout.find_fields(layout.names_in(name))
         width = sum(field.width for field in placed_fields)
         value = variant.parameters.get(parameter.name)
         if placed_fields and value not in (None, width):
@@ -86,7 +86,7 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
     return ""
 
 
-def check_reach(raw_spec: Raw, context: LayoutContext, variants: Sequence[Variant]) -> bool:
+def check_expression_values(raw_spec: Raw, context: LayoutContext, variants: Sequence[Variant]) -> bool:
     """Return whether every expression in a spec has a value, and report the expressions that have none.
 
     An expression needs a value for each order code of the interface that uses it. The formula of a parameter (its
@@ -134,7 +134,7 @@ def _error_of_expression(expression_text: int | str, parameters: Mapping[str, in
     return ""
 
 
-def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int]:
+def factory_defaults(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int]:
     """Return the factory defaults of the parameters that registers hold at run time, and check their definitions.
 
     Parameters that order codes set are left out. If a default cannot be determined, it is replaced by the highest value
@@ -152,7 +152,7 @@ def held_in_registers(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int
             continue
         low_and_width = _lowest_bit_and_width(field)
         if low_and_width is None:
-            message = f"'{definition['read_from']}' must be placed with 'at' and a constant width"
+            message = f"'{definition['read_from']}' must be placed_layout with 'at' and a constant width"
             report.add("undefined-reference", ("parameters", name, "read_from"), message)
             defaults[name] = definition.get("max", 0)
             continue
@@ -344,7 +344,7 @@ def parameter_sets(
         if interface_and_values not in known_sets:
             known_sets.add(interface_and_values)
             sets_by_interface.setdefault(interface, []).append(resolve_parameters(parameters, definitions))
-        if len(known_sets) > MOST_SETS:  # ``too_much_work`` reports the spec.
+        if len(known_sets) > MOST_SETS:  # ``exceeds_work_limit`` reports the spec.
             break
     # An interface that no order code has is reported elsewhere. Its layouts are checked with the parameters of the
     # other interfaces.
@@ -382,10 +382,10 @@ def _values_set_by_codes(
         yield interface, parameters_of_code
 
 
-def too_much_work(raw_spec: Raw, context: LayoutContext) -> bool:
+def exceeds_work_limit(raw_spec: Raw, context: LayoutContext) -> bool:
     """Return whether checking a spec would take too long, and report it.
 
-    Each field is placed once for each set of parameters, so the numbers of both are limited.
+    Each field is placed_layout once for each set of parameters, so the numbers of both are limited.
     """
     number_of_sets = sum(map(len, context.parameter_sets.values()))
     spec = WrittenSpec(dict(raw_spec))

@@ -10,9 +10,9 @@ from ..language.document import Path
 from ..language.problems import DocumentReport
 from ..model import Device, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression, is_power_of_two
-from ..model.key_types import LARGEST
+from ..model.keys_and_members import LARGEST
 from ..model.record import dataclass
-from .gray_positions import KeyProblem, check_gray_positions
+from .position_encoding import KeyProblem, check_gray_positions
 
 #: A power of two minus one is assumed to be the highest count, not the number of counts, if it is at least this number.
 _SMALLEST_HIGHEST_COUNT = 15
@@ -123,7 +123,7 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
         for layout in interface.layouts:
             owner = ("interfaces", interface.name, "layouts", layout.name)
             # The position consists of one or several fields.
-            for field in layout.find_fields(layout.names_in(measurement.of)):
+            for field in layout.find_fields(layout.names_in(measurement.position_name)):
                 owner_of_field = ("field_groups", field.group) if field.group else owner
                 path: Path = (*owner_of_field, "fields", field.name, "scale")
                 if field.scale is not None and path not in reported:
@@ -138,7 +138,7 @@ def _yield_cases(device: Device, interface: Interface, measurement: Measurement)
     for layout in sent_layouts:
         measurement_in_layout = measurement.within(layout.position_range)
         expressions = _expressions_of(measurement_in_layout)
-        names = layout.names_in(measurement.of)
+        names = layout.names_in(measurement.position_name)
         for variant in device.variants_over(interface.name):
             placed_fields = layout.place(variant.parameters).find_fields(names)
             yield _Case(
@@ -249,7 +249,7 @@ def _width_problem(case: _Case) -> KeyProblem | None:
     total_counts = case.counts * turns
     turns_text = f" × {turns} turns" if turns > 1 else ""
     counts_text = f"{case.counts} counts{turns_text}"
-    width_text = f"'{measurement.of}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
+    width_text = f"'{measurement.position_name}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
     # A number whose digits are sent separately is always a single field.
     code = case.layout.field(case.fields[0].name).code_of_digits
     highest_in_bits = (1 << case.width) - 1 if code is None else code.highest(case.width)
@@ -345,7 +345,9 @@ def _order_problem(case: _Case) -> KeyProblem | None:
     for above, below in pairwise(case.fields):
         is_wrong_by_units = below.counts_revolutions and not above.counts_revolutions
         if is_wrong_by_units or _is_wrong_by_widths(case):
-            message = f"'{case.measurement.of}' has '{below.name}', which counts revolutions, below '{above.name}'"
+            message = (
+                f"'{case.measurement.position_name}' has '{below.name}', which counts revolutions, below '{above.name}'"
+            )
             return KeyProblem(case.counts_key, f"{message}; list '{below.name}' first in its 'join'")
     return None
 

@@ -1,16 +1,18 @@
-"""Compare facts that a spec states more than once."""
+"""Compare facts that a spec states more than once, also the numbers of bits in its texts."""
 
 from __future__ import annotations
 
 import re
-from itertools import count
+from collections.abc import Sequence
+from itertools import chain, count
 
 from ..language.document import Path
-from ..language.problems import DocumentReport
+from ..language.problems import DocumentReport, join_words, quoted
 from ..language.rules.code_meanings import MEANING_DIFFERS
 from ..model import Biss, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
-from .from_mapping import Raw
+from .frame_kinds import check_selector_places
+from .spec_parts import Raw
 
 #: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
 _COUNT_IN_MEANING = re.compile(
@@ -33,7 +35,7 @@ def check_agreement(raw_spec: Raw, device: Device, report: DocumentReport) -> No
     _check_biss_id(device, report)
     _check_meanings(raw_spec, device, report)
     _check_bits_named(raw_spec, device, report)
-    _check_selectors(device, report)
+    check_selector_places(device, report)
 
 
 def _check_default(device: Device, register: Register, path: Path, report: DocumentReport) -> None:
@@ -46,11 +48,11 @@ def _check_default(device: Device, register: Register, path: Path, report: Docum
     if default is None or has_too_many_bits:
         return  # The check of the limits reports too many bits.
     for variant in device.variants_over(register.interface):
-        placed = register.layout.place(variant.parameters)
-        decoded = codec.decode(device, placed, default)
+        placed_layout = register.layout.place(variant.parameters)
+        decoded = codec.decode(device, placed_layout, default)
         # Only constants are checked here. The check of the limits reports numbers without a name.
         contradictions = [problem.message for problem in decoded.problems if problem.fault is Fault.CONSTANT]
-        for placed_field in placed.fields:
+        for placed_field in placed_layout.fields:
             value = decoded.values.get(placed_field.name)
             contradictions.append(_describe_contradiction(placed_field, default, value, variant))
         problem = next(filter(None, contradictions), "")
@@ -289,12 +291,12 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
     for interface, layout in device.layouts():
         if interface.name != variant.interface:
             continue
-        placed = layout.place(variant.parameters)
+        placed_layout = layout.place(variant.parameters)
         # The position consists of one or several fields, or of none if the frame does not contain it.
-        position_names = layout.names_in(measurement.of)
-        position_fields = placed.find_fields(position_names)
+        position_names = layout.names_in(measurement.position_name)
+        position_fields = placed_layout.find_fields(position_names)
         if layout.sender == "encoder" and position_fields:
-            widths |= {placed.bits, sum(field.width for field in position_fields)}
+            widths |= {placed_layout.bits, sum(field.width for field in position_fields)}
     return widths
 
 
@@ -312,33 +314,117 @@ def _numbers_of_code(device: Device, variant: Variant) -> set[int]:
     return numbers
 
 
-def _check_selectors(device: Device, report: DocumentReport) -> None:
-    """Check that the same bits distinguish all frames of a sender, at the same place for every order code.
+_NUMBERS = r"\d+(?:, \d+)*(?: (?:or|and) \d+)?"
+#: Lengths in a text: ``The frame has 32 bits at 50 µm and 33 bits at 1 µm``, or ``The word has 21, 23 or 26 bits``.
+_LENGTH_IN_TEXT = re.compile(
+    rf"\bThe (?:frame|word) has (?P<numbers>{_NUMBERS}) bits(?: at [^.,;]*? and (?P<others>\d+) bits)?(?= at\b|[.,;]|$)"
+)
+#: The lengths of a word that only contains the position: ``The word has as many bits as the position, 17 to 39``.
+_LENGTH_RANGE_IN_TEXT = re.compile(
+    r"\bThe (?:frame|word) has as many bits as the position, (?P<least>\d+) to (?P<most>\d+)\b"
+)
+#: Numbers of bits that a parameter can have, at the end of its meaning: ``Width of the field, 24 or 25 bits``.
+_OF_PARAMETER = re.compile(r", (?P<numbers>\d+(?:, \d+)* or \d+) bits$")
+_NUMBER = re.compile(r"\d+")
 
-    The key ``when`` of a layout names the field that distinguishes it, the selector.
+
+def check_stated_lengths(device: Device, report: DocumentReport) -> None:
+    """Report a note on a layout, or an erratum about it, that states a length that its frames do not have.
+
+    A list of lengths, such as ``21, 23 or 26``, must contain the lengths for all order codes. An erratum that counts
+    the lengths is checked too.
     """
+    if report.document.family or report.document.other_files:
+        return
+    _check_counted_lengths(device, report)
     for interface in device.interfaces:
-        first_by_sender: dict[str, tuple[str, object]] = {}
         for layout in interface.layouts:
-            if not layout.selector:
+            variants = device.variants_over(interface.name)
+            lengths = sorted({layout.place(variant.parameters).bits for variant in variants})
+            if not lengths:
                 continue
-            path: Path = ("interfaces", interface.name, "layouts", layout.name, "when")
-            field = next((candidate for candidate in layout.fields if candidate.name == layout.selector), None)
-            if field is None:
-                continue  # Reported by the rule on references.
-            has_fixed_place = bool(field.bit_slices)
-            if not has_fixed_place:
-                report.add(
-                    "selector-place",
-                    path,
-                    f"the position of '{layout.selector}' depends on the order code; bits that identify a frame must"
-                    " have a fixed position",
-                )
-                continue
-            first_name, first_bits = first_by_sender.setdefault(layout.sender, (layout.name, field.bit_slices))
-            if first_bits != field.bit_slices:
-                message = (
-                    f"'{layout.selector}' is not at the same position as in '{first_name}'; the same bits must"
-                    " distinguish all frames of a sender"
-                )
-                report.add("selector-place", path, message)
+            note_path = ("interfaces", interface.name, "layouts", layout.name, "note")
+            _check_text(note_path, layout.note, lengths, report)
+            # In errata, paths do not contain the key ``layouts``.
+            affected = f"interfaces.{interface.name}.{layout.name}"
+            for erratum in device.errata:
+                if affected in erratum.affects:
+                    _check_text(("errata", erratum.name, "used"), erratum.used, lengths, report)
+
+
+_NUMBER_WORDS = "two three four five six seven eight nine ten".split()
+_COUNT_OF_LENGTHS = re.compile(rf"\bhave (?P<count>{'|'.join(_NUMBER_WORDS)}) different data lengths\b")
+
+
+def check_stated_bits(device: Device, report: DocumentReport) -> None:
+    """Report a parameter whose meaning ends with numbers of bits that differ from its values for the order codes."""
+    if report.document.family or report.document.other_files:
+        return
+    for parameter in device.parameters:
+        match = _OF_PARAMETER.search(parameter.meaning)
+        variants_with_it = [variant for variant in device.variants if parameter.name in variant.parameters]
+        numbers = {variant.parameters[parameter.name] for variant in variants_with_it}
+        if match is None or not numbers or parameter.read_from:
+            continue
+        if {*_numbers(match)} != numbers:
+            numbers_text = join_words(map(str, sorted(numbers)), "or")
+            stated_text = match[0].removeprefix(", ")
+            message = f"the text says {quoted(stated_text)}, but the order codes have {numbers_text}"
+            message += "; correct one of the two"
+            report.add("left-behind", ("parameters", parameter.name, "meaning"), message)
+
+
+def _check_counted_lengths(device: Device, report: DocumentReport) -> None:
+    """Report an erratum that counts the data lengths of the order codes over BiSS wrongly.
+
+    The data are the frame without its flags and check, so the lengths of data differ as the lengths of frames do.
+    """
+    variants = device.variants_over(Biss.name)
+    counts: set[int] = set()
+    for interface in device.interfaces:
+        if interface.name == Biss.name:
+            for layout in interface.layouts:
+                counts.add(len({layout.place(variant.parameters).bits for variant in variants}))
+    if not counts:
+        return
+    for erratum in device.errata:
+        match = _COUNT_OF_LENGTHS.search(erratum.why)
+        if match is not None and 2 + _NUMBER_WORDS.index(match["count"]) not in counts:
+            count_text = join_words(map(str, sorted(counts)), "or")
+            message = f"the text says {quoted(match[0])}, but the order codes have {count_text}; correct one of the two"
+            report.add("left-behind", ("errata", erratum.name, "why"), message)
+
+
+def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report: DocumentReport) -> None:
+    """Report the first statement in a text about the length of a frame that does not agree with its actual lengths."""
+    shortest, longest = lengths[0], lengths[-1]
+    for match in chain(_LENGTH_IN_TEXT.finditer(text), _LENGTH_RANGE_IN_TEXT.finditer(text)):
+        # The text can be about a part of the frame: ``The frame has 2 bits, error and warning, after the position``.
+        stated_numbers = _numbers(match)
+        is_short = len(stated_numbers) == 1 and max(stated_numbers) < shortest
+        may_be_part = is_short and text[match.end() :].startswith(",")
+        if may_be_part:
+            continue
+        is_range = match.re is _LENGTH_RANGE_IN_TEXT
+        fits = stated_numbers == (shortest, longest) if is_range else _fits(match, lengths)
+        if not fits:
+            lengths_text = join_words(map(str, lengths), "or")
+            message = f"the text says {quoted(match[0])}, but the frame has {lengths_text} bits; correct one of the two"
+            report.add("left-behind", path, message)
+            return
+
+
+def _numbers(match: re.Match[str]) -> tuple[int, ...]:
+    """Return all numbers in the groups of a match."""
+    numbers: list[int] = []
+    for group in match.groups():
+        if group:
+            numbers += map(int, _NUMBER.findall(group))
+    return tuple(numbers)
+
+
+def _fits(match: re.Match[str], lengths: Sequence[int]) -> bool:
+    """Return whether the lengths in a text are lengths of the frame. A list must contain all of them."""
+    numbers = _numbers(match)
+    is_list = len(_NUMBER.findall(match["numbers"])) > 1
+    return {*numbers} == {*lengths} if is_list else {*numbers} <= {*lengths}

@@ -1,14 +1,16 @@
-"""Create a sample frame for each layout, with made-up values.
+"""Sample frames with made-up values, and devices with only some order codes, which need other sample frames.
 
-The reference codec encodes it, so that no output shows a frame that its own code has encoded.
+The reference codec encodes them, so that no output shows a frame that its own code has encoded.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 
+from ..language.problems import nearest_choice
 from ..model import (
     Choice,
     CrcExample,
@@ -29,9 +31,11 @@ from ..model import (
     Verdict,
 )
 from ..order_codes.labels import UnknownOrderCode
-from ..reference.bits import join_value, to_binary
+from ..order_codes.reduction import for_codes
+from ..reference.bits_and_values import join_value, to_binary
 from ..reference.codec import EncodeError, encode
 from .examples import example_variant
+from .overlays import Family as Family
 
 #: Position that also fits encoders whose counts per turn are not a power of two.
 _LOW_POSITION = 42
@@ -87,18 +91,18 @@ def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     made_up_values = {field.name: _made_up_value(field.field, field.width, layout) for field in data_fields}
     measurement = device.measurement_of(variant.interface)
     worked_example = _worked_example(device, variant)
-    if measurement is None or measurement.of not in layout.member_names:
+    if measurement is None or measurement.position_name not in layout.member_names:
         return _encoded_sample(device, placed, variant, made_up_values)
-    position_fields = layout.names_in(measurement.of)
+    position_fields = layout.names_in(measurement.position_name)
     # The position may consist of several fields. It replaces their values.
     other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
     if worked_example is not None:
-        values_with_position = {**other_values, measurement.of: worked_example.counts}
+        values_with_position = {**other_values, measurement.position_name: worked_example.counts}
         with suppress(EncodeError):  # The position may not fit.
             return _encoded_sample(device, placed, variant, values_with_position, worked_example.source)
     with suppress(EncodeError):  # The made-up number may be above the highest position.
         return _encoded_sample(device, placed, variant, made_up_values)
-    return _encoded_sample(device, placed, variant, {**other_values, measurement.of: _LOW_POSITION})
+    return _encoded_sample(device, placed, variant, {**other_values, measurement.position_name: _LOW_POSITION})
 
 
 def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:
@@ -176,3 +180,82 @@ def _encoded_sample(
         spoilt=rejected_frame,
         source=source,
     )
+
+
+class UnknownName(ValueError):
+    """A name matches no order code, interface or family. The message lists the existing names or suggests one."""
+
+
+def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
+    """Return the devices with only the order codes that ``only`` names, or all devices if it is empty.
+
+    ``only`` is a list of names, separated by commas: order codes, interfaces, families, or a family with one of its
+    interfaces, such as ``x_24_ssi``. Devices without such an order code are left out.
+
+    Raises:
+        UnknownName: A name matches no order code, interface or family.
+    """
+    words = [word.strip() for word in only.split(",") if word.strip()]
+    if not words:
+        return tuple(devices)
+    known_names: set[str] = set()
+    for device in devices:
+        for variant in device.variants:
+            known_names.update(_names_of_code(device, variant))
+    for word in words:
+        if word.upper() not in known_names:
+            raise UnknownName(_unknown_message(devices, word))
+    wanted_names = {word.upper() for word in words}
+    narrowed_devices = []
+    for device in devices:
+        codes = {variant.code for variant in device.variants if wanted_names & set(_names_of_code(device, variant))}
+        if codes:
+            narrowed_device = for_codes(device, codes)
+            # The sample frames in programs and pages must belong to one of the remaining order codes.
+            narrowed_devices.append(replace(narrowed_device, samples=sample_frames(narrowed_device)))
+    return tuple(narrowed_devices)
+
+
+def _names_of_code(device: Device, variant: Variant) -> tuple[str, ...]:
+    """Return the names by which users can select an order code, in uppercase.
+
+    These are the order code, the interface, the family, and the family with the interface, such as ``X_24_SSI``.
+    """
+    family = device.name.upper()
+    interface = variant.interface.upper()
+    return variant.code.upper(), interface, family, f"{family}_{interface}"
+
+
+def _yield_suggestions(devices: Sequence[Device]) -> Iterator[str]:
+    """Yield the names of families, of families with an interface such as ``x_24_ssi``, and of interfaces."""
+    interface_names: set[str] = set()
+    for device in devices:
+        yield device.name
+        for interface in device.interfaces:
+            interface_names.add(interface.name)
+            yield f"{device.name}_{interface.name}"
+    yield from sorted(interface_names)
+
+
+def _unknown_message(devices: Sequence[Device], word: str) -> str:
+    """Return the message about an unknown name, with the nearest name or, if none is similar, the valid names.
+
+    If the word begins with the name of a family, the valid names are the order codes of this family.
+    """
+    all_codes: list[str] = []
+    codes_of_named_families: list[str] = []
+    for device in devices:
+        codes = [variant.code for variant in device.variants]
+        all_codes += codes
+        if word.upper().startswith(device.name.upper()):
+            codes_of_named_families += codes
+    names = list(_yield_suggestions(devices))
+    lowercase_codes = [code.lower() for code in codes_of_named_families]
+    nearest_name = nearest_choice(word, [*names, *codes_of_named_families, *lowercase_codes])
+    if nearest_name:
+        hint = f"did you mean '{nearest_name}'?"
+    else:
+        example_code = all_codes[0] if all_codes else ""
+        valid_names = codes_of_named_families or [f"order codes, such as {example_code}", *names]
+        hint = f"valid are {', '.join(valid_names)}"
+    return f"there is no order code, interface or family '{word}'; {hint}"

@@ -18,12 +18,25 @@ from typing import Any
 from .. import model
 from ..cache import Cache
 from ..model import (
-    channels,
-    clocks,
-    data_channels,
     device,
-    documents,
-    examples,
+    expressions,
+    facts,
+    fields,
+    interface_parts,
+    interfaces,
+    kinds,
+    layout,
+    manual,
+    measurement,
+    order_codes,
+    registers,
+)
+
+#: Modules with the classes of the model.
+_MODULES: tuple[ModuleType, ...] = (
+    interface_parts,
+    device,
+    manual,
     expressions,
     facts,
     fields,
@@ -33,28 +46,6 @@ from ..model import (
     measurement,
     order_codes,
     registers,
-    steps,
-)
-
-_MODULES: tuple[ModuleType, ...] = (
-    *(
-        channels,
-        clocks,
-        data_channels,
-        device,
-        documents,
-        examples,
-        expressions,
-        facts,
-        fields,
-        interfaces,
-        kinds,
-        layout,
-        measurement,
-        order_codes,
-        registers,
-        steps,
-    ),
 )
 
 

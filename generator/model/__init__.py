@@ -5,40 +5,7 @@ computes bit positions itself. Bit 0 is the least significant bit everywhere, an
 integer whose byte order is in the layout.
 """
 
-from .channels import ChannelFrame, PlacedChannels, channel_frame
-from .clocks import CableLength, Clock, PrintedTimeout, Timeout
-from .data_channels import DataChannels
 from .device import Device, Release, ReleasedChange, TimesRead, Variant
-from .documents import (
-    LEFT_OUT,
-    NOT_KNOWN,
-    Document,
-    Edition,
-    EditionTest,
-    Erratum,
-    Evidence,
-    LostFigure,
-    Manual,
-    ManualEdition,
-    Manufacturer,
-    Overlay,
-    Revision,
-    Source,
-    Sources,
-    cite,
-    layer_in_words,
-)
-from .examples import (
-    CrcExample,
-    Example,
-    FrameExample,
-    MeasureExample,
-    ProcedureExample,
-    RegisterExample,
-    Sample,
-    Values,
-    Write,
-)
 from .facts import (
     Alarm,
     Characteristic,
@@ -53,6 +20,7 @@ from .facts import (
     Timing,
 )
 from .fields import BitSlice, Combination, Crc, Field, Join, PlacedField, Sign
+from .interface_parts import CableLength, ChannelFrame, Clock, DataChannels, PlacedChannels, PrintedTimeout, Timeout
 from .interfaces import (
     INTERFACES,
     Alignment,
@@ -75,6 +43,7 @@ from .interfaces import (
     Spi,
     Ssi,
     WordFormat,
+    channel_frame,
 )
 from .kinds import (
     UNEXPLAINED,
@@ -94,7 +63,34 @@ from .kinds import (
     Verdict,
 )
 from .layout import Fault, Layout, PlacedLayout, number_from_bytes, number_to_bytes
-from .lookup import assert_never, first_or_raise, member_named
+from .manual import (
+    LEFT_OUT,
+    NOT_KNOWN,
+    CrcExample,
+    Document,
+    Edition,
+    EditionTest,
+    Erratum,
+    Evidence,
+    Example,
+    FrameExample,
+    LostFigure,
+    Manual,
+    ManualEdition,
+    Manufacturer,
+    MeasureExample,
+    Overlay,
+    ProcedureExample,
+    RegisterExample,
+    Revision,
+    Sample,
+    Source,
+    Sources,
+    Values,
+    Write,
+    cite,
+    layer_in_words,
+)
 from .measurement import LayoutRange, Measurement
 from .order_codes import (
     Alternative,
@@ -108,13 +104,16 @@ from .order_codes import (
     Spelling,
     answer_combinations,
 )
-from .registers import FieldGroup, Register, RegisterMeaning
-from .steps import (
+from .record import assert_never, first_or_raise, member_named
+from .registers import (
     Argument,
+    FieldGroup,
     ModifyStep,
     PollStep,
     Procedure,
     ReadStep,
+    Register,
+    RegisterMeaning,
     RegisterStep,
     SendStep,
     Step,

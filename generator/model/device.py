@@ -6,22 +6,29 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import TypeVar
 
-from .channels import channel_frame
-from .documents import Document, Erratum, Evidence, LostFigure, Manual, ManualEdition, Manufacturer, Overlay
-from .examples import Example, Sample
 from .expressions import Expression
 from .facts import Alarm, Characteristic, Connector, Input, Led, Supply, Table, Timing
 from .fields import Crc, Field, PlacedField
-from .interfaces import Biss, Interface
+from .interfaces import Biss, Interface, channel_frame
 from .kinds import CrcValue, Flag
 from .layout import Layout, PlacedLayout
-from .lookup import first_or_raise, member_named
+from .manual import (
+    Document,
+    Erratum,
+    Evidence,
+    Example,
+    LostFigure,
+    Manual,
+    ManualEdition,
+    Manufacturer,
+    Overlay,
+    Sample,
+)
 from .measurement import Measurement
 from .order_codes import Alternative, OrderCode, Parameter
 from .position_range import PositionRange, narrower_range
-from .record import dataclass
-from .registers import FieldGroup, Register
-from .steps import Procedure
+from .record import dataclass, first_or_raise, member_named
+from .registers import FieldGroup, Procedure, Register
 
 _Kind = TypeVar("_Kind", bound=Interface)
 
@@ -259,7 +266,7 @@ class Device:
     def position_name(self, interface: str) -> str:
         """Return the name of the field or join with the position. Without a measurement, it is ``position``."""
         measurement = self.measurement_of(interface)
-        return measurement.of if measurement is not None else "position"
+        return measurement.position_name if measurement is not None else "position"
 
     def position_names(self, interface: str) -> frozenset[str]:
         """Return the names of the fields and joins that form the measured position or a part of it.

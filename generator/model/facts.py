@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from .documents import Sources
+from .manual import Sources
 from .part import (
     BY_HAND,
     NOTHING,

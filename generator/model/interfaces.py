@@ -10,30 +10,17 @@ from dataclasses import field
 from types import MappingProxyType
 from typing import ClassVar, Literal, TypeVar, get_args
 
-from .clocks import CableLength, Clock, Timeout
-from .data_channels import DataChannels
-from .documents import (
-    Sources,
-)
 from .expressions import Expression
 from .facts import (
     Timing,
 )
+from .interface_parts import CableLength, ChannelFrame, Clock, DataChannels, Timeout, frame_of_channels
 from .kinds import Value
 from .layout import Layout
+from .manual import Sources
 from .measurement import Measurement
 from .order_codes import Restricted, facts_for_code
-from .part import (
-    Hex,
-    Name,
-    Phrase,
-    Prose,
-    key,
-    meaning_key,
-    name_key,
-    part,
-    source_key,
-)
+from .part import Hex, Name, Phrase, Prose, key, meaning_key, name_key, part, source_key
 from .record import dataclass
 
 
@@ -380,3 +367,10 @@ Fact = (
 )
 #: All interfaces by name.
 INTERFACES: Mapping[str, type[Interface]] = MappingProxyType({kind.name: kind for kind in get_args(Interface)})
+
+
+def channel_frame(interface: Interface) -> ChannelFrame | None:
+    """Return the frame that carries several data channels over an interface, or None if there is none."""
+    if not isinstance(interface, Biss) or interface.channels is None:
+        return None
+    return frame_of_channels(interface.channels, interface.layouts)

@@ -21,19 +21,8 @@ from math import gcd
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
-from .documents import (
-    Sources,
-)
-from .part import (
-    Name,
-    Prose,
-    fact,
-    key,
-    meaning_key,
-    name_key,
-    part,
-    source_key,
-)
+from .manual import Sources
+from .part import Name, Prose, fact, key, meaning_key, name_key, part, source_key
 from .record import dataclass
 
 if TYPE_CHECKING:
@@ -416,10 +405,14 @@ class Scale:
 
     @property
     def places(self) -> int:
-        """Number of decimal places that show every quantity exactly or, if there is none, to a tenth of a count."""
+        """Number of decimal places that show every quantity exactly or, if there is none, to a tenth of a count.
+
+        The quantity of a number is (number * numerator + offset) / denominator.
+        """
+        # Without common factors, 250 / 1000 has the denominator 4.
         reduced_denominator = self.denominator // gcd(self.numerator, self.offset, self.denominator)
-        # Only denominators with the factors two and five have exact decimals, with fewer places than the denominator
-        # has bits.
+        # Only denominators whose factors are all two or five have exact decimals, with fewer places than the
+        # denominator has bits: 1/4 is 0.25.
         for places in range(reduced_denominator.bit_length()):
             is_exact = 10**places % reduced_denominator == 0
             if is_exact:
@@ -431,11 +424,12 @@ class Scale:
         """Return the quantity for a number with ``places`` decimal places. Halves are rounded away from 0."""
         # The quantity is this number divided by the denominator.
         dividend = number * self.numerator + self.offset
-        # The size of the quantity in units of the last decimal place. Half a unit is added to round it.
-        last_places = (2 * abs(dividend) * 10**self.places + self.denominator) // (2 * self.denominator)
-        sign = "-" if last_places and dividend < 0 else ""
+        # The size of the quantity in units of the last decimal place. Adding half a unit before the division, which
+        # rounds down, rounds it to the nearest: n / d + 1 / 2 is (2 * n + d) / (2 * d).
+        units_of_last_place = (2 * abs(dividend) * 10**self.places + self.denominator) // (2 * self.denominator)
+        sign = "-" if units_of_last_place and dividend < 0 else ""
         # At least one digit before the decimal point.
-        digits = f"{last_places:0{self.places + 1}}"
+        digits = f"{units_of_last_place:0{self.places + 1}}"
         if not self.places:
             return sign + digits
         return f"{sign}{digits[: -self.places]}.{digits[-self.places :]}"

@@ -11,13 +11,12 @@ from enum import Enum
 from functools import cached_property
 from types import MappingProxyType
 
-from .documents import Sources
 from .expressions import Expression
 from .fields import Combination, Field, Join, PlacedField, Sign, sign_of_combination, signs_of_values
 from .kinds import CrcValue, Flag, Kind, Parity, Unused, Verdict
-from .lookup import member_named
+from .manual import Sources
 from .measurement import LayoutRange
-from .record import dataclass
+from .record import dataclass, member_named
 
 
 @dataclass(frozen=True)
@@ -412,7 +411,7 @@ def _is_status(field: Field) -> bool:
     return isinstance(field.kind, Flag) or is_unused_one
 
 
-def have_lengths(layouts: Sequence[Layout], sender: str) -> bool:
+def differ_in_length(layouts: Sequence[Layout], sender: str) -> bool:
     """Return True if the sender, ``encoder`` or ``master``, sends frames of different lengths on the same channel.
 
     The length of a frame in bytes then matters, so leading zeros must not be left out.

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from .documents import (
-    Sources,
-)
 from .expressions import Expression
+from .manual import Sources
 from .part import (
     Name,
     key,
@@ -152,6 +150,11 @@ class Measurement:
         read="measurement",
     )
     source: Sources = source_key(default=())
+
+    @property
+    def position_name(self) -> str:
+        """Name of the measured field, or of the number that several fields form together."""
+        return self.of
 
     @property
     def is_length(self) -> bool:

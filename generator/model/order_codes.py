@@ -13,13 +13,11 @@ from itertools import product
 from types import MappingProxyType
 from typing import Protocol, TypeVar
 
-from .documents import (
-    Sources,
-)
 from .expressions import Expression
 from .facts import (
     Supply,
 )
+from .manual import Sources
 from .record import dataclass
 
 

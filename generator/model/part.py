@@ -1,8 +1,8 @@
 """Parts of the spec language: one class for each part, which describes each of its keys once.
 
 The JSON Schema of the spec language, the table of members, and so the data and the pages follow from these classes.
-The types of the keys are written with the words below. mypy reads them as plain types, and ``model/key_types.py`` as
-types of the spec language and of the data.
+The types of the keys are written with the words below. mypy reads them as plain types, and
+``model/keys_and_members.py`` as types of the spec language and of the data.
 """
 
 from __future__ import annotations

@@ -45,7 +45,9 @@ def narrower_range(
     frame but stands for another number.
     """
     fields_by_name = {field.name: field for field in layout.fields}
-    position_fields = [fields_by_name[name] for name in layout.names_in(measurement.of) if name in fields_by_name]
+    position_fields = [
+        fields_by_name[name] for name in layout.names_in(measurement.position_name) if name in fields_by_name
+    ]
     are_numbers = all(isinstance(field.kind, Number) for field in position_fields)
     if not are_numbers:
         return None
@@ -102,7 +104,7 @@ def _unsigned_range(
         high_field = fields[0]
         highest_turn = measurement.turns - Expression(1)
         return PositionRange(high_field.name, (high_field,), lowest=Expression(0), highest=highest_turn)
-    name = fields[0].name if len(fields) == 1 else measurement.of
+    name = fields[0].name if len(fields) == 1 else measurement.position_name
     highest = measurement.highest or total - Expression(1)
     return PositionRange(name, tuple(fields), lowest=Expression(0), highest=highest)
 

@@ -1,4 +1,4 @@
-"""Data classes in a form that is created quickly, for the model and for modules that most commands import.
+"""Data classes in a form that is created quickly, and lookups of their objects by name.
 
 Importing the model mostly means compiling the methods of a hundred data classes. Here all of them share every method
 except ``__init__``. That is compiled when the first object is created, because a command needs few of the classes.
@@ -31,6 +31,9 @@ else:
 
         return decorate
 
+
+from collections.abc import Iterable
+from typing import Protocol, TypeVar
 
 __all__ = ["dataclass"]
 
@@ -114,3 +117,32 @@ _SHARED_METHODS: Mapping[str, Callable[..., Any]] = {
     "__setattr__": _refuse_change,
     "__delattr__": _refuse_change,
 }
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+_N = TypeVar("_N", bound=_Named)
+_T = TypeVar("_T")
+
+
+def member_named(members: Iterable[_N], name: str, kind: str) -> _N:
+    """Return the first member with this name. If there is none, raise a ``LookupError`` that names its ``kind``."""
+    for member in members:
+        if member.name == name:
+            return member
+    raise LookupError(f"there is no {kind} called '{name}'")
+
+
+def first_or_raise(values: Iterable[_T], kind: str) -> _T:
+    """Return the first value, or raise a ``LookupError`` with the ``kind`` of value if there is none."""
+    for value in values:
+        return value
+    raise LookupError(f"there is no {kind}")
+
+
+def assert_never(value: NoReturn) -> NoReturn:
+    """Make mypy reject a ``match`` that misses a member of the union."""
+    raise AssertionError(f"no case for {value!r}")

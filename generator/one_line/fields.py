@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 from ..language.problems import quoted, suggest_word
-from ..model.key_types import LARGEST
+from ..model.keys_and_members import LARGEST
 from .line import IN_TURN, POSITION, TURNS, CrcField, FillerField, FlagField, LineField, NumberField, ParityField
 
 #: Verdict of an active flag, by the word for it in the line.

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..language.problems import join_words, quoted, suggest_word
-from ..model.key_types import LARGEST
+from ..model.keys_and_members import LARGEST
 from .checks import problems_of_fields, problems_of_options
 from .fields import FieldError, number_in, read_field
 from .line import POSITION, EncoderLine, LineError, LineField, LineOptions, LineProblem

@@ -1,15 +1,15 @@
-"""Enumerate order codes, and parse the text of a label."""
+"""Parse the text of a label, say why a text is not an order code, and find the edition of the manual for a label."""
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
-from ..model import CodePart, CodeValue, Device, OrderCode, Spelling, Variant, member_named
+from ..model import CodePart, Device, EditionTest, Variant
 from ..model.record import dataclass
+from .patterns import as_listed, expression_of_code, fill_pattern, without_blanks
 
 
 def too_long(start: str, length: str, longest: str) -> str:
@@ -67,7 +67,6 @@ def nearest_codes_hint(codes: str) -> str:
 LONGEST, _SHOWN_CHARACTERS = 100, 20
 #: Lowest similarity, from 0 to 1, at which a code is suggested.
 NEAR = 0.5
-_PART_IN_BRACES = re.compile(r"\{([a-z][a-z0-9_]*)\}")
 #: Regular expression for text that may follow the code on a label: ``-more text``, ``/S042``, or both.
 AFTER = r"(?P<tail_>-.*?)?(?P<special_>/S[A-Z0-9]+)?"
 
@@ -99,46 +98,6 @@ class LabelMatch:
     tail: str
     special: bool
     written_as_in: str = ""
-
-
-class ListedCode(NamedTuple):
-    """A listed order code: ``("X-24-B", {"bits": "24", "output": "B"}, "biss", {"singleturn_bits": 24})``."""
-
-    text: str
-    #: The text of each part, by the name of the part.
-    parts: Mapping[str, str]
-    interface: str
-    #: The parameters that the parts set.
-    parameters: Mapping[str, int]
-
-
-def listed_codes(order_code: OrderCode) -> Iterator[ListedCode]:
-    """Yield every combination of values of the parts that is allowed, as an order code."""
-    values_of_parts = [part.values for part in order_code.parts]
-    for values in itertools.product(*values_of_parts):
-        texts = {part.name: value.text for part, value in zip(order_code.parts, values, strict=True)}
-        if not all(_can_be_combined(value, texts) for value in values):
-            continue
-        parameters: dict[str, int] = {}
-        for value in values:
-            parameters |= value.sets
-        interfaces = [value.interface for value in values if value.interface]
-        interface = interfaces[0] if interfaces else ""
-        code = fill_pattern(order_code.pattern, texts)
-        yield ListedCode(text=code, parts=texts, interface=interface, parameters=parameters)
-
-
-def _can_be_combined(value: CodeValue, texts: Mapping[str, str]) -> bool:
-    """Return whether a value of one part can be combined with these texts of the other parts.
-
-    ``only_with`` lists, for some other parts, the texts with which the value is possible.
-    """
-    return all(texts.get(name) in allowed_texts for name, allowed_texts in value.only_with.items())
-
-
-def fill_pattern(pattern: str, texts: Mapping[str, str]) -> str:
-    """Return a pattern such as ``X-{bits}`` with the names in braces replaced by the texts of these parts."""
-    return _PART_IN_BRACES.sub(lambda brace: texts[brace[1]], pattern)
 
 
 def find_code(device: Device, text: str) -> LabelMatch:
@@ -177,57 +136,6 @@ def find_code(device: Device, text: str) -> LabelMatch:
             written_as_in=spelling.where,
         )
     raise _unknown_code_error(device, label)
-
-
-def without_blanks(text: str) -> str:
-    """Return a label or pattern without spaces, because codes are printed both with and without them.
-
-    A byte order mark is also removed.
-    """
-    return "".join(text.replace("\ufeff", "").split())
-
-
-def values_by_spelling(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
-    """Return the listed values of an order code part by their texts in this spelling. Most texts equal the values."""
-    spellings_of_part = {value.text: value.value for value in spelling.values if value.part == part.name}
-    return spellings_of_part or {value.text: value.text for value in part.values}
-
-
-def beginnings(code: OrderCode) -> tuple[str, ...]:
-    """Return the texts with which labels of the family begin, in uppercase and without spaces.
-
-    Texts that begin with another of these texts are left out. ``("",)`` means that a label can begin with any text.
-    """
-    prefixes: set[str] = set()
-    for spelling in (as_listed(code), *code.also_written):
-        prefixes |= {without_blanks(text).upper() for text in _first_texts(code, spelling)}
-    shortest_prefixes: list[str] = []
-    for prefix in sorted(prefixes):  # If one prefix begins with another, the shorter one comes first.
-        if not prefix.startswith(tuple(shortest_prefixes)):
-            shortest_prefixes.append(prefix)
-    return tuple(shortest_prefixes)
-
-
-def _first_texts(code: OrderCode, spelling: Spelling) -> list[str]:
-    """Return the texts with which labels in this spelling begin: fixed text, or the values of the first part.
-
-    If the first part can have unlisted values, the list contains "", because a label can then begin with any text.
-    """
-    # The split alternates between fixed texts and names of parts, beginning with a text.
-    text_before_parts, first_part_name, *_ = _PART_IN_BRACES.split(spelling.pattern)
-    if text_before_parts.strip():
-        return [text_before_parts]
-    first_part = member_named(code.parts, first_part_name, "part of the order code")
-    first_texts = list(values_by_spelling(first_part, spelling))
-    has_own_spelling = any(value.part == first_part.name for value in spelling.values)
-    if first_part.open and not has_own_spelling:
-        first_texts.append("")
-    return first_texts
-
-
-def as_listed(order_code: OrderCode) -> Spelling:
-    """Return the notation in which the manual lists order codes, as an object like the additional notations."""
-    return Spelling(pattern=order_code.pattern, where="", values=(), then="", source=())
 
 
 def _variant_with_parts(
@@ -293,49 +201,6 @@ def _can_be_unlisted(part: CodePart, listed_values: Mapping[str, str | None]) ->
         if other_value is not None and other_value not in allowed_values:
             return False
     return True
-
-
-def expression_of_code(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
-    """Return a regular expression for an order code in this spelling, with a group for each part.
-
-    For the pattern ``X-{bits}``, it is ``X\\-(?P<bits>17|24)``. The part named ``anything`` matches any text.
-    """
-    spelled_parts = {value.part for value in spelling.values}
-    pattern_by_part: dict[str, str] = {}
-    for part in order_code.parts:
-        if part.name == anything:
-            pattern_by_part[part.name] = "[A-Z0-9]*"
-        elif part.name in spelled_parts:
-            pattern_by_part[part.name] = _any_of(values_by_spelling(part, spelling))
-        else:
-            pattern_by_part[part.name] = _value_pattern(part)
-    expression = ""
-    # The split alternates between fixed texts and names of parts, beginning with a text.
-    texts_and_names = _PART_IN_BRACES.split(spelling.pattern)
-    for index, text_or_name in enumerate(texts_and_names):
-        is_name = index % 2 == 1
-        if is_name:
-            expression += f"(?P<{text_or_name}>{pattern_by_part[text_or_name]})"
-        else:
-            expression += re.escape(without_blanks(text_or_name))
-    if spelling.then:
-        expression += f"(?:{spelling.then})"
-    return expression
-
-
-def _value_pattern(part: CodePart) -> str:
-    """Return a regular expression for the listed values of a part, and for unlisted values if the part can have any.
-
-    ``part.open`` is the regular expression for unlisted values, or "" if only listed values are possible.
-    """
-    listed_values = _any_of(value.text for value in part.values)
-    return f"{listed_values}|{part.open}" if part.open else listed_values
-
-
-def _any_of(texts: Iterable[str]) -> str:
-    """Return a regular expression for one of the texts. The longest are tried first."""
-    longest_first = sorted(texts, key=len, reverse=True)
-    return "|".join(re.escape(without_blanks(text)) for text in longest_first)
 
 
 def _clash_message(
@@ -455,3 +320,98 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
             ranked_codes.append((begins_with_text, similarity, variant.code))
     ranked_codes.sort(key=lambda ranked_code: ranked_code[:2], reverse=True)
     return [code for _, similarity, code in ranked_codes[:3] if similarity >= least]
+
+
+def edition_before(device: Device, revision: str) -> str:
+    """Return the revision that precedes this one, which must not be the first."""
+    revisions = [edition.revision for edition in device.editions]
+    return revisions[revisions.index(revision) - 1]
+
+
+def edition_by_label(device: Device, match: LabelMatch) -> str:
+    """Return the revision of the manual whose order codes are written like this label, or "" if it cannot be inferred.
+
+    ``match.written_as_in`` is the place where codes are written like the label.
+    """
+    spellings = device.order_code.also_written
+    patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
+    for edition in device.editions:
+        if not patterns.isdisjoint(edition.labels):
+            return edition.revision
+    return ""
+
+
+def edition_tests_of_register(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
+    """Yield the tests of a register that show which revision of the manual applies to an encoder.
+
+    Each test comes with the first revision for which the register passes it.
+    """
+    for edition in device.editions:
+        for test in edition.tests:
+            if test.register == register:
+                yield edition.revision, test
+
+
+_LETTERS_AND_DIGITS = re.compile(r"[a-z0-9]+")
+
+
+class _Reason(NamedTuple):
+    """Why a label is not an order code of one family. The family with the most matching characters is the most similar.
+
+    ``is_close`` is true if the label matches all but one part of the order code.
+    """
+
+    matching_characters: int
+    is_close: bool
+    message: str
+
+
+def family_with_name(devices: Iterable[Device], text: str) -> Device | None:
+    """Return the family with the name ``text``, such as ``xy24`` for ``X-Y 24``, or None."""
+    label = _without_marks(text)
+    for device in devices:
+        if _name_without_marks(device) == label:
+            return device
+    return None
+
+
+def closest_reason(devices: Sequence[Device], text: str) -> str | None:
+    """Return why ``text`` is not an order code, as the message of the family that is most similar to it, or None.
+
+    A family is similar if the text begins with its name, or matches all but one part of its order codes. The text must
+    not be an order code of any of the families.
+    """
+    reasons = list(_reasons(devices, text))
+    if not reasons:
+        return None
+    best = max(reasons, key=lambda reason: (reason.matching_characters, reason.is_close))
+    return best.message
+
+
+def _reasons(devices: Iterable[Device], text: str) -> Iterator[_Reason]:
+    """Yield why a text is not an order code, for each family that it names or almost matches."""
+    label = _without_marks(text)
+    for device in devices:
+        name = _name_without_marks(device)
+        length_of_name = len(name) if label.startswith(name) else 0
+        try:
+            find_code(device, text)
+        except UnknownOrderCode as error:
+            if error.names_mistake or length_of_name:
+                length = max(length_of_name, _length_before_parts(device))
+                yield _Reason(matching_characters=length, is_close=error.names_mistake, message=str(error))
+
+
+def _without_marks(text: str) -> str:
+    """Return only the letters and digits of a text, in lowercase: ``xy24`` for ``X-Y24``."""
+    return "".join(_LETTERS_AND_DIGITS.findall(without_blanks(text).lower()))
+
+
+def _name_without_marks(device: Device) -> str:
+    return device.name.replace("_", "")
+
+
+def _length_before_parts(device: Device) -> int:
+    """Return the number of letters and digits with which all order codes begin: 2 for the pattern ``X-Y-{bits}``."""
+    text_before_parts, _, _ = device.order_code.pattern.partition("{")
+    return sum(map(str.isalnum, text_before_parts))

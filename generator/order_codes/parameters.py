@@ -76,8 +76,10 @@ def deciding_parameters(layout: Layout) -> frozenset[str]:
 
     The format consists of the positions, the documented values and the code (binary or Gray) of the fields.
     """
-    names = {name for expression in _expressions_of_layout(layout) for name in expression.parameters}
-    if layout.gray_when:
+    names: set[str] = set()
+    for expression in _expressions_of_layout(layout):
+        names.update(expression.parameters)
+    if layout.gray_when:  # The parameter that switches Gray code on.
         names.add(layout.gray_when)
     return frozenset(names)
 
@@ -86,7 +88,8 @@ def run_time_widths(device: Device, layout: Layout) -> tuple[str, ...]:
     """Return the register fields that determine the length of a layout at run time, each as ``register.field``."""
     length_parameters = device.needed_parameters(layout.bits.parameters)
     deciding = [parameter for parameter in device.run_time_parameters if parameter.name in length_parameters]
-    return tuple(dict.fromkeys(parameter.read_from for parameter in deciding))
+    register_fields = [parameter.read_from for parameter in deciding]
+    return tuple(dict.fromkeys(register_fields))  # Several parameters can be read from the same field.
 
 
 def _used_parameters(device: Device, interface_name: str) -> frozenset[str]:
@@ -94,13 +97,17 @@ def _used_parameters(device: Device, interface_name: str) -> frozenset[str]:
 
     Parameters from which these parameters are calculated are included.
     """
-    used_names = {name for expression in _expressions_over(device, interface_name) for name in expression.parameters}
-    used_names |= {layout.gray_when for layout in device.interface(interface_name).layouts if layout.gray_when}
+    used_names: set[str] = set()
+    for expression in _expressions_over(device, interface_name):
+        used_names.update(expression.parameters)
+    for layout in device.interface(interface_name).layouts:
+        if layout.gray_when:  # The parameter that switches Gray code on.
+            used_names.add(layout.gray_when)
     return device.needed_parameters(used_names)
 
 
 def _expressions_over(device: Device, interface_name: str) -> Iterator[Expression]:
-    """Yield the expressions in frames, registers and measurement of the interface named ``interface_name``."""
+    """Yield the expressions in the frames and registers of an interface, and in the description of its position."""
     for layout in device.interface(interface_name).layouts:
         yield from _expressions_of_layout(layout)
         if layout.position_range is not None:
@@ -148,9 +155,10 @@ class RegisterError(ValueError):
 
 
 def with_changed(device: Device, variant: Variant, changed: Mapping[str, int]) -> Mapping[str, int]:
-    """Return the parameters of an order code with some values changed, and with formulas calculated again."""
-    independent_values = {name: value for name, value in variant.parameters.items() if name not in device.definitions}
-    return resolve_parameters({**independent_values, **changed}, device.definitions)
+    """Return the parameters of an order code with some values changed, and calculate the dependent ones again."""
+    formulas = device.definitions
+    independent_values = {name: value for name, value in variant.parameters.items() if name not in formulas}
+    return resolve_parameters({**independent_values, **changed}, formulas)
 
 
 #: Values of the parameters that one register field holds.
@@ -231,11 +239,11 @@ def _limits_of_parameter(parameter: Parameter) -> Iterable[int]:
 
 
 def _states_of_fields(
-    parameters: Sequence[Parameter], values_of: Callable[[Parameter], Iterable[int]]
+    parameters: Sequence[Parameter], list_values: Callable[[Parameter], Iterable[int]]
 ) -> Sequence[Sequence[State]]:
     """Return the states of each register field that holds parameters, from the lowest values to the highest.
 
-    A parameter without codes has a field of its own, with one state for each number that ``values_of`` returns.
+    A parameter without codes has a field of its own, with one state for each number that ``list_values`` returns.
     Parameters that are read from the same code change together, so their field has a state for each code:
     ``[{"bits": 12, "turns": 0}, {"bits": 16, "turns": 4096}]``.
     """
@@ -247,7 +255,7 @@ def _states_of_fields(
             value_by_code = {coded.code: coded.value for coded in parameter.by_code}
             codes_by_field.setdefault(parameter.read_from, {})[parameter.name] = value_by_code
         else:
-            states_by_field.append([{parameter.name: value} for value in values_of(parameter)])
+            states_by_field.append([{parameter.name: value} for value in list_values(parameter)])
     states_by_field += [coded_states(codes) for codes in codes_by_field.values()]
     return states_by_field
 
@@ -292,20 +300,22 @@ def _unknown_address_message(device: Device, address: int) -> str:
     return f"register 0x{address:02X} does not change how a frame is read; those that do: {valid_addresses}"
 
 
-def with_answers(device: Device, variant: Variant, answers: Mapping[str, str]) -> Variant:
-    """Return an order code with the parameters that these answers set.
+def with_answers(device: Device, variant: Variant, chosen_answers: Mapping[str, str]) -> Variant:
+    """Return an order code with the parameters that the user's answers to open questions set.
 
-    ``answers`` contains the chosen answer to each question that the manual leaves open, by the name of the alternative.
+    The manual leaves such a question, an alternative, open. ``chosen_answers`` contains the name of the answer to each
+    question, by the name of the alternative.
 
     Raises:
         KeyError: There is no such alternative or answer.
     """
-    answered_parameters: dict[str, int] = {}
-    alternatives = {alternative.name: alternative for alternative in device.alternatives}
-    for name, answer_name in answers.items():
-        answers_by_name = {answer.name: answer for answer in alternatives[name].answers}
-        answered_parameters |= answers_by_name[answer_name].sets
-    return replace(variant, parameters=with_changed(device, variant, answered_parameters))
+    parameters_of_answers: dict[str, int] = {}
+    questions = {alternative.name: alternative for alternative in device.alternatives}
+    for question_name, chosen_name in chosen_answers.items():
+        possible_answers = {answer.name: answer for answer in questions[question_name].answers}
+        chosen_answer = possible_answers[chosen_name]
+        parameters_of_answers |= chosen_answer.sets
+    return replace(variant, parameters=with_changed(device, variant, parameters_of_answers))
 
 
 def after_write(device: Device, variant: Variant, register: Register, number: int) -> Variant:
@@ -354,10 +364,10 @@ def _value_in_content(register: Register, parameter: Parameter, number: int) -> 
     """
     field = register.layout.field(parameter.field)
     mask = (1 << field.widest) - 1
-    field_value = (number >> field.low.constant) & mask
-    if field_value == 0 and not parameter.by_code:
-        field_value = field.number.zero_means
-    return parameter.held_value(field_value)
+    stored_number = (number >> field.low.constant) & mask
+    if stored_number == 0 and not parameter.by_code:
+        stored_number = field.number.zero_means
+    return parameter.held_value(stored_number)
 
 
 def with_sent_layouts(interface: Interface, parameters: Mapping[str, int]) -> Interface:

@@ -68,7 +68,7 @@ def _names_of_open_parameters(device: Device, keeps_settings: bool) -> set[str]:
 
 def _without_needless_joins(interface: Interface, measurement: Measurement | None) -> Interface:
     """Return the interface without joined numbers that consist of a single field, except the position."""
-    position_name = measurement.of if measurement is not None else ""
+    position_name = measurement.position_name if measurement is not None else ""
 
     def reduced(layout: Layout) -> Layout:
         field_by_join = {

@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 from ..model import Fault, Field, Flag, Scale, Verdict
 from ..model.expressions import Expression
-from ..model.lookup import assert_never
-from ..model.record import dataclass
+from ..model.record import assert_never, dataclass
 from . import verdicts
 from .codec import LayoutPlan
 from .limits import powers_of_two

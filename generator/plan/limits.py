@@ -8,8 +8,7 @@ from typing import NamedTuple
 from ..model import Device, Digits, Field, Layout, Register, RegisterMeaning
 from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
-from ..model.lookup import assert_never
-from ..model.record import dataclass
+from ..model.record import assert_never, dataclass
 from .codec import LayoutPlan
 from .frame_checks import allowed_values
 from .operations import IsBetween, JoinedNumber, JoinNotAbove, NotAbove

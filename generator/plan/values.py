@@ -14,8 +14,7 @@ from typing import Generic, TypeVar
 from ..model import Device, Digits, Field, Interface, Layout, Measurement, Parameter, Value
 from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
-from ..model.lookup import assert_never
-from ..model.record import dataclass
+from ..model.record import assert_never, dataclass
 
 T = TypeVar("T")
 

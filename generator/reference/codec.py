@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from ..model import (
     Constant,
@@ -13,92 +12,55 @@ from ..model import (
     Fault,
     Join,
     Parity,
+    PlacedChannels,
     PlacedField,
     PlacedLayout,
-    Scale,
     Unused,
     Variant,
     number_from_bytes,
 )
-from ..model.record import dataclass
 from ..say import report
 from ..say.layout import as_one_number
 from ..say.plain_text import count_with_unit
-from .bits import bits_of_field, compute, documented_bits, from_binary, join_value, parity_bit, to_binary, unused_bits
-from .problems import FrameProblem as FrameProblem
-from .problems import (
+from .bits_and_values import EncodeError as EncodeError
+from .bits_and_values import Values as Values
+from .bits_and_values import (
+    bits_of_field,
+    checked_number,
+    compute,
+    documented_bits,
+    encode_digits,
+    encode_value,
+    from_binary,
+    join_value,
+    parity_bit,
+    to_binary,
+    unused_bits,
+    value_and_meaning,
+)
+from .bits_and_values import number_of_text as number_of_text
+from .findings import (
+    CrcResult as CrcResult,
+)
+from .findings import (
+    DecodedField as DecodedField,
+)
+from .findings import (
+    DecodedFrame as DecodedFrame,
+)
+from .findings import (
+    FrameProblem as FrameProblem,
+)
+from .findings import (
     problems_of_digits,
     problems_of_position,
     problems_of_value,
     problems_with_other_fields,
     range_message,
 )
-from .values import EncodeError as EncodeError
-from .values import Values as Values
-from .values import checked_number, encode_digits, encode_value, value_and_meaning
-from .values import number_of_text as number_of_text
 
 #: Name of the number that holds the unused bits of a decoded frame.
 UNUSED = "unused"
-
-
-class DecodedField(NamedTuple):
-    """A field of a decoded frame.
-
-    ``raw`` is the number on the wire. ``value`` is its meaning: a number, a Boolean, the name of a value, or a string.
-    ``scale`` converts a number to a quantity.
-    """
-
-    name: str
-    raw: int
-    value: int | str | bool
-    unit: str
-    meaning: str
-    high: int
-    low: int
-    scale: Scale | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class CrcResult:
-    """The CRC in a received frame, and the CRC computed from its other bits."""
-
-    name: str
-    received: int
-    computed: int
-    width: int
-
-    @property
-    def has_exchanged_bytes(self) -> bool:
-        """True if the CRC is wrong, but would be correct if its bytes were sent in reverse order."""
-        if self.ok or self.width % 8:
-            return False
-        received_bytes = self.received.to_bytes(self.width // 8, "little")
-        return int.from_bytes(received_bytes, "big") == self.computed
-
-    @property
-    def ok(self) -> bool:
-        """True if both are equal."""
-        return self.received == self.computed
-
-
-@dataclass(frozen=True, slots=True)
-class DecodedFrame:
-    """A decoded frame or register. ``number`` is the frame as it is sent.
-
-    ``layout`` is None if no layout matches. ``crc`` is None without a CRC.
-    """
-
-    layout: PlacedLayout | None
-    number: int
-    fields: tuple[DecodedField, ...]
-    crc: CrcResult | None
-    problems: tuple[FrameProblem, ...]
-
-    @property
-    def values(self) -> dict[str, int | str | bool]:
-        """Values of the fields by name."""
-        return {field.name: field.value for field in self.fields}
 
 
 def select_layout(
@@ -445,3 +407,14 @@ def _encode_field(placed_layout: PlacedLayout, placed_field: PlacedField, values
     if not 0 <= field_bits <= highest:
         raise EncodeError(report.too_wide(name, f"{field_bits}", f"{placed_field.width}"))
     return field_bits
+
+
+def decode_channels(device: Device, frame: PlacedChannels, number: int) -> tuple[DecodedFrame, ...]:
+    """Split the frame ``number`` into its data channels, decode each of them, and return the results.
+
+    ``number`` must not have more bits than the frame.
+    """
+    decoded_channels = []
+    for placed_layout, bits in zip(frame.channels, frame.split(number), strict=True):
+        decoded_channels.append(decode(device, placed_layout, bits))
+    return tuple(decoded_channels)

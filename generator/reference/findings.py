@@ -1,4 +1,4 @@
-"""Findings in a frame or register: reports, the verdict, strange values, and the edition that applies.
+"""A decoded frame or register, and the findings in it: errors, reports, the verdict, and unexpected values.
 
 A valid frame may contain an unusable position, since an encoder with an error, or a busy one, also sends valid CRCs.
 """
@@ -6,33 +6,206 @@ A valid frame may contain an unusable position, since an encoder with an error, 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from ..model import (
     Alarm,
+    Choice,
+    Constant,
+    Decimal,
     Device,
+    Fault,
     Field,
     Flag,
     Layout,
+    Parity,
+    PlacedChannels,
     PlacedField,
     PlacedLayout,
-    Register,
+    Scale,
     Sign,
     Unused,
     Variant,
     Verdict,
     cite,
-    member_named,
-    number_from_bytes,
 )
 from ..model.order_codes import fits
+from ..model.position_range import PositionRange
 from ..model.record import dataclass
-from ..order_codes.editions import edition_before, tests_of
-from ..order_codes.labels import LabelMatch
 from ..say import report
-from ..say.report import alarm_of, alarm_source, meaning, of_older_edition, remedy
-from .bits import bits_of_field
-from .codec import DecodedField, DecodedFrame, number_of_text
-from .codec import decode as decode_word
+from ..say.report import alarm_of, alarm_source, meaning, remedy
+from .bits_and_values import bits_of_field, parity_bit, signed_or_plain
+
+
+@dataclass(frozen=True, slots=True)
+class FrameProblem:
+    """An error in a frame, with the field in error."""
+
+    fault: Fault
+    field: str
+    message: str
+
+
+def problems_with_other_fields(
+    placed_layout: PlacedLayout, placed_field: PlacedField, sent_value: int, frame: int
+) -> Iterator[FrameProblem]:
+    """Yield an error if the field is a wrong parity bit, or the selector of a different layout.
+
+    ``sent_value`` are its bits as they are sent in ``frame``. A parity bit also covers the other bits as they are sent,
+    before a conversion from Gray code.
+    """
+    name = placed_field.name
+    kind = placed_field.field.kind
+    if isinstance(kind, Parity):
+        correct_bit = parity_bit(placed_layout, kind, frame)
+        if sent_value != correct_bit:
+            covered_names = ", ".join(field.name for field in placed_layout.find_fields(kind.of))
+            message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
+            yield FrameProblem(Fault.CONSTANT, field=name, message=message)
+    elif name == placed_layout.layout.selector and sent_value not in placed_layout.layout.selects:
+        message = report.of_other_frame(name, f"{sent_value:X}")
+        yield FrameProblem(Fault.RANGE, field=name, message=message)
+
+
+def problems_of_position(device: Device, placed_layout: PlacedLayout, binary_number: int) -> Iterator[FrameProblem]:
+    """Yield an error if the position in the frame is outside the range of this encoder.
+
+    ``binary_number`` is the frame with its Gray code converted to binary. A position with separately sent digits, such
+    as BCD, is not checked here.
+    """
+    position_range = device.range_in(placed_layout.layout)
+    if position_range is None or any(field.kind.digit_code for field in position_range.fields):
+        return
+    message = range_message(position_range, placed_layout, binary_number)
+    if message:
+        yield FrameProblem(Fault.RANGE, field=position_range.name, message=message)
+
+
+def problems_of_digits(
+    device: Device, placed_layout: PlacedLayout, frame: int, binary_number: int
+) -> Iterator[FrameProblem]:
+    """Yield an error for each number with separately sent digits that has an invalid digit or is too high.
+
+    ``frame`` is the frame as it is sent. In ``binary_number``, the same frame with converted numbers, all bits of a
+    number with an invalid digit are 1, which is also too high.
+    """
+    position_range = device.range_in(placed_layout.layout)
+    for placed_field in placed_layout.fields:
+        name = placed_field.name
+        code = placed_field.field.code_of_digits
+        if code is None:
+            continue
+        highest = code.highest(placed_field.width)
+        if position_range is not None and position_range.name == name:
+            highest = position_range.highest.value(placed_layout.parameters)
+        sent_bits = bits_of_field(placed_field, frame)
+        number = bits_of_field(placed_field, binary_number)
+        if number > highest:
+            message = report.not_in_code(name, f"{sent_bits:#x}", f"{highest}", code.name)
+            yield FrameProblem(Fault.RANGE, field=name, message=message)
+
+
+def range_message(position_range: PositionRange, placed_layout: PlacedLayout, binary_number: int) -> str:
+    """Return an error message if a position is outside the range of this encoder, or an empty string if it is inside.
+
+    ``binary_number`` is the frame with its Gray code converted to binary. The result is also empty if the order code
+    has no field for the position.
+    """
+    placed_fields = placed_layout.find_fields([field.name for field in position_range.fields])
+    if not placed_fields:
+        return ""
+    lowest = position_range.lowest.value(placed_layout.parameters)
+    highest = position_range.highest.value(placed_layout.parameters)
+    position = 0
+    for placed_field in placed_fields:
+        position = position << placed_field.width | bits_of_field(placed_field, binary_number)
+    number_kind = position_range.fields[0].number
+    is_signed = number_kind.signed
+    if is_signed:
+        position = signed_or_plain(number_kind, position, placed_fields[0].width)
+    if lowest <= position <= highest:
+        return ""
+    if is_signed:
+        return report.outside(f"{position_range.name} {position}", f"{lowest}", f"{highest}")
+    return report.too_high(position_range.name, f"{position}", f"{highest}")
+
+
+def problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
+    """Yield an error if a field cannot have the value ``raw``, regardless of the other fields."""
+    name = field.name
+    match field.kind:
+        case Choice(named_values):
+            known_numbers = {named_value.value for named_value in named_values}
+            if raw not in known_numbers:
+                message = report.no_value(name, f"{raw:#x}")
+                yield FrameProblem(Fault.RANGE, field=name, message=message)
+        case Constant(constant):
+            if raw != constant:
+                message = report.constant(name, f"{raw:#x}", f"{constant:#x}")
+                yield FrameProblem(Fault.CONSTANT, field=name, message=message)
+        case Decimal() as decimal:
+            if raw >= decimal.limit:
+                message = report.digits(name, f"{raw}", f"{decimal.digits}")
+                yield FrameProblem(Fault.RANGE, field=name, message=message)
+
+
+class DecodedField(NamedTuple):
+    """A field of a decoded frame.
+
+    ``raw`` is the number on the wire. ``value`` is its meaning: a number, a Boolean, the name of a value, or a string.
+    ``scale`` converts a number to a quantity.
+    """
+
+    name: str
+    raw: int
+    value: int | str | bool
+    unit: str
+    meaning: str
+    high: int
+    low: int
+    scale: Scale | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CrcResult:
+    """The CRC in a received frame, and the CRC computed from its other bits."""
+
+    name: str
+    received: int
+    computed: int
+    width: int
+
+    @property
+    def has_exchanged_bytes(self) -> bool:
+        """True if the CRC is wrong, but would be correct if its bytes were sent in reverse order."""
+        if self.ok or self.width % 8:
+            return False
+        received_bytes = self.received.to_bytes(self.width // 8, "little")
+        return int.from_bytes(received_bytes, "big") == self.computed
+
+    @property
+    def ok(self) -> bool:
+        """True if both are equal."""
+        return self.received == self.computed
+
+
+@dataclass(frozen=True, slots=True)
+class DecodedFrame:
+    """A decoded frame or register. ``number`` is the frame as it is sent.
+
+    ``layout`` is None if no layout matches. ``crc`` is None without a CRC.
+    """
+
+    layout: PlacedLayout | None
+    number: int
+    fields: tuple[DecodedField, ...]
+    crc: CrcResult | None
+    problems: tuple[FrameProblem, ...]
+
+    @property
+    def values(self) -> dict[str, int | str | bool]:
+        """Values of the fields by name."""
+        return {field.name: field.value for field in self.fields}
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +274,8 @@ def _active_fields(placed_layout: PlacedLayout, decoded_fields: Mapping[str, Dec
     for placed_field in placed_layout.fields:
         if _is_active_field(placed_field, decoded_fields[placed_field.name]):
             active_fields.append(placed_field.field)
-    if placed_layout.layout.sender == "encoder":
-        layout = placed_layout.layout
+    layout = placed_layout.layout
+    if layout.sender == "encoder":
         active_signs = [sign for sign in layout.signs if _is_active_sign(sign, layout, decoded_fields)]
         active_fields += [sign.flag for sign in active_signs]
     return active_fields
@@ -111,8 +284,7 @@ def _active_fields(placed_layout: PlacedLayout, decoded_fields: Mapping[str, Dec
 def _reports_of_frame(device: Device, variant: Variant, active_fields: Sequence[Field]) -> Iterator[FrameReport]:
     """Yield a report for each active flag or unused field, except those with which the position remains usable."""
     for field in active_fields:
-        leaves_position_usable = field.kind.makes_position is Verdict.USABLE
-        if not leaves_position_usable:
+        if field.kind.makes_position is not Verdict.USABLE:
             yield _build_report(field, _alarm_for(device, variant, field, register=""))
 
 
@@ -135,10 +307,9 @@ def _alarm_for(device: Device, variant: Variant, field: Field, register: str) ->
     ``register`` is the name of the register with the flag, or empty for a flag in a frame.
     """
     alarm = alarm_of(device, field, register)
-    if alarm is None:
+    if alarm is None or not fits(alarm.only, variant.code):
         return None
-    applies_to_order_code = fits(alarm.only, variant.code)
-    return alarm if applies_to_order_code else None
+    return alarm
 
 
 def _is_active_field(placed_field: PlacedField, decoded_field: DecodedField) -> bool:
@@ -233,182 +404,47 @@ def _find_differences(
         )
 
 
+@dataclass(frozen=True, slots=True)
+class ChannelFindings:
+    """Findings in a frame with several data channels.
+
+    ``agree`` is true if the fields that the manual compares between channels match. It is None if the manual compares
+    none, or if a channel has an error. ``verdict`` is None if a channel has an error.
+    """
+
+    channels: tuple[Findings, ...]
+    agree: bool | None
+    verdict: Verdict | None
+
+
+def channel_findings(
+    device: Device, variant: Variant, frame: PlacedChannels, decoded_channels: Sequence[DecodedFrame]
+) -> ChannelFindings:
+    """Return the findings in each channel, and the verdict on the position in the whole frame.
+
+    It is the worst verdict of all channels, or NOT_USABLE if fields that should match in all channels differ. A channel
+    without the position counts only if its own verdict is known.
+    """
+    findings_by_channel = tuple(findings(device, variant, decoded) for decoded in decoded_channels)
+    if any(decoded.problems for decoded in decoded_channels):
+        return ChannelFindings(channels=findings_by_channel, agree=None, verdict=None)
+    agree = None
+    if frame.compared:
+        agree = frame.agree([decoded.values for decoded in decoded_channels])
+    verdicts = []
+    if agree is False:  # None means that no fields are compared.
+        verdicts.append(Verdict.NOT_USABLE)
+    for placed_layout, channel in zip(frame.channels, findings_by_channel, strict=True):
+        if channel.verdict is None:
+            continue
+        has_position = device.sends_position(variant.interface, placed_layout.layout)
+        if has_position or channel.verdict is not Verdict.UNKNOWN:
+            verdicts.append(channel.verdict)
+    from_worst_to_best = list(Verdict)
+    worst = min(verdicts, key=from_worst_to_best.index)
+    return ChannelFindings(channels=findings_by_channel, agree=agree, verdict=worst)
+
+
 def _quoted_or_hex(field_value: int | str) -> str:
     """Return a text in double quotes, or a number in hexadecimal, such as ``0x2a``."""
     return f'"{field_value}"' if isinstance(field_value, str) else f"{field_value:#04x}"
-
-
-def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
-    """Yield the registers whose documented contents identify the encoder, such as the device ID.
-
-    Registers in banks are omitted, because their addresses are not unique.
-    """
-    names = {register.name for register, _ in device.identity if register.bank is None}
-    return (register for register in device.registers_over(variant.interface) if register.name in names)
-
-
-def fixed_addresses(device: Device, variant: Variant) -> frozenset[int]:
-    """Return the addresses of the registers whose documented contents identify an encoder with this order code."""
-    addresses: set[int] = set()
-    for register in _identity_registers(device, variant):
-        addresses.update(_list_addresses(register))
-    return frozenset(addresses)
-
-
-def _list_addresses(register: Register) -> range:
-    """Return the addresses of all bytes of a register."""
-    return range(register.address, register.last_address + 1)
-
-
-def compare_held(device: Device, variant: Variant, bytes_by_address: Mapping[int, int]) -> tuple[ValueDifference, ...]:
-    """Return the fields of identifying registers whose contents show that the encoder has a different order code.
-
-    Registers that ``bytes_by_address`` does not contain are unknown, and are not compared.
-    """
-    differences: list[ValueDifference] = []
-    for register in _identity_registers(device, variant):
-        differences += _compare_register(variant, register, bytes_by_address)
-    return tuple(differences)
-
-
-def _compare_register(
-    variant: Variant, register: Register, bytes_by_address: Mapping[int, int]
-) -> Iterator[ValueDifference]:
-    """Yield the fields of a register whose known bits differ from the values that the manual gives for an order code.
-
-    Bytes that ``bytes_by_address`` lacks are unknown. The message shows the field in hexadecimal, with a dot for each
-    unknown digit.
-    """
-    placed_layout = register.layout.place(variant.parameters)
-    addresses = _list_addresses(register)
-    register_bytes = bytes(bytes_by_address.get(address, 0) for address in addresses)
-    masks_of_bytes = bytearray()  # 0xFF for each byte that is known.
-    for address in addresses:
-        masks_of_bytes.append(0xFF if address in bytes_by_address else 0)
-    content = number_from_bytes(register.layout, register_bytes)
-    known_mask = number_from_bytes(register.layout, bytes(masks_of_bytes))
-    for placed_field in placed_layout.fields:
-        documented = placed_field.field.documented(variant.parameters)
-        if documented is None:
-            continue
-        documented_bits = number_of_text(documented) if isinstance(documented, str) else documented
-        known_bits = bits_of_field(placed_field, known_mask)
-        actual_bits = bits_of_field(placed_field, content) & known_bits
-        matches_documentation = actual_bits == documented_bits & known_bits
-        if matches_documentation:
-            continue
-        path = f"{register.name}.{placed_field.name}" if len(placed_layout.fields) > 1 else register.name
-        is_completely_known = known_bits == placed_field.mask
-        if is_completely_known:
-            message = report.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
-        else:
-            actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
-            documented_digits = _known_digits(documented_bits, known_bits, placed_field.width)
-            message = f"{path}: the given part is {actual_digits}, {variant.code} has {documented_digits}"
-        yield ValueDifference(path, actual=actual_bits, documented=documented_bits, message=message, is_register=True)
-
-
-def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
-    """Return the hexadecimal digits of a field with ``width`` bits, with dots for unknown digits, such as ``..A3h``.
-
-    The bits of the field that are known are 1 in ``known_bits``. A digit is known if all of its bits are known.
-    """
-    text = ""
-    all_bits = (1 << width) - 1
-    highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest digit may have fewer.
-    for shift in range(highest_digit_shift, -1, -4):
-        bits_of_digit = (all_bits >> shift) & 0xF
-        known_bits_of_digit = (known_bits >> shift) & bits_of_digit
-        digit = (field_bits >> shift) & 0xF
-        text += f"{digit:X}" if known_bits_of_digit == bits_of_digit else "."
-    return text + "h"
-
-
-def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDifference]:
-    """Yield values of a register that show that an older edition of the manual applies to the encoder.
-
-    An edition has tests: a register field, ``run``, whose value must be from ``min`` to ``max`` in encoders of this
-    edition. Frames have no such tests.
-    """
-    is_register = decoded.layout is not None and not decoded.layout.layout.sender
-    if decoded.layout is None or not is_register:
-        return
-    register = decoded.layout.name
-    number_by_field = {field.name: field.raw for field in decoded.fields}
-    for revision, test in tests_of(device, register):
-        number = number_by_field.get(test.run)
-        if number is None or test.min <= number <= test.max:
-            continue
-        bounds = f"{test.min} to {test.max}"
-        message = of_older_edition(
-            run=test.run,
-            actual=f"{number}",
-            bounds=bounds,
-            revision=revision,
-            register=register,
-            before=edition_before(device, revision),
-        )
-        yield ValueDifference(test.run, actual=number, documented=bounds, message=message, is_register=True)
-
-
-def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Mapping[int, int]) -> str:
-    """Return the revision of the latest edition of the manual that is compatible with the registers of an encoder.
-
-    An edition has tests: a register field, ``run``, whose value must be from ``min`` to ``max`` in encoders of this
-    edition. The result is the revision before the first edition with a failed test, or the revision of the spec if no
-    test fails.
-
-    Raises:
-        ValueError: ``bytes_by_address`` has no complete register that identifies the edition.
-    """
-    has_register = False
-    for edition in device.editions:
-        for test in edition.tests:
-            register = device.register(test.register)
-            addresses = _list_addresses(register)
-            is_complete = bytes_by_address.keys() >= set(addresses)
-            if not is_complete:
-                continue
-            has_register = True
-            register_bytes = bytes(bytes_by_address[address] for address in addresses)
-            content = number_from_bytes(register.layout, register_bytes)
-            placed_layout = register.layout.place(match.variant.parameters)
-            decoded_register = decode_word(device, placed_layout, content)
-            tested_field = member_named(decoded_register.fields, test.run, f"field of '{register.name}'")
-            if not test.min <= tested_field.raw <= test.max:
-                return edition_before(device, edition.revision)
-    if not has_register:
-        raise ValueError(_missing_registers_message(device))
-    return device.manual.revision
-
-
-def without_tests(device: Device, bytes_by_address: Mapping[int, int]) -> dict[int, int]:
-    """Return the register bytes by address, without the bytes of registers that identify the edition of the manual."""
-    edition_addresses: set[int] = set()
-    for name in _names_of_edition_registers(device):
-        edition_addresses.update(_list_addresses(device.register(name)))
-    return {address: value for address, value in bytes_by_address.items() if address not in edition_addresses}
-
-
-def _names_of_edition_registers(device: Device) -> list[str]:
-    """Return the names of the registers whose values identify the edition of the manual, without duplicates."""
-    names = (test.register for edition in device.editions for test in edition.tests)
-    return list(dict.fromkeys(names))
-
-
-def _missing_registers_message(device: Device) -> str:
-    """Return the message that lists the command-line options for the registers that identify the edition.
-
-    The options for a register of two bytes are, for example, ``--register 0x10=0x.. --register 0x11=0x..``.
-    """
-    names = _names_of_edition_registers(device)
-    if not names:
-        return f"no register of {device.name} identifies the edition"
-    options_by_register = []
-    for name in names:
-        addresses = _list_addresses(device.register(name))
-        options = [f"--register 0x{address:02X}=0x.." for address in addresses]
-        options_by_register.append(" ".join(options))
-    names_text = " or ".join(names)
-    options_text = "; or ".join(options_by_register)
-    return f"to infer the edition, give all of {names_text}: {options_text}"

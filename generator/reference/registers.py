@@ -1,8 +1,8 @@
-"""Decode registers by name, and list the register writes of a procedure."""
+"""Decode registers, list the writes of a procedure, and identify an encoder and its edition by its registers."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from ..model import (
     NOT_KNOWN,
@@ -17,20 +17,23 @@ from ..model import (
     Write,
     WriteStep,
     cite,
+    member_named,
     number_from_bytes,
     number_to_bytes,
 )
 from ..model.expressions import Expression
 from ..model.registers import name_with_limits, value_bounds
+from ..order_codes.labels import LabelMatch, edition_before, edition_tests_of_register
 from ..order_codes.parameters import RegisterError, after_write
 from ..say import report
 from ..say.plain_text import count_with_unit
-from ..say.report import register_length
-from . import codec
-from .bits import with_bits
+from ..say.report import of_older_edition, register_length
+from .bits_and_values import EncodeError, bits_of_field, number_of_text, with_bits
+from .codec import decode, encode
+from .findings import DecodedFrame, ValueDifference
 
 
-def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> codec.DecodedFrame:
+def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> DecodedFrame:
     """Decode a register from its bytes in ascending order of address. Its name is not case-sensitive.
 
     Raises:
@@ -51,7 +54,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         actual_length = count_with_unit(len(data), "byte")
         raise RegisterError(register_length(register.name, needed_length, actual_length))
     placed_layout = register.layout.place(variant.parameters)
-    return codec.decode(device, placed_layout, number_from_bytes(register.layout, data))
+    return decode(device, placed_layout, number_from_bytes(register.layout, data))
 
 
 def _unknown_register_message(device: Device, erratum: Erratum, name: str) -> str:
@@ -126,7 +129,7 @@ def _value_of_step(step: WriteStep | ModifyStep, arguments: Mapping[str, int]) -
     if step.value is not None:
         return step.value
     if step.value_name not in arguments:
-        raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
+        raise EncodeError(f"the argument '{step.value_name}' is missing")
     return arguments[step.value_name]
 
 
@@ -151,10 +154,10 @@ def _with_field_changed(placed_layout: PlacedLayout, field_name: str, field_valu
     """
     placed_field = placed_layout.find_field(field_name)
     if placed_field is None:
-        raise codec.EncodeError(f"{field_value} does not fit '{field_name}'")
+        raise EncodeError(f"{field_value} does not fit '{field_name}'")
     is_too_wide = field_value & ~placed_field.mask != 0
     if is_too_wide:
-        raise codec.EncodeError(f"{field_value} does not fit '{field_name}'")
+        raise EncodeError(f"{field_value} does not fit '{field_name}'")
     return with_bits(old_content, placed_field, field_value)
 
 
@@ -171,12 +174,12 @@ def _content_for_argument(device: Device, register: Register, placed_layout: Pla
     names_of_numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
     names_of_numbers |= {join.name for join in register.layout.joins}
     if name in names_of_numbers or register.limits_of == name:
-        return codec.encode(device, placed_layout, {name: argument})
+        return encode(device, placed_layout, {name: argument})
     # The argument is the number in the whole register.
-    problems = codec.decode(device, placed_layout, argument).problems
+    problems = decode(device, placed_layout, argument).problems
     if problems:
         first_problem = problems[0]
-        raise codec.EncodeError(f"{argument:#x} is not a value of '{register.name}': {first_problem.message}")
+        raise EncodeError(f"{argument:#x} is not a value of '{register.name}': {first_problem.message}")
     return argument
 
 
@@ -196,10 +199,188 @@ def _check_argument(
         if field.name == field_name:
             allowed_values += [named_value.value for named_value in field.values]
     if allowed_values and argument not in allowed_values:
-        raise codec.EncodeError(f"{argument} is not a value of '{field_name}'")
+        raise EncodeError(f"{argument} is not a value of '{field_name}'")
     lowest, highest = value_bounds(register, placed_layout, limits, placed_layout.parameters)
     # The limits of a meaning apply to the field or register to which the argument is written.
     has_limits_of_meaning = limits != (register.min, register.max)
     is_limited = has_limits_of_meaning or field_name == name_with_limits(register)
     if is_limited and not lowest <= argument <= highest:
-        raise codec.EncodeError(report.outside(f"{argument}", f"{lowest}", f"{highest}"))
+        raise EncodeError(report.outside(f"{argument}", f"{lowest}", f"{highest}"))
+
+
+def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
+    """Yield the registers whose documented contents identify the encoder, such as the device ID.
+
+    Registers in banks are omitted, because their addresses are not unique.
+    """
+    names = {register.name for register, _ in device.identity if register.bank is None}
+    return (register for register in device.registers_over(variant.interface) if register.name in names)
+
+
+def identifying_addresses(device: Device, variant: Variant) -> frozenset[int]:
+    """Return the addresses of the registers whose documented contents identify an encoder with this order code."""
+    addresses: set[int] = set()
+    for register in _identity_registers(device, variant):
+        addresses.update(_list_addresses(register))
+    return frozenset(addresses)
+
+
+def _list_addresses(register: Register) -> range:
+    """Return the addresses of all bytes of a register."""
+    return range(register.address, register.last_address + 1)
+
+
+def compare_identifying_registers(
+    device: Device, variant: Variant, bytes_by_address: Mapping[int, int]
+) -> tuple[ValueDifference, ...]:
+    """Return the fields of identifying registers whose contents show that the encoder has a different order code.
+
+    Registers that ``bytes_by_address`` does not contain are unknown, and are not compared.
+    """
+    differences: list[ValueDifference] = []
+    for register in _identity_registers(device, variant):
+        differences += _compare_register(variant, register, bytes_by_address)
+    return tuple(differences)
+
+
+def _compare_register(
+    variant: Variant, register: Register, bytes_by_address: Mapping[int, int]
+) -> Iterator[ValueDifference]:
+    """Yield the fields of a register whose known bits differ from the values that the manual gives for an order code.
+
+    Bytes that ``bytes_by_address`` lacks are unknown. The message shows the field in hexadecimal, with a dot for each
+    unknown digit.
+    """
+    placed_layout = register.layout.place(variant.parameters)
+    addresses = _list_addresses(register)
+    register_bytes = bytes(bytes_by_address.get(address, 0) for address in addresses)
+    masks_of_bytes = bytearray()  # 0xFF for each byte that is known.
+    for address in addresses:
+        masks_of_bytes.append(0xFF if address in bytes_by_address else 0)
+    content = number_from_bytes(register.layout, register_bytes)
+    known_mask = number_from_bytes(register.layout, bytes(masks_of_bytes))
+    for placed_field in placed_layout.fields:
+        documented = placed_field.field.documented(variant.parameters)
+        if documented is None:
+            continue
+        documented_bits = number_of_text(documented) if isinstance(documented, str) else documented
+        known_bits = bits_of_field(placed_field, known_mask)
+        actual_bits = bits_of_field(placed_field, content) & known_bits
+        matches_documentation = actual_bits == documented_bits & known_bits
+        if matches_documentation:
+            continue
+        path = f"{register.name}.{placed_field.name}" if len(placed_layout.fields) > 1 else register.name
+        is_completely_known = known_bits == placed_field.mask
+        if is_completely_known:
+            message = report.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
+        else:
+            actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
+            documented_digits = _known_digits(documented_bits, known_bits, placed_field.width)
+            message = f"{path}: the given part is {actual_digits}, {variant.code} has {documented_digits}"
+        yield ValueDifference(path, actual=actual_bits, documented=documented_bits, message=message, is_register=True)
+
+
+def _known_digits(field_bits: int, known_bits: int, width: int) -> str:
+    """Return the hexadecimal digits of a field with ``width`` bits, with dots for unknown digits, such as ``..A3h``.
+
+    The bits of the field that are known are 1 in ``known_bits``. A digit is known if all of its bits are known.
+    """
+    text = ""
+    all_bits = (1 << width) - 1
+    highest_digit_shift = (width - 1) // 4 * 4  # A digit is 4 bits. The highest digit may have fewer.
+    for shift in range(highest_digit_shift, -1, -4):
+        bits_of_digit = (all_bits >> shift) & 0xF
+        known_bits_of_digit = (known_bits >> shift) & bits_of_digit
+        digit = (field_bits >> shift) & 0xF
+        text += f"{digit:X}" if known_bits_of_digit == bits_of_digit else "."
+    return text + "h"
+
+
+def values_of_older_edition(device: Device, decoded: DecodedFrame) -> Iterator[ValueDifference]:
+    """Yield values of a register that show that an older edition of the manual applies to the encoder.
+
+    An edition has tests: a register field, ``run``, whose value must be from ``min`` to ``max`` in encoders of this
+    edition. Frames have no such tests.
+    """
+    is_register = decoded.layout is not None and not decoded.layout.layout.sender
+    if decoded.layout is None or not is_register:
+        return
+    register = decoded.layout.name
+    number_by_field = {field.name: field.raw for field in decoded.fields}
+    for revision, test in edition_tests_of_register(device, register):
+        number = number_by_field.get(test.run)
+        if number is None or test.min <= number <= test.max:
+            continue
+        bounds = f"{test.min} to {test.max}"
+        message = of_older_edition(
+            run=test.run,
+            actual=f"{number}",
+            bounds=bounds,
+            revision=revision,
+            register=register,
+            before=edition_before(device, revision),
+        )
+        yield ValueDifference(test.run, actual=number, documented=bounds, message=message, is_register=True)
+
+
+def edition_by_registers(device: Device, match: LabelMatch, bytes_by_address: Mapping[int, int]) -> str:
+    """Return the revision of the latest edition of the manual that is compatible with the registers of an encoder.
+
+    An edition has tests: a register field, ``run``, whose value must be from ``min`` to ``max`` in encoders of this
+    edition. The result is the revision before the first edition with a failed test, or the revision of the spec if no
+    test fails.
+
+    Raises:
+        ValueError: ``bytes_by_address`` has no complete register that identifies the edition.
+    """
+    has_register = False
+    for edition in device.editions:
+        for test in edition.tests:
+            register = device.register(test.register)
+            addresses = _list_addresses(register)
+            is_complete = bytes_by_address.keys() >= set(addresses)
+            if not is_complete:
+                continue
+            has_register = True
+            register_bytes = bytes(bytes_by_address[address] for address in addresses)
+            content = number_from_bytes(register.layout, register_bytes)
+            placed_layout = register.layout.place(match.variant.parameters)
+            decoded_register = decode(device, placed_layout, content)
+            tested_field = member_named(decoded_register.fields, test.run, f"field of '{register.name}'")
+            if not test.min <= tested_field.raw <= test.max:
+                return edition_before(device, edition.revision)
+    if not has_register:
+        raise ValueError(_missing_registers_message(device))
+    return device.manual.revision
+
+
+def without_edition_registers(device: Device, bytes_by_address: Mapping[int, int]) -> dict[int, int]:
+    """Return the register bytes by address, without the bytes of registers that identify the edition of the manual."""
+    edition_addresses: set[int] = set()
+    for name in _names_of_edition_registers(device):
+        edition_addresses.update(_list_addresses(device.register(name)))
+    return {address: value for address, value in bytes_by_address.items() if address not in edition_addresses}
+
+
+def _names_of_edition_registers(device: Device) -> list[str]:
+    """Return the names of the registers whose values identify the edition of the manual, without duplicates."""
+    names = (test.register for edition in device.editions for test in edition.tests)
+    return list(dict.fromkeys(names))
+
+
+def _missing_registers_message(device: Device) -> str:
+    """Return the message that lists the command-line options for the registers that identify the edition.
+
+    The options for a register of two bytes are, for example, ``--register 0x10=0x.. --register 0x11=0x..``.
+    """
+    names = _names_of_edition_registers(device)
+    if not names:
+        return f"no register of {device.name} identifies the edition"
+    options_by_register = []
+    for name in names:
+        addresses = _list_addresses(device.register(name))
+        options = [f"--register 0x{address:02X}=0x.." for address in addresses]
+        options_by_register.append(" ".join(options))
+    names_text = " or ".join(names)
+    options_text = "; or ".join(options_by_register)
+    return f"to infer the edition, give all of {names_text}: {options_text}"

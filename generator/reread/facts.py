@@ -11,7 +11,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from ..language.document import Document, Path
-from ..loading.from_mapping import parse_sources
+from ..loading.spec_parts import parse_sources
 from ..model import Sources
 from .passages import Passage
 from .sections import COVER, WORD, plain_line

@@ -10,7 +10,7 @@ from collections.abc import Generator
 from functools import cached_property
 
 from ..model import Crc, Layout, channel_frame
-from ..reference.bits import compute_bits
+from ..reference.bits_and_values import compute_bits
 from .encoder import VirtualEncoder
 from .faults import BUSY_S, word_with_fault
 

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from ..language.problems import ProblemReport
-from ..loading.editions import revision_for
+from ..loading.history import revision_for
 from ..loading.library import Family, families_without_problems, in_edition, load_families
 from ..model import Device
 from ..one_line.encoder import device_of_line

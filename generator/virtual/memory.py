@@ -29,7 +29,7 @@ from ..model import (
 )
 from ..order_codes.parameters import after_write
 from ..reference import codec
-from ..reference.bits import bits_of_field, with_bits
+from ..reference.bits_and_values import bits_of_field, with_bits
 
 
 class Host(Protocol):

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from ..model import Device, Interface, PlacedLayout, Spi, Ssi, Variant
 from ..reference import codec
-from ..reference.bits import from_binary, gray_to_binary
+from ..reference.bits_and_values import from_binary, gray_to_binary
 from .hypotheses import TypedFrame, check_constant_bits
 from .recordings import LINES, line_name, recording_hypotheses
 

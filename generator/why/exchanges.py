@@ -13,7 +13,7 @@ from operator import itemgetter
 from ..model import Constant, Device, Layout, Number, PlacedLayout, Rs485, Spi, Unused, Variant, number_from_bytes
 from ..model.record import dataclass
 from ..reference import codec
-from ..reference.bits import unused_bits
+from ..reference.bits_and_values import unused_bits
 from .hypotheses import Hypothesis, check_constant_bits, likelihood
 
 #: Maximum number of bytes that are searched for frames.

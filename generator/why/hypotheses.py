@@ -15,7 +15,7 @@ from ..model import (
     Unused,
 )
 from ..model.record import dataclass
-from ..reference.bits import compute_bits, compute_bytes, parity_bit
+from ..reference.bits_and_values import compute_bits, compute_bytes, parity_bit
 
 
 @dataclass(frozen=True, slots=True)

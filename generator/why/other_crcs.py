@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..model import Crc, Flag, Number, PlacedLayout, Unused
-from ..model.known_crcs import KNOWN_CRCS
-from ..reference.bits import binary_to_gray, gray_to_binary, reflect
+from ..model.fields import KNOWN_CRCS
+from ..reference.bits_and_values import binary_to_gray, gray_to_binary, reflect
 from .hypotheses import (
     NOT_INVERTED,
     Hypothesis,

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..model import Crc, PlacedLayout, Spi, Variant
-from ..reference.bits import reflect
+from ..reference.bits_and_values import reflect
 from .hypotheses import INVERTED_WITHOUT_PAIR, Hypothesis, TypedFrame, frame_hypothesis, possible_lengths
 from .texts import TEXTS
 

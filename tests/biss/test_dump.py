@@ -17,6 +17,8 @@ from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.schemas import load_schema
 from codewheel.loading.from_mapping import parse_sources
+from codewheel.language.schema_files import is_second, is_word_sheet, load_schema
+from codewheel.loading.spec_parts import parse_sources
 from codewheel.model import Device, FrameExample, Variant
 from codewheel.model.expressions import Expression, ExpressionError
 from codewheel.order_codes.labels import find_code

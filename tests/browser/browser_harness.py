@@ -23,7 +23,8 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, number_to_bytes
 from codewheel.order_codes.labels import LabelMatch
 from codewheel.reference import codec
-from codewheel.reference.findings import findings, strange_values
+from codewheel.reference.findings import findings
+from codewheel.reference.registers import values_of_older_edition
 from codewheel.say.plain_text import quantity_text
 from codewheel.targets import Library
 from rust_frames import numbers
@@ -104,7 +105,7 @@ class Case:
     def result_text(self, decoded: codec.DecodedFrame) -> str:
         """Return the whole result as one text."""
         report = findings(self.device, self.variant, decoded)
-        strange = strange_values(self.device, decoded) if not decoded.problems else ()
+        strange = values_of_older_edition(self.device, decoded) if not decoded.problems else ()
         rows: list[Sequence[object]] = [(decoded.layout.name if decoded.layout is not None else "",)]
         rows += [("problem", problem.fault.value, problem.field, problem.message) for problem in decoded.problems]
         rows += [_field_row(field) for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]

@@ -14,7 +14,7 @@ import pytest
 from c_harness import FAMILIES, Run, compile_c
 from codewheel.model import Device, Register, Rs485, Variant, number_from_bytes, number_to_bytes
 from codewheel.reference import codec
-from codewheel.reference.bits import compute_bytes
+from codewheel.reference.bits_and_values import compute_bytes
 from codewheel.targets.c.device import views_of
 from exhaustive import mostly_exhaustive
 from test_c_codec import FAULTS, Table, check, valid_numbers

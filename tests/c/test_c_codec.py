@@ -27,7 +27,7 @@ from codewheel.model import (
 )
 from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.plan.crcs import crc_functions
-from codewheel.reference.bits import (
+from codewheel.reference.bits_and_values import (
     binary_to_gray,
     compute,
     compute_bits,

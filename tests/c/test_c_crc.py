@@ -10,7 +10,7 @@ import pytest
 from c_harness import MadeOnce, Run, devices_of, program_over
 from codewheel.model import Device
 from codewheel.reference import codec
-from codewheel.reference.bits import compute_bits
+from codewheel.reference.bits_and_values import compute_bits
 from codewheel.targets import Library
 from codewheel.targets.c.device import views_of
 from codewheel.targets.c.files import generate

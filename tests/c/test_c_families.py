@@ -41,7 +41,7 @@ from codewheel.model import (
 from codewheel.model.expressions import Expression
 from codewheel.order_codes.labels import UnknownOrderCode, find_code
 from codewheel.order_codes.parameters import RegisterError, with_registers
-from codewheel.reference.bits import binary_to_gray
+from codewheel.reference.bits_and_values import binary_to_gray
 from codewheel.reference.codec import EncodeError, decode
 from codewheel.reference.registers import register_writes
 from codewheel.targets.c.device import DeviceView, views_of

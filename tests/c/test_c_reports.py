@@ -13,7 +13,7 @@ import pytest
 from c_harness import GCC, Run, compile_c, write
 from codewheel.model import Device, Flag, PlacedLayout, Variant, Verdict
 from codewheel.plan.verdicts import ReportCause, reportings, reports_of
-from codewheel.reference.bits import unused_bits
+from codewheel.reference.bits_and_values import unused_bits
 from codewheel.reference.codec import decode, encode
 from codewheel.reference.findings import FrameReport, findings
 from codewheel.say.report import alarm_of, meaning

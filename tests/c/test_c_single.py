@@ -15,7 +15,7 @@ from c_harness import SANITIZED
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag, number_to_bytes
-from codewheel.model.channels import channel_frame
+from codewheel.model.interfaces import channel_frame
 from codewheel.order_codes.reduction import for_codes
 from codewheel.targets import Library
 from codewheel.targets.c.comments import break_lines

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from codewheel.language.schemas import load_schema
 from codewheel.loading.library import load_library
-from codewheel.loading.unused_parameters import EXPRESSION_KEYS
+from codewheel.loading.order_code_facts import EXPRESSION_KEYS
 
 HERE = Path(__file__).parent
 MINIMAL = (HERE / "ok" / "minimal.yaml").read_text(encoding="utf-8")

@@ -20,7 +20,7 @@ from codewheel.language.written import LocatedPart, WrittenPart
 from codewheel.language.written_codes import WrittenBiss
 from codewheel.language.written_fields import WrittenField, WrittenLayout, WrittenRegister
 from codewheel.model.expressions import Expression
-from codewheel.model.key_types import name_of_part
+from codewheel.model.keys_and_members import name_of_part
 from codewheel.model.part import keys_of
 
 #: Methods of written parts whose argument is a key.

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 
 import pytest
-from codewheel.model.steps import steps_of
+from codewheel.model.registers import steps_of
 from codewheel.say.markdown import escape, escape_html
 from codewheel.targets import Library
 from codewheel.targets.docs.inline_errata import all_values

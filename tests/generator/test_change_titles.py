@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from codewheel.loading.change_titles import change_title
+from codewheel.loading.overlays import change_title
 from codewheel.targets import Library
 
 

@@ -24,7 +24,8 @@ from c_harness import GCC, write
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Verdict, channel_frame
-from codewheel.reference.channels import channel_findings, decode_channels
+from codewheel.reference.codec import decode_channels
+from codewheel.reference.findings import channel_findings
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate as generate_page
 from codewheel.virtual.clocked_lines import BissLine

@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 from codewheel.model import Crc
 from codewheel.plan.crcs import CoveredData, CrcMethod, can_be_folded, fold_plan, method_of
-from codewheel.reference.bits import compute_bits, compute_bytes
+from codewheel.reference.bits_and_values import compute_bits, compute_bytes
 
 
 def crc(width: int, poly: int, init: int = 0, refin: bool = False, refout: bool = False, xorout: int = 0) -> Crc:

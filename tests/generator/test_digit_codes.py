@@ -13,7 +13,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device, kinds
 from codewheel.model.kinds import DigitCode, WholeCode
 from codewheel.reference import codec
-from codewheel.reference.bits import digits_of_number, number_of_digits
+from codewheel.reference.bits_and_values import digits_of_number, number_of_digits
 from codewheel.targets import Library
 from five_engines import (
     ENGINES,

@@ -20,7 +20,7 @@ from codewheel.language.read import read_document
 from codewheel.language.schemas import described_parts
 from codewheel.language.written import WrittenPart
 from codewheel.model import Device, Register
-from codewheel.model.key_types import name_of_part
+from codewheel.model.keys_and_members import name_of_part
 from codewheel.model.members import PARTS, PARTS_BY_CLASS, ModelMember, ModelPart
 from codewheel.model.part import keys_of
 from codewheel.model.record import dataclass

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from codewheel.language.schemas import described_parts, part_schema, schema_with_parts
 from codewheel.language.written_parts import WrittenSpec
-from codewheel.model.key_types import data_notation, key_type
+from codewheel.model.keys_and_members import data_notation, key_type
 from codewheel.model.part import NOTHING, STEPS, Count, Name, Prose, fact, key, keys_of, part
 
 SCHEMA = Path(__file__).parents[2] / "generator/language/device.schema.json"

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Verdict
-from codewheel.reference.bits import compute
+from codewheel.reference.bits_and_values import compute
 from codewheel.reference.codec import decode
 from codewheel.reference.findings import findings
 

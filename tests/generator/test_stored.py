@@ -28,7 +28,7 @@ def test_every_class_of_a_model_can_be_stored() -> None:
     packages = pkgutil.walk_packages(model.__path__, "codewheel.model.")
     classes = {
         item
-        for module in (import_module(found.name) for found in packages if ".members" not in found.name)
+        for module in (import_module(found.name) for found in packages if "members" not in found.name)
         for item in vars(module).values()
         if dataclasses.is_dataclass(item) and item.__module__ == module.__name__
     }

@@ -8,8 +8,8 @@ import pytest
 from codewheel.dump.schema import show_schema
 from codewheel.language.schemas import load_schema
 from codewheel.loading.examples import _EXAMPLES
-from codewheel.loading.from_mapping import _STEPS
 from codewheel.loading.interfaces import _INTERFACES
+from codewheel.loading.spec_parts import _STEPS
 from codewheel.model import INTERFACES, Example, Step
 from codewheel_runtime import Interface
 

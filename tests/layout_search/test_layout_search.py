@@ -16,7 +16,7 @@ from codewheel.language.read import read_document
 from codewheel.layout_search.answers import PossibleLine, answer_with_lines
 from codewheel.layout_search.frames import RecordedFrames
 from codewheel.layout_search.search import find_layouts
-from codewheel.model.known_crcs import KNOWN_CRCS
+from codewheel.model.fields import KNOWN_CRCS
 from codewheel.one_line.encoder import device_of_line
 from codewheel.one_line.parse import parse_line
 from judge_layouts import is_right

@@ -34,9 +34,9 @@ from codewheel.model import (
 )
 from codewheel.model.registers import name_with_limits, value_bounds
 from codewheel.order_codes.parameters import with_answers, with_registers
-from codewheel.reference.bits import compute, join_value
-from codewheel.reference.codec import DecodedFrame, EncodeError, decode, decode_bytes, encode
-from codewheel.reference.findings import findings
+from codewheel.reference.bits_and_values import compute, join_value
+from codewheel.reference.codec import EncodeError, decode, decode_bytes, encode
+from codewheel.reference.findings import DecodedFrame, findings
 from codewheel.reference.registers import register_writes
 from codewheel.targets import Library
 from codewheel.targets.python.names import CLASS_NAMES, ModuleContext, attribute

@@ -10,7 +10,7 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.plan.crcs import CoveredData, crc_functions
-from codewheel.reference.bits import compute_bits, compute_bytes
+from codewheel.reference.bits_and_values import compute_bits, compute_bytes
 from codewheel.targets import Library
 
 SPEC = Path(__file__).parents[1] / "c" / "specs"

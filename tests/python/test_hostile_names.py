@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, Layout, Number, Variant, number_to_bytes
-from codewheel.reference.bits import join_value, to_binary
+from codewheel.reference.bits_and_values import join_value, to_binary
 from codewheel.reference.codec import encode
 from codewheel.targets import Library
 from codewheel.targets.python import names

@@ -21,7 +21,7 @@ from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag
-from codewheel.model.steps import has_steps
+from codewheel.model.registers import has_steps
 from codewheel.targets import Library
 from codewheel.targets.python.files import generate
 from codewheel.targets.python.readme import ReadmeExample

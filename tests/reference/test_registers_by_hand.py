@@ -11,15 +11,16 @@ from codewheel.model import Device, Verdict
 from codewheel.order_codes.labels import find_code
 from codewheel.order_codes.parameters import RegisterError
 from codewheel.reference import codec
-from codewheel.reference.findings import (
-    compare_held,
+from codewheel.reference.findings import findings
+from codewheel.reference.registers import (
+    compare_identifying_registers,
+    decode_register,
     edition_by_registers,
-    findings,
-    fixed_addresses,
-    strange_values,
-    without_tests,
+    identifying_addresses,
+    register_writes,
+    values_of_older_edition,
+    without_edition_registers,
 )
-from codewheel.reference.registers import decode_register, register_writes
 from codewheel.virtual import VirtualEncoder
 
 SPECS = Path(__file__).resolve().parents[1] / "plan" / "specs"
@@ -113,16 +114,16 @@ def test_registers_of_an_order_code(devices: Mapping[str, Device]) -> None:
     """AMM5 in 78h to 7Bh, its release in 7Ch and 7Dh, which the manual does not state, and Li in 7Eh and 7Fh."""
     device, variant = devices["amm5"], find_code(devices["amm5"], AMM5).variant
     right = bytes_from(0x78, "414D4D351234") | bytes_from(0x7E, "4C69")
-    assert compare_held(device, variant, right) == ()
-    assert compare_held(device, variant, {}) == ()
-    (difference,) = compare_held(device, variant, right | {0x7B: 0x36})
+    assert compare_identifying_registers(device, variant, right) == ()
+    assert compare_identifying_registers(device, variant, {}) == ()
+    (difference,) = compare_identifying_registers(device, variant, right | {0x7B: 0x36})
     assert difference.field == "device_id.name"
     assert (difference.actual, difference.documented, difference.is_register) == (0x414D4D36, 0x414D4D35, True)
-    (part,) = compare_held(device, variant, {0x7B: 0x36})
+    (part,) = compare_identifying_registers(device, variant, {0x7B: 0x36})
     assert f"the given part is ......36h, {variant.code} has ......35h" in part.message
-    (first_part,) = compare_held(device, variant, {0x78: 0x40, 0x79: 0x4D})
+    (first_part,) = compare_identifying_registers(device, variant, {0x78: 0x40, 0x79: 0x4D})
     assert f"the given part is 404D....h, {variant.code} has 414D....h" in first_part.message
-    addresses = fixed_addresses(device, variant)
+    addresses = identifying_addresses(device, variant)
     assert {0x77, 0x80}.isdisjoint(addresses)
     assert set(range(0x78, 0x80)) <= addresses
 
@@ -141,7 +142,7 @@ def test_edition_of_a_serial_number(devices: Mapping[str, Device], week: int, is
     assert (edition == device.manual.revision) == is_current
     assert is_current or float(edition) < 1.7
     decoded = decode_register(device, match.variant, "serial_number", bytes(serial_number(18, week, 3630).values()))
-    assert len(list(strange_values(device, decoded))) == (not is_current)
+    assert len(list(values_of_older_edition(device, decoded))) == (not is_current)
 
 
 def test_a_part_of_a_serial_number_does_not_show_the_edition(devices: Mapping[str, Device]) -> None:
@@ -152,7 +153,7 @@ def test_a_part_of_a_serial_number_does_not_show_the_edition(devices: Mapping[st
         part = {address: value for address, value in whole.items() if address != missing_address}
         with pytest.raises(ValueError, match="to infer the edition, give all of serial_number"):
             edition_by_registers(device, find_code(device, AMM5), part)
-    assert without_tests(device, whole | {0x43: 1, 0x48: 2}) == {0x43: 1, 0x48: 2}
+    assert without_edition_registers(device, whole | {0x43: 1, 0x48: 2}) == {0x43: 1, 0x48: 2}
 
 
 # -- verdicts

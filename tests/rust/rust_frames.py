@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant, number_to_bytes
 from codewheel.model.registers import name_with_limits, value_bounds
 from codewheel.order_codes.parameters import with_answers
-from codewheel.reference.bits import join_value
-from codewheel.reference.codec import UNUSED, DecodedField, DecodedFrame, EncodeError, FrameProblem, decode, encode
+from codewheel.reference.bits_and_values import join_value
+from codewheel.reference.codec import UNUSED, EncodeError, FrameProblem, decode, encode
+from codewheel.reference.findings import DecodedField, DecodedFrame
 from codewheel_rust.family import Struct
 from rust_harness import Program
 from test_c_codec import encoded_sample, run_time_variants, samples, with_crc

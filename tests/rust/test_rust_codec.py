@@ -11,7 +11,7 @@ from codewheel.order_codes.parameters import RegisterError, with_registers
 from codewheel.plan.crcs import CoveredData, CrcMethod
 from codewheel.plan.frames import HoldingRegister
 from codewheel.reference import codec
-from codewheel.reference.bits import compute_bits, compute_bytes
+from codewheel.reference.bits_and_values import compute_bits, compute_bytes
 from codewheel.reference.findings import findings
 from codewheel_rust.names import pascal
 from exhaustive import mostly_exhaustive

@@ -93,7 +93,7 @@ def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
     """
     from ...order_codes.parameters import RegisterError, with_answers, with_registers
     from ...order_codes.reduction import reduced_to_codes
-    from ...reference.findings import compare_held, fixed_addresses
+    from ...reference.registers import compare_identifying_registers, identifying_addresses
     from ..find_encoder import find_requested
     from ..open_questions import answers_of
     from ..read_specs import specs_to_read
@@ -104,8 +104,8 @@ def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
     listed_variant = code_match.variant
     answers = answers_of(device, listed_variant, arguments.choose)
     # Registers that identify the order code are only compared with it. Others may change the layout of frames.
-    identifying_addresses = fixed_addresses(device, listed_variant)
-    changed_bytes = {address: byte for address, byte in register_bytes.items() if address not in identifying_addresses}
+    known_addresses = identifying_addresses(device, listed_variant)
+    changed_bytes = {address: byte for address, byte in register_bytes.items() if address not in known_addresses}
     try:
         variant_with_registers = with_registers(device, listed_variant, changed_bytes)
         variant = with_answers(device, variant_with_registers, answers)
@@ -118,6 +118,6 @@ def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
         layout=arguments.layout,
         register=arguments.register_name,
         as_json=arguments.json,
-        register_differences=compare_held(device, listed_variant, register_bytes),
+        register_differences=compare_identifying_registers(device, listed_variant, register_bytes),
         answers=answers,
     )

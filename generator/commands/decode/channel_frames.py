@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from ...model import Device, Fault, PlacedChannels, Variant, channel_frame
 from ...reference import codec
-from ...reference.channels import ChannelFindings, channel_findings, decode_channels
-from ...reference.findings import Findings
+from ...reference.codec import decode_channels
+from ...reference.findings import ChannelFindings, Findings, channel_findings
 from ...say import report as say_report
 from ...say.plain_text import WIDTH, count_with_unit
 from ...say.text import VERDICT_CLAUSES

@@ -15,7 +15,8 @@ from ...model import Device, Flag, PlacedLayout, Verdict
 from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
-from ...reference.findings import Findings, ValueDifference, findings, strange_values
+from ...reference.findings import Findings, ValueDifference, findings
+from ...reference.registers import values_of_older_edition
 from ...why import LEAST_FAILED, MOST_FRAMES
 from ..open_questions import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
@@ -333,7 +334,7 @@ class Decoding:
         """
         request = self._request
         frame_findings = findings(request.device, request.match.variant, decoded)
-        edition_differences = tuple(strange_values(request.device, decoded))
+        edition_differences = tuple(values_of_older_edition(request.device, decoded))
         if not edition_differences and not request.register_differences:
             return frame_findings
         differences = (*request.register_differences, *frame_findings.differences, *edition_differences)

@@ -22,7 +22,7 @@ from ...model import (
     Variant,
     number_to_bytes,
 )
-from ...model.layout import have_lengths
+from ...model.layout import differ_in_length
 from ...reference import codec
 from ...reference.registers import decode_register
 from ...say import notations
@@ -314,7 +314,7 @@ def text_decoder(
     possible_layouts = [layout for layout in layouts if layout_name in (None, layout.name)]
     first_layout = possible_layouts[0].place(variant.parameters) if possible_layouts else None
     # If layouts differ in length, the number of bits identifies the layout.
-    is_exact = have_lengths(layouts, sender)
+    is_exact = differ_in_length(layouts, sender)
 
     def decode(text: str) -> codec.DecodedFrame:
         """Decode a frame with the named layout, or with the layout that the frame identifies."""
@@ -427,7 +427,7 @@ def why_text(
     placed_layout = decoded.layout
     if placed_layout is not None and not placed_layout.layout.in_bytes:
         # If the layouts of the sender differ in length, the number of hex bytes determines the length of the frame.
-        is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
+        is_exact = differ_in_length(device.interface(variant.interface).layouts, sender)
         typed_frame = typed_bits(device, placed_layout, undecorated(frame_text), exact=is_exact)
         return _why_bits(device, variant, placed_layout, decoded, typed_frame=typed_frame, with_pairs=with_pairs)
     if placed_layout is None:
@@ -450,7 +450,7 @@ def why_valid_text(
     """Return the mistakes with which a valid bit frame without a CRC may have been read, or None if there are none."""
     from ...why.explain import explain_constant
 
-    is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
+    is_exact = differ_in_length(device.interface(variant.interface).layouts, sender)
     typed_frame = frame_number(placed_layout, undecorated(frame_text), exact=is_exact)
     return explain_constant(device, variant, placed_layout, typed_frame)
 

@@ -14,7 +14,7 @@ from ...model import (
     PlacedLayout,
     Variant,
 )
-from ...model.layout import have_lengths
+from ...model.layout import differ_in_length
 from ...reference import codec
 from ...say import report as say_report
 from .frames import FrameTextError, decode_as, layouts_of_sender, undecorated
@@ -36,7 +36,7 @@ class OtherFrames:
         layouts = layouts_of_sender(device, variant, sender)
         self._device = device
         self._variant = variant
-        self._is_exact = have_lengths(layouts, sender)
+        self._is_exact = differ_in_length(layouts, sender)
         self._candidates: list[PlacedLayout] = []
         has_selector = any(layout.selector for layout in layouts)
         if len(layouts) > 1 and not has_selector:

@@ -9,12 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from ..keys_and_members import WIDER, ModelMember, ModelPart
+from .family_and_manual import FAMILY, IDENTITY, SURROUNDINGS
 from .frames import FRAMES
-from .identity import FAMILY, IDENTITY
-from .interfaces import INTERFACES
-from .member import WIDER, ModelMember, ModelPart
-from .registers import REGISTERS
-from .surroundings import SURROUNDINGS
+from .interfaces_and_registers import INTERFACES, REGISTERS
 
 __all__ = ["FAMILY", "PARTS", "PARTS_BY_CLASS", "WIDER", "ModelMember", "ModelPart"]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import get_args
 
+from ..keys_and_members import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, ModelPart, described_part
 from ..kinds import DIGIT_CODES, Digits, Kind, Scale
 from ..measurement import LayoutRange
-from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, ModelMember, ModelPart, described_part
 
 FRAMES = (
     ModelPart(

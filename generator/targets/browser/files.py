@@ -27,9 +27,10 @@ from ...model import (
     Variant,
     Verdict,
 )
-from ...model.known_crcs import KNOWN_CRCS
-from ...model.layout import have_lengths
-from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, expression_of_code
+from ...model.fields import KNOWN_CRCS
+from ...model.layout import differ_in_length
+from ...order_codes.labels import AFTER, LONGEST, NEAR
+from ...order_codes.patterns import as_listed, expression_of_code
 from ...plan.crcs import CoveredData, kinds_of_covered_data
 from ...plan.frames import FrameDispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
@@ -258,7 +259,7 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
         title=interface.title,
         line=line_name(interface),
         measure=_position_unit(device, interface),
-        exact=[sender for sender in ("encoder", "master") if have_lengths(interface.layouts, sender)],
+        exact=[sender for sender in ("encoder", "master") if differ_in_length(interface.layouts, sender)],
         frames=list(map(shared.with_indexes, frames)),
         channels=channel_data(device, interface),
         told=[_dispatch_data(interface, dispatch) for dispatch in dispatches(interface.layouts)],

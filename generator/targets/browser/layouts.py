@@ -23,9 +23,9 @@ from ...model import (
     cite,
 )
 from ...model.expressions import Expression, Factor, Term
-from ...model.key_types import LARGEST
-from ...model.lookup import assert_never
-from ...order_codes.editions import edition_before, tests_of
+from ...model.keys_and_members import LARGEST
+from ...model.record import assert_never
+from ...order_codes.labels import edition_before, edition_tests_of_register
 from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.description import Check as DescribedCheck
 from ...plan.description import DescribedReportCause, Description, Name, describe
@@ -446,7 +446,7 @@ def _edition_tests(device: Device, register: Register) -> Iterator[list[Any]]:
 
     The message applies if their value is within the bounds, which means an encoder of an older edition.
     """
-    for revision, test in tests_of(device, register.name):
+    for revision, test in edition_tests_of_register(device, register.name):
         before = edition_before(device, revision)
         message = of_older_edition(test.run, "{0}", f"{test.min} to {test.max}", revision, register.name, before)
         yield [test.run, test.min, test.max, message]

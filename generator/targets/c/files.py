@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Annotated, NoReturn, TypedDict
 
-from ...loading.narrowing import UnknownName, narrowed_to
+from ...loading.samples import UnknownName, narrowed_to
 from ...model import Device, Digits, Join, Manufacturer
 from ...model.expressions import Expression
 from ...plan import steps

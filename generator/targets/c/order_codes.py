@@ -16,7 +16,7 @@ from collections.abc import Mapping, Sequence, Set
 
 from ...model import CodePart, Device, Spelling, Variant
 from ...model.record import dataclass
-from ...order_codes.labels import fill_pattern, values_by_spelling, without_blanks
+from ...order_codes.patterns import fill_pattern, values_by_spelling, without_blanks
 from .. import TargetError
 
 _PATTERN_UNIT = re.compile(

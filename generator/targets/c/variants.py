@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ...language.problems import join_words
 from ...model import Biss, Clock, Device, Interface, Layout, Parameter, Variant, assert_never, first_or_raise
-from ...model.channels import channel_frame
+from ...model.interfaces import channel_frame
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value

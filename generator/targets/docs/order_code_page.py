@@ -27,7 +27,7 @@ from ...model import (
 )
 from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
-from ...model.steps import has_steps, steps_of
+from ...model.registers import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes

@@ -19,8 +19,8 @@ from ...model import (
     Parameter,
     Variant,
 )
-from ...order_codes.labels import fill_pattern
 from ...order_codes.parameters import parameters_of, run_time_names
+from ...order_codes.patterns import fill_pattern
 from ...say.layout import describe_measurement, describe_position_range, own_ranges
 from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
 from ...say.names_and_places import heading

@@ -10,8 +10,7 @@ from ...masters.places import SettingPlace
 from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text
 from ...masters.writing import ObjectWrite, write_order
-from ...model.lookup import first_or_raise
-from ...model.record import dataclass
+from ...model.record import dataclass, first_or_raise
 
 YamlMapping = Mapping[str, Any]
 Value = int | bool | str

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from ...model import BitSlice, Field
 from ...model.expressions import Expression
-from ...model.lookup import assert_never
+from ...model.record import assert_never
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from ...plan.values import (

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from ...model import Digits, Field
 from ...model.expressions import Expression
-from ...model.lookup import assert_never
+from ...model.record import assert_never
 from ...plan.codec import LayoutPlan
 from ...plan.operations import AlwaysIs, Check, FieldToDecode, FrameCrc, JoinedNumber, ParityIs, ZerosAbove
 from ...plan.values import (

@@ -7,8 +7,7 @@ from functools import cached_property, reduce
 
 from ...model import PlacedLayout, number_to_bytes
 from ...model.expressions import Expression, Factor, Term
-from ...model.lookup import assert_never
-from ...model.record import dataclass
+from ...model.record import assert_never, dataclass
 from ...plan.values import ActiveFlag, Meaning, TwosComplement, ZeroMeans
 from .line_breaks import break_lines
 

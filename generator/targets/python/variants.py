@@ -9,7 +9,7 @@ from functools import cached_property
 from ...model import Interface, Layout, Measurement, Spi, Variant, first_or_raise
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...order_codes.labels import beginnings
+from ...order_codes.patterns import beginnings
 from ...plan.frames import RequestAndReply, exchanges, held_parameters
 from ...plan.values import (
     ByInterface,

@@ -1,14 +1,21 @@
-"""Bits of a layout that belong to no field: their content, zeros in their place, and the order of fields by place."""
+"""Bits of a layout: which field occupies each bit, overlaps of fields, and bits that belong to no field."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
+from ..language.problems import Path
 from ..model import Constant, Field
 from ..model.expressions import Expression
-from .fields import LayoutContext, LayoutSite, zero_field
-from .from_mapping import Raw
+from ..model.record import dataclass
+from .fields import (
+    LayoutContext,
+    SpecPlace,
+    zero_field,
+)
+from .spec_parts import Raw
 
 ZERO = Expression(0)
 
@@ -27,7 +34,7 @@ def values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
     return f" with {values}" if values else ""
 
 
-def with_places(fields: Sequence[Field], site: LayoutSite) -> list[Field]:
+def with_places(fields: Sequence[Field], spec_place: SpecPlace) -> list[Field]:
     """Return the fields sorted by their place in the layout, lowest first.
 
     Places differ between order codes, so the fields are sorted by the sum of their lowest bits over all order codes. If
@@ -35,8 +42,8 @@ def with_places(fields: Sequence[Field], site: LayoutSite) -> list[Field]:
     """
 
     def place_over_all_codes(field: Field) -> tuple[int, int]:
-        sum_of_lows = sum(field.low.value(parameters) for parameters in site.parameter_sets)
-        sum_of_widths = sum(field.width.value(parameters) for parameters in site.parameter_sets)
+        sum_of_lows = sum(field.low.value(parameters) for parameters in spec_place.parameter_sets)
+        sum_of_widths = sum(field.width.value(parameters) for parameters in spec_place.parameter_sets)
         return sum_of_lows, sum_of_widths
 
     return sorted(fields, key=place_over_all_codes)
@@ -92,7 +99,7 @@ def _find_gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
 
 
 def check_all_bits_covered(
-    fields: Sequence[Field], layout_width: Expression, gap_content: str, site: LayoutSite
+    fields: Sequence[Field], layout_width: Expression, gap_content: str, spec_place: SpecPlace
 ) -> bool:
     """Return whether every bit of a layout belongs to a field, for all order codes, and report the first gap if not.
 
@@ -100,11 +107,11 @@ def check_all_bits_covered(
     """
     if gap_content:
         return True
-    for parameters in site.parameter_sets:
+    for parameters in spec_place.parameter_sets:
         gap_text = _first_gap_text(fields, layout_width, parameters)
         if gap_text:
             remedy = "add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
-            site.report("bits-without-field", f"no field covers {gap_text}; {remedy}")
+            spec_place.report("bits-without-field", f"no field covers {gap_text}; {remedy}")
             return False
     return True
 
@@ -161,7 +168,7 @@ def _name_of_zeros(below: Field | None, above: Field | None) -> str:
     return f"zero_above_{below.name}" if below is not None else "zero"
 
 
-def with_zeros(fields: Sequence[Field], bits: Expression, site: LayoutSite) -> list[Field] | None:
+def with_zeros(fields: Sequence[Field], bits: Expression, spec_place: SpecPlace) -> list[Field] | None:
     """Return the fields of a layout with a field of zeros in every gap.
 
     If the order of the fields differs between order codes, this is reported, and the result is None.
@@ -169,12 +176,14 @@ def with_zeros(fields: Sequence[Field], bits: Expression, site: LayoutSite) -> l
     zero = Constant(fills_gap=True)
     zero_fields = []
     for gap in _find_gaps(fields, bits):
-        for parameters in site.parameter_sets:
+        for parameters in spec_place.parameter_sets:
             is_reversed = gap.width.value(parameters) < 0
             if is_reversed and gap.below is not None and gap.above is not None:
                 condition = values_text(parameters, gap.low, gap.width)
                 problem = f"'{gap.above.name}' is not above '{gap.below.name}'{condition}"
-                site.report("bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change")
+                spec_place.report(
+                    "bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change"
+                )
                 return None
         neighbor = gap.above or gap.below or fields[0]
         zeros = zero_field(
@@ -182,8 +191,116 @@ def with_zeros(fields: Sequence[Field], bits: Expression, site: LayoutSite) -> l
             constant=zero,
             low=gap.low,
             width=gap.width,
-            site=site,
+            spec_place=spec_place,
             source=neighbor.source,
         )
         zero_fields.append(zeros)
-    return with_places([*fields, *zero_fields], site)
+    return with_places([*fields, *zero_fields], spec_place)
+
+
+#: More bits than any frame has. Without this limit, a typo could take hours to process.
+_MAX_BITS = 100_000
+
+
+@dataclass(frozen=True)
+class UnplacedItem:
+    """A field, or a whole group of fields, whose place in the layout may not be known yet."""
+
+    #: Definition in the spec. For a whole group, this has only the key ``group``, with the items of its fields.
+    raw: Raw
+    path: Path
+    #: Name of the group that the field comes from, or "".
+    group: str
+    width: Expression
+    #: Width with padding.
+    span: Expression
+    #: Lowest bit: in the group for a field of a group, and otherwise in the layout.
+    low: Expression = ZERO
+
+
+def expand_groups(items: Iterable[UnplacedItem]) -> Iterable[UnplacedItem]:
+    """Yield individual fields at their places in the layout. A group is replaced by its fields."""
+    for field_item in items:
+        if "group" not in field_item.raw:
+            yield field_item
+            continue
+        for group_field in field_item.raw["group"]:
+            yield replace(group_field, low=field_item.low + group_field.low)
+
+
+def check_items_fit(items: Sequence[UnplacedItem], bits: Expression, spec_place: SpecPlace) -> bool:
+    """Return whether every field has a valid width, is inside the layout and overlaps no other field.
+
+    If not, report the problems for the first order code. ``bits`` is the width of the layout.
+    """
+    field_items = list(expand_groups(items))
+    for parameters in spec_place.parameter_sets:  # The parameters of each order code, such as {"position_bits": 24}.
+        layout_bits = bits.value(parameters)
+        if layout_bits > _MAX_BITS:
+            message = f"the fields have {layout_bits} bits{values_text(parameters, bits)}; the maximum is {_MAX_BITS}"
+            spec_place.report("too-long", message)
+            return False
+        if not _check_fit(field_items, layout_bits, parameters, spec_place):
+            return False
+    return True
+
+
+def _check_fit(
+    field_items: Sequence[UnplacedItem], layout_bits: int, parameters: Mapping[str, int], spec_place: SpecPlace
+) -> bool:
+    """Return whether the fields fit into ``layout_bits`` bits with the parameters of an order code, and report if not.
+
+    Each overlap of two fields is reported, but only the first field with an invalid width or place.
+    """
+    has_overlap = False
+    items_by_bits: list[tuple[range, UnplacedItem]] = []
+    for field_item in field_items:
+        width = field_item.width.value(parameters)
+        low = field_item.low.value(parameters)
+        bits = range(low, low + field_item.span.value(parameters))
+        condition = values_text(parameters, field_item.width, field_item.low)
+        problem = _range_problem(
+            field_item, width=width, occupied_bits=bits, layout_bits=layout_bits, condition=condition
+        )
+        if problem is not None:
+            spec_place.context.report.add(problem.rule, field_item.path, problem.message)
+            return False
+        if width == 0:  # This order code does not have the field.
+            continue
+        for other_bits, other_item in items_by_bits:
+            lowest_common = max(bits.start, other_bits.start)
+            highest_common = min(bits.stop, other_bits.stop) - 1
+            if lowest_common <= highest_common:
+                names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
+                message = f"{names} both use {bits_text(highest_common, lowest_common)}{condition}"
+                spec_place.context.report.add("bit-overlap", field_item.path, message)
+                has_overlap = True
+        items_by_bits.append((bits, field_item))
+    return not has_overlap
+
+
+class _RangeProblem(NamedTuple):
+    """A field that cannot have its bits: the rule and the message."""
+
+    rule: str
+    message: str
+
+
+def _range_problem(
+    field_item: UnplacedItem, *, width: int, occupied_bits: range, layout_bits: int, condition: str
+) -> _RangeProblem | None:
+    """Return the problem if a field has an invalid width or is outside the layout, or None.
+
+    ``occupied_bits`` are the bits of the field with its padding. ``condition`` is a text on the parameters, such as
+    `` with spare_bits = 3``.
+    """
+    name = field_item.raw.get("name", "")
+    padded_width = occupied_bits.stop - occupied_bits.start
+    if width < 0 or width > padded_width:
+        padding_text = f", but it is padded to {padded_width}" if width > padded_width else ""
+        return _RangeProblem("width-mismatch", f"'{name}' has {width} bits{condition}{padding_text}")
+    if occupied_bits.start < 0 or occupied_bits.stop > layout_bits:
+        bits = bits_text(occupied_bits.stop - 1, occupied_bits.start)
+        message = f"'{name}' uses {bits}{condition}, but there are only bits {layout_bits - 1} to 0"
+        return _RangeProblem("bit-out-of-range", message)
+    return None

@@ -1,4 +1,4 @@
-"""Editions of a manual: the family as an older revision described it, or with the published facts of a later one.
+"""History of a family: editions of its manual, released versions of its spec, and how often its facts were read.
 
 The spec transcribes one revision. The changes in ``editions`` lead from it to other revisions, step by step: the
 changes ``before`` each revision lead back to an older one, and the changes ``then`` lead to a newer one.
@@ -6,9 +6,11 @@ changes ``before`` each revision lead back to an older one, and the changes ``th
 
 from __future__ import annotations
 
+import json
+import pathlib
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 from ..language.document import MissingPath, Path, resolve
@@ -16,10 +18,22 @@ from ..language.overlay import CHANGE_KINDS, LayeredSpec, LayerKind, OverlayLaye
 from ..language.problems import DocumentReport, ProblemReport, join_words, quoted
 from ..language.rules.walk import as_affected, leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
+from ..language.rules.walk import leaves
+from ..language.schema_files import coverage_path
+from ..model import (
+    LEFT_OUT,
+    NOT_KNOWN,
+    Device,
+    Erratum,
+    ManualEdition,
+    Release,
+    ReleasedChange,
+    TimesRead,
+    layer_in_words,
+)
 from ..order_codes.reduction import for_codes
-from .change_titles import change_title
-from .from_mapping import build_part
-from .overlays import Build, Family, errata_of, join_shortened, without_examples
+from .overlays import Build, Family, change_title, errata_of, join_shortened, without_examples
+from .spec_parts import build_part
 
 #: Highest number of editions times values. Each edition is checked like a spec. The largest manual needs 26,000.
 MOST_VALUES = 500_000
@@ -326,3 +340,98 @@ def runs_of(register: Any) -> list[str]:
     for field in register.layout.fields:
         names += [run.name for run in getattr(field.kind, "runs", ())]
     return names
+
+
+RULE = "coverage-file"
+
+
+def read_counts(spec: pathlib.Path, report: ProblemReport) -> TimesRead | None:
+    """Return how often the facts of a spec were read from the manual, from a file next to it, or None without a file.
+
+    If the file does not contain such counts, it is reported as edited.
+    """
+    file = coverage_path(spec)
+    if not file.is_file():
+        return None
+    expected_keys = [member.name for member in fields(TimesRead)]
+    try:
+        counts = json.loads(file.read_text(encoding="utf-8"))
+        has_expected_keys = set(counts) == set(expected_keys)
+        if has_expected_keys and all(type(counts[name]) is int for name in expected_keys):
+            return TimesRead(**counts)
+    except (OSError, ValueError, TypeError, RecursionError):  # A TypeError means that the content is not a map.
+        pass
+    message = "the file was edited; write it again: codewheel check --coverage --write"
+    report.add_at(str(file), RULE, message)
+    return None
+
+
+def counts_text(counts: TimesRead) -> str:
+    """Return the counts in the format of the file."""
+    return json.dumps(asdict(counts)) + "\n"
+
+
+CHANGES_RULE = "changes-file"
+
+
+def history_beside(spec: pathlib.Path) -> pathlib.Path:
+    """Return the path of the history of a family: ``FAMILY.changes.json``."""
+    return spec.with_name(f"{spec.stem}.changes.json")
+
+
+def read_history(spec: pathlib.Path, report: ProblemReport) -> tuple[Release, ...]:
+    """Return the released versions of a spec, newest first, from a file next to it, or ``()`` without a file.
+
+    If the file does not contain such versions, it is reported as edited.
+    """
+    file = history_beside(spec)
+    if not file.is_file():
+        return ()
+    try:
+        history_data = json.loads(file.read_text(encoding="utf-8"))
+        releases = tuple(_build_release(release) for release in history_data["releases"])
+        if all(_has_only_texts(release) for release in releases):
+            return releases
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
+        pass
+    message = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
+    report.add_at(str(file), CHANGES_RULE, message)
+    return ()
+
+
+def _build_release(release_data: dict[str, object]) -> Release:
+    """Return a released version from its data in the file.
+
+    Raises:
+        TypeError: The changes or names are not lists, or their members differ from the model.
+        KeyError: There are no changes.
+    """
+    changes = release_data["changes"]
+    if not isinstance(changes, list):
+        raise TypeError
+    released_changes = tuple(ReleasedChange(**change) for change in changes)
+    names = release_data.get("names", [])
+    if not isinstance(names, list):
+        raise TypeError
+    members = {**release_data, "changes": released_changes, "names": tuple(names)}
+    return Release(**members)  # type: ignore[arg-type]
+
+
+def _has_only_texts(release: Release) -> bool:
+    """Return whether all members of a released version and of its changes are texts."""
+    texts: list[object] = [release.version, release.since, release.manual, *release.names]
+    for change in release.changes:
+        texts += asdict(change).values()
+    return all(isinstance(text, str) for text in texts)
+
+
+def with_release(releases: Sequence[Release], release: Release) -> tuple[Release, ...]:
+    """Return the history with a new version at its beginning. An earlier record of the same version is replaced."""
+    other_releases = [other_release for other_release in releases if other_release.version != release.version]
+    return (release, *other_releases)
+
+
+def history_text(releases: Sequence[Release]) -> str:
+    """Return the history in the format of the file."""
+    data = {"releases": [asdict(release) for release in releases]}
+    return json.dumps(data, indent=2, ensure_ascii=False) + "\n"

@@ -1,0 +1,448 @@
+"""Compare the specs of a manufacturer: facts and connectors that are alike, and documents that several specs cite."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import PurePath
+from typing import Any, NamedTuple
+
+from ..language.document import Document, Path, label_of
+from ..language.problems import ProblemReport, quoted
+from ..language.rules.cited_places import problems_of_other_manual
+from ..language.rules.connectors import signal_names
+from ..language.rules.parts import as_affected_name, by_name, by_part_name, errata_at, has_erratum_at
+from ..language.rules.walk import leaves, mapping, maps_in_list, sources
+from ..language.schema_files import PROSE
+from ..language.written import LocatedPart
+from ..language.written_codes import WrittenRegister
+from ..language.written_layouts import WrittenField
+from ..language.written_parts import WrittenSpec
+from ..model import Crc
+
+#: A number in the title or address of a document, but not in a name such as ABC21.
+_NUMBER_IN_REFERENCE = re.compile(r"(?<![A-Za-z0-9])\d+")
+_DIGITS = re.compile(r"\d+")
+_MEMBERS = ("title", "url")
+
+
+def compare_documents(specs: Sequence[Document], report: ProblemReport) -> None:
+    """Report a document whose title or address differs from one under the same key in another spec, only in numbers.
+
+    Several specs of a manufacturer cite the same document, such as a standard. Another document has other words. If the
+    title or the address is the same, numbers in names are compared too.
+    """
+    first_spec_by_words: dict[tuple[str, ...], Document] = {}
+    for spec in sorted(specs, key=lambda spec: spec.file):
+        for key in mapping(spec.data, "documents"):
+            texts = _texts_of_document(spec, key)
+            title, url = texts.values()
+            first_specs: list[Document] = []
+            for words in (
+                (key, *(_NUMBER_IN_REFERENCE.sub("0", text) for text in texts.values())),
+                (key, title, _DIGITS.sub("0", url)),
+                (key, _DIGITS.sub("0", title), url or spec.file),
+            ):
+                first_specs.append(first_spec_by_words.setdefault(words, spec))
+            _report_other_numbers(spec, key, first_specs, report)
+
+
+def _texts_of_document(spec: Document, key: str) -> dict[str, str]:
+    """Return the title and the address of a document. The address is empty if it has none."""
+    document = mapping(spec.data, "documents", key)
+    return {member: str(document.get(member, "")) for member in _MEMBERS}
+
+
+def _report_other_numbers(spec: Document, key: str, first_specs: Sequence[Document], report: ProblemReport) -> None:
+    """Report the title and the address of a document that differ from those in one of the first specs with it."""
+    for member, text in _texts_of_document(spec, key).items():
+        for first_spec in first_specs:
+            first_text = _texts_of_document(first_spec, key)[member]
+            if text == first_text:
+                continue
+            line, _ = first_spec.position(("documents", key, member))
+            message = (
+                f"only a number differs from {quoted(first_text)} in {PurePath(first_spec.file).name}:{line};"
+                f" correct one of the two, or give one of the documents another key"
+            )
+            report.add("not-alike", spec, ("documents", key, member), message)
+            break
+
+
+def check_cited_manuals(specs: Sequence[Document], report: ProblemReport) -> None:
+    """Check the sections and pages that a spec cites in the manual of another spec of the same manufacturer.
+
+    The key of this document is the name of the other device, and its title contains the title and the revision of the
+    manual. A title that differs from the manual's only in numbers is reported.
+    """
+    documents_by_device = {str(spec.data["device"]): spec for spec in specs}
+    for spec in specs:
+        for key in mapping(spec.data, "documents"):
+            other_spec = documents_by_device.get(key)
+            if other_spec is None or other_spec is spec:
+                continue
+            manual = WrittenSpec(other_spec.data).manual
+            title = _texts_of_document(spec, key)["title"]
+            if manual.title not in title:
+                _report_other_title(spec, key, title, other_spec, report)
+            elif re.search(rf"(?<![\w.]){re.escape(manual.revision)}(?![\w.]*\w)", title) and manual.contents:
+                for path, source in sources(leaves(spec.data)):
+                    for problem in problems_of_other_manual(source, key, manual.contents):
+                        report.add("cited-place", spec, path, f"{key}: {problem}")
+
+
+def _report_other_title(spec: Document, key: str, title: str, other_spec: Document, report: ProblemReport) -> None:
+    """Report a title of a document that differs from the title of the manual in another spec only in numbers."""
+    manual_title = str(mapping(other_spec.data, "manual").get("title", ""))
+    if _DIGITS.sub("0", manual_title) in _DIGITS.sub("0", title):
+        line, _ = other_spec.position(("manual", "title"))
+        message = (
+            f"only a number differs from the manual's title {quoted(manual_title)} in"
+            f" {PurePath(other_spec.file).name}:{line}; correct one of the two, or give the document another key"
+        )
+        report.add("not-alike", spec, ("documents", key, "title"), message)
+
+
+#: Keys whose values are texts from the manual, or only concern one device.
+_KEYS_NOT_COMPARED = PROSE | {"printed_name", "only", "erratum"}
+#: Shown in place of a fact that a device does not have.
+_ABSENT_FACT = "nothing"
+#: Facts at a place, by their relative paths: ``{(0, "below_hz"): 400000}``.
+_Facts = Mapping[Path, object]
+#: A supply or ground line, such as ``0vdc`` or ``+5vdc ±5%``, but not a battery line, ``+vb``.
+_SUPPLY_LINE = re.compile(r"(?P<ground>0\s?v(?:dc)?)|\+\s?[\d.,]*\s?v(?!b).*")
+_SHIELD_WORDS = frozenset(("shield", "screen"))
+#: Any voltage, such as ``+vb``.
+_ANY_VOLTAGE = re.compile(r"[+-]?\s?[\d.,]*\s?v\w*")
+
+
+def compare_facts(places: Sequence[str], documents: Sequence[Document], report: ProblemReport) -> None:
+    """Report each device whose facts at a place such as ``interfaces.ssi.cable_lengths`` differ from most devices.
+
+    All devices with the interface are compared, including devices without these facts. The facts that most devices have
+    are correct. If several are equally common, the first device without an erratum about the place is correct. A
+    difference is not reported if one of the two devices has an erratum about the place that the other does not have.
+    """
+    for place in places:
+        steps = place.split(".")
+        interface_steps = steps[:2]  # For interfaces.ssi.cable_lengths, this is interfaces.ssi.
+        with_interface = [document for document in documents if mapping(document.data, *interface_steps)]
+        with_interface.sort(key=lambda document: document.file)
+        facts_by_file = {document.file: _facts_at(document, steps) for document in with_interface}
+        counts = Counter(frozenset(facts.items()) for facts in facts_by_file.values())
+        all_have_same_facts = len(counts) < 2
+        if all_have_same_facts:
+            continue
+        # Devices with the most common facts come first, and among them devices without an erratum.
+        priorities: dict[str, tuple[int, bool]] = {}
+        for document in with_interface:
+            device_count = counts[frozenset(facts_by_file[document.file].items())]
+            priorities[document.file] = device_count, not has_erratum_at(document, *steps)
+        common = max(with_interface, key=lambda document: priorities[document.file])
+        for document in with_interface:
+            # An erratum that both devices have is about a text that both manuals contain.
+            if errata_at(document, *steps) == errata_at(common, *steps):
+                _report_difference(document, common, facts_by_file, tuple(steps), report)
+
+
+def _facts_at(document: Document, steps: Sequence[str]) -> _Facts:
+    """Return the facts of a spec below a place, by their paths relative to it, without texts from the manual.
+
+    For example ``{(0, "below_hz"): 400000}``. If the place is a single value, its path is ``()``.
+    """
+    node: object = document.data
+    for step in steps:
+        if isinstance(node, list):
+            node = next((part for part in node if label_of(part) == step), None)
+        else:
+            node = node.get(step) if isinstance(node, dict) else None
+    facts: dict[Path, object] = {}
+    for path, value in leaves(node):
+        if value is not None and _KEYS_NOT_COMPARED.isdisjoint(map(str, path)):
+            facts[path] = value
+    return facts
+
+
+def _report_difference(
+    document: Document, common: Document, facts_by_file: Mapping[str, _Facts], place: Path, report: ProblemReport
+) -> None:
+    """Report the first fact at a place in which a device differs from ``common``, the device with the common facts."""
+    facts, common_facts = facts_by_file[document.file], facts_by_file[common.file]
+    all_paths = dict.fromkeys((*common_facts, *facts))  # Each once, in order.
+    for path in all_paths:
+        value, common_value = facts.get(path, _ABSENT_FACT), common_facts.get(path, _ABSENT_FACT)
+        if value == common_value:
+            continue
+        line, _ = common.position((*place, *path))
+        place_text = ".".join(map(str, place))
+        message = (
+            f"this is {value}, but {common_value} in {PurePath(common.file).name}:{line}; according to the"
+            f" manufacturer's file, {quoted(place_text)} is the same in all devices. If it is not, add"
+            f" an erratum that affects {as_affected_name(place_text)}, or remove it from that file"
+        )
+        report.add("not-alike", document, (*place, *path), message)
+        return
+
+
+class _Contact(NamedTuple):
+    """A contact that carries a line: its number or wire color, its connector, and its place in a spec."""
+
+    name: str
+    connector: str
+    document: Document
+    path: Path
+
+
+#: An interface and the name of a line. For supply lines, the interface is "", because they belong to all interfaces.
+_Line = tuple[str, str]
+
+
+def compare_connectors(maker_document: Document, documents: Sequence[Document], report: ProblemReport) -> None:
+    """Report each line that is on different contacts in two connectors that should be alike.
+
+    The manufacturer's file lists groups of connectors that are alike, as references such as ``m100.m12_connector``.
+    Devices whose specs were not read are skipped. Supply lines are compared between all connectors of a group, and any
+    other line between connectors for the same interface.
+    """
+    documents_by_device = {str(document.data["device"]): document for document in documents}
+    for group_index, group in enumerate(maker_document.data.get("alike", {}).get("connectors", ())):
+        contacts_by_line: dict[_Line, _Contact] = {}
+        cables: list[_Cable] = []
+        for index, reference in enumerate(group):
+            device, _, name = reference.partition(".")
+            document = documents_by_device.get(device)
+            if document is None:
+                continue
+            connectors = maps_in_list(document.data, "connectors")
+            place = next((path for path, connector in connectors if connector.get("name") == name), None)
+            if place is not None:
+                _compare_connector(contacts_by_line, document, place, report)
+                cables += _cable_at(document, place)
+                continue
+            message = f"{quoted(device)} has no connector or cable {quoted(name)}"
+            reference_path: Path = ("alike", "connectors", group_index, index)
+            report.add("undefined-reference", maker_document, reference_path, message)
+        _compare_wires(cables, report)
+
+
+class _Cable(NamedTuple):
+    """A cable: its place in a spec, its name, and the colors of its wires in lowercase."""
+
+    document: Document
+    path: Path
+    name: str
+    wires: frozenset[str]
+
+    @property
+    def has_erratum(self) -> bool:
+        """Whether an erratum affects the contacts of the cable."""
+        return has_erratum_at(self.document, "connectors", self.name, "contacts")
+
+
+def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
+    """Yield the cable at a place of a spec with its wires, or nothing if the place is a connector."""
+    connector = document.data["connectors"][path[-1]]
+    if connector["kind"] == "cable":
+        wires: set[str] = set()
+        for _, contact in maps_in_list(connector, "contacts"):
+            if _SHIELD_WORDS.isdisjoint(signal_names(str(contact["signal"]))):  # A shield is not a wire.
+                wires.add(str(contact["contact"]).casefold())
+        yield _Cable(document, path, name=str(connector["name"]), wires=frozenset(wires))
+
+
+def _compare_wires(cables: Sequence[_Cable], report: ProblemReport) -> None:
+    """Report each cable whose wires differ from the wires of the first cable.
+
+    A difference is not reported if an erratum affects the contacts of one of the two cables.
+    """
+    if not cables:
+        return
+    first_cable, *other_cables = cables
+    for cable in other_cables:
+        different_wires = sorted(cable.wires ^ first_cable.wires)  # Wires that only one of the two has.
+        if different_wires and not first_cable.has_erratum and not cable.has_erratum:
+            line_number, _ = first_cable.document.position(first_cable.path)
+            message = (
+                f"only one of this cable and the one in {PurePath(first_cable.document.file).name}:{line_number} has"
+                f" {quoted(different_wires[0])}; according to the manufacturer's file, the two are alike. If they are"
+                f" not, add an erratum that affects connectors.{cable.name}.contacts"
+            )
+            report.add("not-alike", cable.document, (*cable.path, "contacts"), message)
+
+
+def _compare_connector(
+    contacts_by_line: dict[_Line, _Contact], document: Document, path: Path, report: ProblemReport
+) -> None:
+    """Report the lines of a connector that are on a different contact in an earlier connector of the group.
+
+    ``contacts_by_line`` contains the contact of each line that an earlier connector has. Lines that are new are added
+    to it.
+    """
+    connector = document.data["connectors"][path[-1]]
+    reported_paths: set[Path] = set()
+    for line, contact in _contacts_by_line(connector, path, document).items():
+        first_contact = contacts_by_line.setdefault(line, contact)
+        if first_contact.name == contact.name or _has_erratum_at_contacts(contact, first_contact):
+            continue
+        # A contact with several lines is reported once.
+        if contact.path not in reported_paths:
+            reported_paths.add(contact.path)
+            _report_contact(line, contact, first_contact, report)
+
+
+def _has_erratum_at_contacts(*contacts: _Contact) -> bool:
+    """Return whether an erratum affects the contacts of the connector to which one of these contacts belongs."""
+    return any(has_erratum_at(contact.document, "connectors", contact.connector, "contacts") for contact in contacts)
+
+
+def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: ProblemReport) -> None:
+    """Report a line that is on a different contact than in the first connector of the group."""
+    line_number, _ = first_contact.document.position(first_contact.path)
+    _, line_name = line
+    message = (
+        f"{quoted(line_name)} is on contact {quoted(contact.name)} here, but on {quoted(first_contact.name)} in"
+        f" {PurePath(first_contact.document.file).name}:{line_number}; according to the manufacturer's file, the two"
+        f" connectors are alike. If they are not, add an erratum that affects"
+        f" connectors.{contact.connector}.contacts"
+    )
+    # Two exchanged wires are one problem.
+    cause = f"{contact.connector} {first_contact.document.file} {first_contact.connector}"
+    report.add("not-alike", contact.document, contact.path, message, cause=cause)
+
+
+def _contacts_by_line(connector: Any, path: Path, document: Document) -> dict[_Line, _Contact]:
+    """Return the contact of each line of a connector in a spec. Lines that are on several contacts are left out."""
+    interfaces = connector.get("interfaces") or [""]  # A connector that lists no interface is for all of them.
+    contacts: list[tuple[_Line, _Contact]] = []
+    for contact_path, contact in maps_in_list(connector, "contacts"):
+        place = _Contact(
+            name=str(contact["contact"]),
+            connector=str(connector["name"]),
+            document=document,
+            path=(*path, *contact_path),
+        )
+        lines = _lines_of_signal(str(contact["signal"]), interfaces)
+        contacts += [(line, place) for line in lines]
+    counts = Counter(line for line, _ in contacts)
+    return {line: contact for line, contact in contacts if counts[line] == 1}
+
+
+def _lines_of_signal(signal: str, interfaces: Sequence[str]) -> Iterator[_Line]:
+    """Yield the lines that a signal names, for each interface: ``("biss", "ma+")``, ``("", "0 V")``."""
+    for name in signal_names(signal):
+        if name in _SHIELD_WORDS:  # The shield is on the case of the connector, which manuals name differently.
+            continue
+        supply = _SUPPLY_LINE.fullmatch(name)
+        if supply is not None:
+            yield "", "0 V" if supply["ground"] else "+V"
+        elif _ANY_VOLTAGE.fullmatch(name):
+            yield "", name
+        else:
+            yield from ((interface, name) for interface in interfaces)
+
+
+#: Facts that registers and CRCs with the same name share, with the format of numbers in messages.
+_SHARED_FACT_FORMS = {
+    "registers": {"address": "{:#04x}", "length": "{}", "bank": "{}", "access": "{}", "byte_order": "{}"},
+    "crcs": {"width": "{}", "poly": "{:#x}", "init": "{:#x}", "refin": "{}", "refout": "{}", "xorout": "{:#x}"},
+}
+#: Path to a fact in its register or CRC, and the fact as text in messages: ``("address",), "0x48"``.
+_Fact = tuple[Path, str]
+
+
+def check_shared_facts(documents: Sequence[Document], report: ProblemReport) -> None:
+    """Report differences in facts that should be the same in all devices of a manufacturer.
+
+    The key ``alike`` in the manufacturer's file lists these facts, such as ``{"registers": ["preset"]}``. Files with
+    problems are not compared.
+    """
+    specs = [document for document in documents if "device" in document.data and not report.faults(document)]
+    for manufacturer_file in documents:
+        if "device" in manufacturer_file.data or report.faults(manufacturer_file):
+            continue
+        alike_names = manufacturer_file.data.get("alike", {})
+        manufacturer = manufacturer_file.data.get("manufacturer")
+        specs_of_manufacturer = [spec for spec in specs if spec.data.get("manufacturer") == manufacturer]
+        for section in _SHARED_FACT_FORMS:
+            for part_name in alike_names.get(section, ()):
+                specs_with_part = [spec for spec in specs_of_manufacturer if part_name in _parts_by_name(section, spec)]
+                _report_different_facts(section, part_name, specs_with_part, report)
+        compare_facts(alike_names.get("facts", ()), specs_of_manufacturer, report)
+        compare_connectors(manufacturer_file, specs_of_manufacturer, report)
+        compare_documents(specs_of_manufacturer, report)
+        check_cited_manuals(specs_of_manufacturer, report)
+
+
+def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegister | LocatedPart[Crc]]:
+    """Return the parts in the section ``registers`` or ``crcs`` of a spec, by name."""
+    spec = WrittenSpec(document.data)
+    return by_name(spec.registers) if section == "registers" else by_part_name(spec.crcs)
+
+
+def _report_different_facts(
+    section: str, part_name: str, documents_with_fact: Sequence[Document], report: ProblemReport
+) -> None:
+    """Report each device in which a fact of a register or CRC differs from most devices.
+
+    ``section`` is ``registers`` or ``crcs``. If several facts are equally common, the fact in the first file is
+    correct. A difference is not reported if an erratum in one of the two devices affects it.
+    """
+    facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
+    for document in sorted(documents_with_fact, key=lambda document: document.file):
+        for key, fact in _shared_facts(section, _parts_by_name(section, document)[part_name]):
+            facts_by_key.setdefault(key, []).append((document, fact))
+    for key, facts in facts_by_key.items():
+        affected_place = (section, part_name, *key)
+        texts = [text for _, (_, text) in facts]
+        ((common_text, _),) = Counter(texts).most_common(1)
+        common_document, (common_path, _) = facts[texts.index(common_text)]
+        if has_erratum_at(common_document, *affected_place):
+            continue
+        for document, (path, text) in facts:
+            if text == common_text or has_erratum_at(document, *affected_place):
+                continue
+            line, _ = common_document.position((section, part_name, *common_path))
+            message = (
+                f"this is {text}, but {common_text} in {PurePath(common_document.file).name}:{line}; according to the"
+                f" manufacturer's file, {quoted(part_name)} is the same in all devices. If it is not, add an erratum"
+                f" that affects {'.'.join(affected_place)}"
+            )
+            report.add("not-alike", document, (section, part_name, *path), message)
+
+
+def _shared_facts(
+    section: str, register_or_crc: WrittenRegister | LocatedPart[Crc]
+) -> Iterator[tuple[tuple[str, ...], _Fact]]:
+    """Yield the facts of a register or CRC that devices share, each with its place in the notation of errata.
+
+    That notation contains the names of fields, such as ``("warning", "at")``. The path of a fact in the spec contains
+    their indices, such as ``("fields", 2, "at")``.
+    """
+    for key, form in _SHARED_FACT_FORMS[section].items():
+        if key in register_or_crc.data:
+            yield (key,), ((key,), _fact_text(form, register_or_crc.data[key]))
+    if not isinstance(register_or_crc, WrittenRegister):
+        return  # A CRC has no fields.
+    for index, field in enumerate(register_or_crc.fields):
+        if field.name:
+            yield from _facts_of_field(field, ("fields", index))
+
+
+def _facts_of_field(field: WrittenField, path: Path) -> Iterator[tuple[tuple[str, ...], _Fact]]:
+    """Yield the facts of a field that devices share: its place, its width and its named values.
+
+    Each comes with its place in the notation of errata, such as ``("warning", "at")``.
+    """
+    for key, number_or_text in (("at", field.at), ("bits", field.bits)):
+        if number_or_text is not None:
+            yield (field.name, key), ((*path, key), str(number_or_text))
+    for value_name, value in field.values.items():
+        yield (field.name, value_name, "value"), ((*path, "values", value_name, "value"), str(value.value))
+
+
+def _fact_text(number_format: str, fact: object) -> str:
+    """Return a fact as text for messages: ``true`` or ``false``, or in the format ``number_format``."""
+    if isinstance(fact, bool):
+        return str(fact).lower()
+    return number_format.format(fact)
