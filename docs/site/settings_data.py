@@ -12,8 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypedDict
 
-from codewheel.language.master_items import FILE_FORMATS, NUMBERS, TYPES, WORDS
-from codewheel.language.written_masters import FILE_FORMATS
+from codewheel.language.written_masters import FILE_FORMATS, NUMBERS, TYPES, WORDS
 from codewheel.loading.library import load_library
 from codewheel.masters.coverage import covered_items, depends_on_crc, depends_on_whole_frame
 from codewheel.masters.groups import order_code_groups, records_of

@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
-from ..model.clocks import CableLength, Clock, Timeout
-from ..model.data_channels import DataChannels
 from ..model.facts import Supply, Timing
+from ..model.interface_parts import CableLength, Clock, DataChannels, Timeout
 from ..model.interfaces import DataId, MemoryAccess, Network, Port
 from ..model.measurement import Measurement
 from ..model.part import (

@@ -14,12 +14,10 @@ from dataclasses import asdict, fields, replace
 from typing import Any
 
 from ..language.document import MissingPath, Path, resolve
+from ..language.files import coverage_path
 from ..language.overlay import CHANGE_KINDS, LayeredSpec, LayerKind, OverlayLayer
 from ..language.problems import DocumentReport, ProblemReport, join_words, quoted
 from ..language.rules.walk import as_affected, leaves
-from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
-from ..language.rules.walk import leaves
-from ..language.schema_files import coverage_path
 from ..model import (
     LEFT_OUT,
     NOT_KNOWN,

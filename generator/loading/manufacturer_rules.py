@@ -10,14 +10,13 @@ from typing import Any, NamedTuple
 
 from ..language.document import Document, Path, label_of
 from ..language.problems import ProblemReport, quoted
-from ..language.rules.cited_places import problems_of_other_manual
 from ..language.rules.connectors import signal_names
+from ..language.rules.manual import problems_of_other_manual
 from ..language.rules.parts import as_affected_name, by_name, by_part_name, errata_at, has_erratum_at
 from ..language.rules.walk import leaves, mapping, maps_in_list, sources
-from ..language.schema_files import PROSE
+from ..language.schemas import PROSE
 from ..language.written import LocatedPart
-from ..language.written_codes import WrittenRegister
-from ..language.written_layouts import WrittenField
+from ..language.written_fields import WrittenField, WrittenRegister
 from ..language.written_parts import WrittenSpec
 from ..model import Crc
 

@@ -11,10 +11,10 @@ from itertools import combinations
 from types import MappingProxyType
 from typing import Protocol
 
+from ..language.files import is_second
 from ..language.problems import DocumentReport, Path, join_words, quoted
 from ..language.rules.parts import has_erratum_at
 from ..language.rules.walk import leaves
-from ..language.schema_files import is_second
 from ..model import (
     Argument,
     Biss,

@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from ..language.document import Path
+from ..language.files import is_second
 from ..language.problems import DocumentReport
-from ..language.schema_files import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Number, Variant
 from ..model.expressions import Expression, is_power_of_two
 from ..order_codes.parameters import run_time_names

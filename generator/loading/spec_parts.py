@@ -15,7 +15,7 @@ from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from ..language.problems import DocumentReport, Path, quoted
 from ..language.rules.parts import field_lists, interfaces, owner_of_alarm
-from ..language.written_interfaces import WrittenRs485
+from ..language.written_codes import WrittenRs485
 from ..language.written_parts import WrittenProcedure, WrittenSpec
 from ..model import (
     Argument,

@@ -11,8 +11,6 @@ from typing import Any
 
 from ..language.document import Path, label_of
 from ..language.schemas import PROSE
-from ..loading.from_mapping import parse_sources
-from ..language.schema_files import PROSE
 from ..loading.spec_parts import parse_sources
 from .reading import ComparedFact, FactClass, PrintedNumbers, SpecReading
 

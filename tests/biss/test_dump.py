@@ -16,8 +16,6 @@ from codewheel.language.files import is_second, is_word_sheet
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.schemas import load_schema
-from codewheel.loading.from_mapping import parse_sources
-from codewheel.language.schema_files import is_second, is_word_sheet, load_schema
 from codewheel.loading.spec_parts import parse_sources
 from codewheel.model import Device, FrameExample, Variant
 from codewheel.model.expressions import Expression, ExpressionError

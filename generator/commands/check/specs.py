@@ -14,8 +14,6 @@ from ...language.document import Document
 from ...language.document import Path as SpecPath
 from ...language.files import coverage_path, family_files, second_reading_path, word_sheet_path
 from ...language.problems import ProblemReport
-from ...loading.evidence import RULE, counts_text
-from ...language.schema_files import coverage_path, second_reading_path, word_sheet_path
 from ...loading.history import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
 from ...loading.overlays import Family

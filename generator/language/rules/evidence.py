@@ -7,9 +7,8 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from ...model import Evidence
-from ...model.clocks import CABLE_LIMITS
-from ..document import Path
 from ...model.interface_parts import CABLE_LIMITS
+from ..document import Path
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
 from ..written_codes import WrittenBiss, WrittenSsi

@@ -8,10 +8,8 @@ from itertools import combinations, pairwise
 from typing import NamedTuple
 
 from ...model import Timing
-from ...model.clocks import CABLE_LIMITS, CableLength, Clock
+from ...model.interface_parts import CABLE_LIMITS, CableLength, Clock
 from ..problems import DocumentReport, Path, missing_keys_message, quoted
-from ...model.interface_parts import CABLE_LIMITS, CableLength, Clock, Timeout
-from ..problems import DocumentReport, Path, quoted
 from ..written import LocatedPart
 from ..written_codes import WrittenRs485, WrittenSpi, WrittenSsi
 from ..written_parts import WrittenSpec

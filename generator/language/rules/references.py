@@ -9,9 +9,6 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from ...model import INTERFACES, Alarm, Biss, Measurement
-from ...model.steps import has_steps
-from ...model import Alarm, Biss, Measurement
-from ...model.expressions import Expression, ExpressionError
 from ...model.registers import has_steps
 from ..document import Path
 from ..problems import DocumentReport, nearest_choice, quoted, suggest_word

@@ -12,7 +12,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from ...model import Timing
-from ...model.clocks import Clock, Timeout
+from ...model.interface_parts import Clock, Timeout
 from ...say.text import nanoseconds
 from ..problems import DocumentReport, Path, join_words, quoted
 from ..written import LocatedPart
