@@ -15,18 +15,8 @@ from .crc_functions import BitsCrc, WordCrc, fold_operations
 from .decode import CDecoder
 from .encode import CEncoder
 from .enumerations import AlternativeCode, alternatives_in
-from .names import (
-    CExpression,
-    CName,
-    CNumber,
-    COperation,
-    DeclaredName,
-    c_name,
-    c_number,
-    join_operands,
-    string,
-    unsigned,
-)
+from .expressions import CExpression, CName, CNumber, COperation, join_operands
+from .names import DeclaredName, c_name, c_number, string, unsigned
 from .structs import LayoutStruct
 
 

@@ -12,7 +12,8 @@ from ...plan.frames import held_parameters
 from ...say.order_code import describe_timing as say_timing
 from .comments import HEADER_STYLE
 from .enumerations import AlternativeCode, Enumerations
-from .names import BY_VALUE, CCast, CExpression, ParameterSpelling, StructPassing, c_number, unsigned
+from .expressions import BY_VALUE, ParameterSpelling, StructPassing
+from .names import c_number, unsigned
 from .reports import Reports
 
 
@@ -93,44 +94,6 @@ def _largest_values(device: Device) -> dict[str, int]:
             if name in largest:
                 largest[name] = max(largest[name], held_parameter.highest_value)
     return largest
-
-
-@dataclass(frozen=True, slots=True)
-class CFunction:
-    """A function that returns one expression. ``uses_variant`` is True if the value depends on the order code."""
-
-    name: str
-    type: str
-    value: CExpression
-    about: str
-    uses_variant: bool
-
-
-def number_function(scope: ParameterSpelling, name: str, expression: Expression, largest: int, about: str) -> CFunction:
-    """Return the function for an expression whose values are at most ``largest``.
-
-    It has 32 bits if the values and all intermediate results fit, and otherwise 64. ``about`` is the comment on it.
-    """
-    # A product is computed before a negative constant is subtracted from it, so it is larger than the result.
-    has_product = any(term.is_product for term in expression.terms)
-    subtracted = min(expression.constant, 0) if has_product else 0
-    largest_intermediate = largest - subtracted
-    bits = max(largest_intermediate.bit_length(), 32)
-    value = scope.expression_of(expression)
-    if bits == 32 and scope.has_64_bits(expression):
-        value = CCast("uint32_t", value)
-    return CFunction(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
-
-
-def wide_number_function(scope: ParameterSpelling, name: str, expression: Expression, about: str) -> CFunction:
-    """Return the function for an expression, with a 64-bit result. ``about`` is the comment on it."""
-    value = scope.expression_of(expression)
-    # A power of two is computed in 64 bits, and so is what follows it.
-    begins_with_power = bool(expression.terms) and expression.terms[0].is_power
-    is_wide_constant = expression.is_constant and expression.constant > 0xFFFFFFFF
-    if not begins_with_power and not is_wide_constant:
-        value = CCast("uint64_t", value)
-    return CFunction(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,19 +18,8 @@ from ...plan.values import (
     ZeroMeans,
 )
 from .bits import ConstantByte, constant_bytes, digits
-from .names import (
-    CCall,
-    CCast,
-    CExpression,
-    CName,
-    CNumber,
-    Conditional,
-    COperation,
-    c_name,
-    join_operands,
-    masked,
-    unsigned,
-)
+from .expressions import CCall, CCast, CExpression, CName, CNumber, Conditional, COperation, join_operands, masked
+from .names import c_name, unsigned
 from .structs import LayoutStruct
 
 #: Names of arguments and locals in the generated functions. The locals of fields must have different names.

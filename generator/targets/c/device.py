@@ -20,22 +20,21 @@ from ...say.errata import describe_erratum, errata
 from ...say.evidence import describe_grade, origin, other_editions, removals, titled_in_lists
 from ...say.order_code import initial
 from .. import TargetError
-from .channels import channel_code
-from .chosen import chosen_variant
 from .code_facts import CodeFacts
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
 from .context import CMacro, HeaderContext, timing_macros
 from .crc_code import CrcCode, crc_code
+from .expressions import BY_VALUE, StructPassing
 from .interfaces import InterfaceCode, ReplyRequest
-from .name_clashes import HeaderNames
-from .names import BY_VALUE, DeclaredName, StructPassing, c_name, errata_page_name
+from .names import DeclaredName, HeaderNames, c_name, errata_page_name
 from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
-from .reading import ReadCode
+from .reading import ReadCode, channel_code
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
 from .runtime_texts import runtime_version
 from .variants import LengthCode, VariantCode, VariantUpdater
+from .worked_examples import chosen_variant
 
 _Built = TypeVar("_Built")
 

@@ -28,21 +28,19 @@ from ...plan.values import (
     meaning_of,
     widest_value,
 )
-from .names import (
+from .expressions import (
     CCast,
     CExpression,
     CName,
     CNumber,
     Conditional,
     COperation,
-    c_name,
     join_operands,
     masked,
     shifted_left,
     shifted_right,
-    size_of,
-    unsigned,
 )
+from .names import c_name, size_of, unsigned
 from .structs import LayoutStruct
 
 

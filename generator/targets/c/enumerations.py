@@ -15,15 +15,8 @@ from ...say.names_and_places import name_in_words, printed_name_of, title_of
 from ...say.register import describe_meaning
 from ...say.text import Statement, spec_text, statement
 from .comments import HEADER_STYLE, Paragraph
-from .names import (
-    CExpression,
-    CName,
-    CNumber,
-    Conditional,
-    COperation,
-    DeclaredName,
-    c_name,
-)
+from .expressions import CExpression, CName, CNumber, Conditional, COperation
+from .names import DeclaredName, c_name
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,7 +30,6 @@ from ...plan.values import (
 )
 from ...say.names_and_places import name_in_words, title_of
 from ...say.text import VERDICT_CLAUSES
-from .chosen import Chosen, ExampleFrame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
 from .device import DeviceView
@@ -38,13 +37,13 @@ from .enumerations import AlternativeCode
 from .interfaces import ReplyRequest
 from .names import c_name
 from .positions import Positions
-from .printed import printed_members, printed_number
 from .procedure_rows import StepRow
 from .procedures import ProcedureCode
 from .registers import RegisterFunctions
 from .reports import FrameReports
 from .structs import LayoutStruct
 from .variants import CodeRow
+from .worked_examples import Chosen, ExampleFrame, NoFrame, printed_members, printed_number
 
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
 _NAMES_OF_LOCALS = frozenset(("bus", "encoder", "failure", "frame", "result"))

@@ -46,18 +46,8 @@ from .decode import AllUnusedBits, FlagByte, UnusedBitsOfByte
 from .device import DeviceView, HeaderPart, views_of
 from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
-from .name_clashes import clashes, describe_path
-from .names import (
-    BY_ADDRESS,
-    BY_VALUE,
-    FOLDER,
-    StructPassing,
-    c_name,
-    c_number,
-    mask_constant,
-    string,
-    unsigned,
-)
+from .expressions import BY_ADDRESS, BY_VALUE, StructPassing
+from .names import FOLDER, c_name, c_number, clashes, describe_path, mask_constant, string, unsigned
 from .package import (
     FILES,
     FOUND_BY_NAME,

@@ -29,7 +29,6 @@ from ...say.order_code import control_field, describe_data_id, describe_exchange
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
-from .bits import type_and_bits_in
 from .code_facts import (
     ClockLimitFunction,
     TimeoutFunction,
@@ -42,7 +41,8 @@ from .code_facts import (
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
 from .context import CMacro, HeaderContext, timing_macros
-from .names import CExpression, DeclaredName, c_name, c_number
+from .expressions import CExpression, type_and_bits_in
+from .names import DeclaredName, c_name, c_number
 from .structs import LayoutStruct
 
 _PARITY_CHARACTERS = {"none": "'N'", "even": "'E'", "odd": "'O'"}

@@ -8,8 +8,9 @@ from ...model import Layout, Measurement, cite
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
-from .context import CFunction, HeaderContext, wide_number_function
-from .names import CCast, CExpression, CNumber, DeclaredName, ParameterSpelling
+from .context import HeaderContext
+from .expressions import CCast, CExpression, CFunction, CNumber, ParameterSpelling, wide_number_function
+from .names import DeclaredName
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...model.record import dataclass
 from ...plan.steps import ArgumentRefusal, CheckedArgument, PlannedStep
-from .names import CExpression, CNumber
+from .expressions import CExpression, CNumber
 from .registers import RegisterCode
 
 ZERO = CNumber(0)

@@ -31,19 +31,8 @@ from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
 from .comments import Paragraph
 from .context import HeaderContext
-from .names import (
-    CCast,
-    CExpression,
-    CName,
-    CNumber,
-    DeclaredName,
-    c_name,
-    masked,
-    shifted_left,
-    shifted_right,
-    size_of,
-    unsigned,
-)
+from .expressions import CCast, CExpression, CName, CNumber, masked, shifted_left, shifted_right
+from .names import DeclaredName, c_name, size_of, unsigned
 from .procedure_rows import ZERO, ArgumentCode, FilledRegister, FilledRows, ReadMember, StepRow, WholeRegister
 from .registers import RegisterCode
 

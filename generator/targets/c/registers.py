@@ -28,9 +28,10 @@ from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, field_table
 from .codec import StructCodec
 from .comments import Paragraph
-from .context import CFunction, CMacro, HeaderContext, number_function
-from .names import CExpression, CName, DeclaredName, c_number
-from .names import CNumber as NumberExpr
+from .context import CMacro, HeaderContext
+from .expressions import CExpression, CFunction, CName, number_function
+from .expressions import CNumber as NumberExpr
+from .names import DeclaredName, c_number
 from .structs import LayoutStruct
 
 

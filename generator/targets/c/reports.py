@@ -25,19 +25,8 @@ from ...say.text import statement
 from .. import TargetError
 from .comments import HEADER_STYLE
 from .enumerations import CEnumeration, EnumConstant
-from .names import (
-    CCast,
-    CExpression,
-    CName,
-    CNumber,
-    Conditional,
-    COperation,
-    DeclaredName,
-    ParameterSpelling,
-    c_name,
-    join_operands,
-    unsigned,
-)
+from .expressions import CCast, CExpression, CName, CNumber, Conditional, COperation, ParameterSpelling, join_operands
+from .names import DeclaredName, c_name, unsigned
 
 _UNUSED_MEMBER = CName("frame->unused")
 

@@ -22,13 +22,21 @@ from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
 from .context import timing_macros
-from .declarations import Declaration, declarations_in, declarations_needed_by, names_of, without_settings
 from .device import DeviceView, views_of
-from .names import StructPassing
+from .expressions import StructPassing
+from .header_text import (
+    BYTES_LOADED_AT_ONCE,
+    Declaration,
+    WordLength,
+    cut_biss_receiver,
+    cut_ssi_receiver,
+    declarations_in,
+    declarations_needed_by,
+    names_of,
+    without_settings,
+)
 from .runtime_texts import runtime_headers, runtime_version
-from .single_comments import CommentAdapter, first_paragraph, first_sentence, without_example, wrap_text
-from .single_cuts import BYTES_LOADED_AT_ONCE, WordLength, cut_biss_receiver, cut_ssi_receiver
-from .single_usage import SingleUsage
+from .single_comments import CommentAdapter, SingleUsage, first_paragraph, first_sentence, without_example, wrap_text
 
 TEMPLATE = "single.h.jinja"
 #: The headers of the runtime that receive frames, in the order in which they include each other.

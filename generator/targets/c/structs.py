@@ -19,26 +19,11 @@ from ...plan.values import (
     widest_value,
 )
 from .. import TargetError
-from .bits import BitReader
+from .bits import BitReader, UnusedMember
 from .context import CMacro, HeaderContext, scale_macros
 from .enumerations import CEnumeration
-from .names import (
-    CCast,
-    CExpression,
-    CName,
-    CNumber,
-    COperation,
-    c_name,
-    c_number,
-    join_operands,
-    masked,
-    shifted_right,
-    signed,
-    signed_number,
-    size_of,
-    unsigned,
-)
-from .unused import UnusedMember
+from .expressions import CCast, CExpression, CName, CNumber, COperation, join_operands, masked, shifted_right
+from .names import c_name, c_number, signed, signed_number, size_of, unsigned
 
 
 class LayoutStruct:

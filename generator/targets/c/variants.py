@@ -19,21 +19,20 @@ from ...say.order_code import initial, timeouts_with_codes
 from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
-from .bits import type_and_bits_in
-from .context import CFunction, CMacro, HeaderContext, number_function
-from .names import (
+from .context import CMacro, HeaderContext
+from .expressions import (
     CCast,
     CExpression,
+    CFunction,
     CName,
     CNumber,
     Conditional,
     COperation,
-    DeclaredName,
-    c_name,
-    c_number,
     join_operands,
-    unsigned,
+    number_function,
+    type_and_bits_in,
 )
+from .names import DeclaredName, c_name, c_number, unsigned
 from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import RegisterFunctions
 
