@@ -7,17 +7,19 @@ from functools import cached_property
 
 from ...model import Biss, ChannelFrame, Field, Spi, Ssi, channel_frame
 from ...model.expressions import Expression
+from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, covered_data_of, word_table
 from ...plan.limits import OutsideLimits, depends_on_order_code
 from ...plan.operations import FrameCrc
-from .about import about_bits_crc, about_member, about_unused, about_word_crc
+from .about import about_bits_crc, about_crc, about_member, about_unused, about_word_crc
 from .comments import Paragraph
-from .crc_functions import BitsCrc, WordCrc, fold_operations
+from .context import HeaderContext
+from .crcs import BitsCrc, CrcCode, WordCrc, fold_operations
 from .decode import CDecoder
 from .encode import CEncoder
 from .enumerations import AlternativeCode, alternatives_in
 from .expressions import CExpression, CName, CNumber, COperation, join_operands
 from .names import DeclaredName, c_name, c_number, string, unsigned
-from .structs import LayoutStruct
+from .structs import LayoutStruct, covers_32_bits
 
 
 class StructCodec:
@@ -325,3 +327,52 @@ class StructCodec:
                 yield COperation("==", (CName(member), self.scope.expression_of(equals)))
             case _:
                 yield COperation("==", (CName(member), CName(macro)))
+
+
+def crc_code(context: HeaderContext, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
+    """Return the general function for a CRC, with its table if it has one.
+
+    The table is left out if no frame or register uses it. A frame with its own CRC function for words does not call
+    the general function, and only uses its table.
+    """
+    users = [codec for codec in codecs if _uses_function(codec, function)]
+    return CrcCode(
+        name=context.crc_name(function.crc, function.carrier.value),
+        function=function,
+        about=tuple(about_crc(context.device, function)),
+        table=_table_entries(function) if users else (),
+        is_called=any(codec.word_crc is None for codec in users),
+        data_type=_type_of_covered_bits(function, users),
+    )
+
+
+def _type_of_covered_bits(function: CrcFunction, users: Sequence[StructCodec]) -> str:
+    """Return the type of the bits that a CRC covers: ``uint32_t`` if 32 bits are enough for all frames."""
+    crcs: list[FrameCrc] = []
+    for codec in users:
+        crcs += [frame_crc for frame_crc in codec.plan.crcs if frame_crc.crc == function.crc]
+    return "uint32_t" if all(map(covers_32_bits, crcs)) else "uint64_t"
+
+
+def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
+    """Return True if the code of a frame uses this CRC function or its table.
+
+    A frame of bits that arrives in bytes has a CRC function of its own (``bits_crcs``).
+    """
+    has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
+    has_own_function = bool(codec.bits_crcs)
+    return has_crc and not has_own_function and covered_data_of(codec.struct.layout) is function.carrier
+
+
+def _table_entries(function: CrcFunction) -> tuple[int, ...]:
+    """Return the entries of the table of a CRC, one for each byte, or nothing if its function needs no table.
+
+    A CRC in straight-line code (``FOLD``) has a table only for frames that are words.
+    """
+    crc = function.crc
+    if function.form is CrcMethod.TABLE:
+        is_reflected = function.carrier is CoveredData.BYTES and crc.refin
+        return byte_table(crc.width, crc.poly, is_reflected)
+    if function.form is CrcMethod.FOLD and function.in_words:
+        return word_table(crc.width, crc.poly)
+    return ()

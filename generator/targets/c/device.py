@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Protocol, TypeVar
 
-from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_or_raise
+from ...model import Biss, Device, Document, Layout, Parameter, Procedure, Register, Rs485, Spi, Ssi, first_or_raise
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
@@ -21,18 +21,17 @@ from ...say.evidence import describe_grade, origin, other_editions, removals, ti
 from ...say.order_code import initial
 from .. import TargetError
 from .code_facts import CodeFacts
-from .codec import StructCodec
+from .codec import StructCodec, crc_code
 from .comments import HEADER_STYLE, Paragraph
 from .context import CMacro, HeaderContext, timing_macros
-from .crc_code import CrcCode, crc_code
+from .crcs import CrcCode
 from .expressions import BY_VALUE, StructPassing
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import DeclaredName, HeaderNames, c_name, errata_page_name
-from .positions import RangeFunctions, positions
+from .names import FOLDER, DeclaredName, HeaderNames, c_name, errata_page_name
+from .positions import RangeFunctions, ReadCode, channel_code, positions
 from .procedures import ProcedureCode
-from .reading import ReadCode, channel_code
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
-from .runtime_texts import runtime_version
+from .runtime_headers import runtime_version
 from .variants import LengthCode, VariantCode, VariantUpdater
 from .worked_examples import chosen_variant
 
@@ -192,6 +191,28 @@ class DeviceView:
     def headers(self) -> list[str]:
         """Include paths of all headers of the interface."""
         return [self.header, *(f"{self.maker.name}/{part.file}" for part in self.parts)]
+
+    @property
+    def runtime_headers(self) -> Iterator[str]:
+        """The headers of the runtime that the headers of the interface include, or that users need with them.
+
+        Users need a receiver for its frames, and helpers for its registers and procedures.
+        """
+        interface = self.context.interface
+        for part in self.parts:
+            yield from (name.removeprefix(f"{FOLDER}/") for name in part.includes if name.startswith(f"{FOLDER}/"))
+        if self.lengths.macros:
+            yield "receive_frame.h" if self.lengths.length else "receive.h"
+        if self.channels is not None:
+            yield "channels.h"
+        if isinstance(interface, Spi):
+            yield "spi.h"
+        if isinstance(interface, Rs485):
+            yield "receive.h"
+        if isinstance(interface, Biss) and self.registers:
+            yield "biss_slave.h"
+        if self.procedures:
+            yield "runner.h"
 
     @property
     def cpp_header(self) -> str:

@@ -5,164 +5,22 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Annotated, NamedTuple, TypedDict
+from typing import Annotated, TypedDict
 
 from ...model import (
     Biss,
-    Crc,
-    Device,
-    Layout,
     Manufacturer,
-    Spi,
-    Ssi,
-    Verdict,
-    answer_combinations,
-    channel_frame,
     first_or_raise,
 )
 from ...model.record import dataclass
-from ...plan.crcs import UndetectedErrors, residual_of
-from ...plan.verdicts import reportings
-from ...say.names_and_places import name_in_words
 from .. import main_manufacturer, manufacturers
 from .comments import ascii_text
-from .crc_code import CrcCode
+from .crcs import CrcCode
 from .device import DeviceView
 from .examples import ExampleCode, ShownRegister, ShownRun, example_codes
 from .names import FOLDER, c_name
 from .procedures import ProcedureCode
 from .variants import CodeRow
-
-TEMPLATE = "ASSUMPTIONS.md.jinja"
-
-
-@dataclass(frozen=True)
-class FramesWithCrc:
-    """Frames of one length whose CRCs have the same polynomial, and the errors that the CRC does not detect in them."""
-
-    crc: Crc
-    names: tuple[str, ...]
-    residual: UndetectedErrors
-
-
-class _KindOfFrames(NamedTuple):
-    """Frames in which the CRC misses the same errors: of one length, with CRCs of one width and one polynomial."""
-
-    crc_width: int
-    polynomial: int
-    bits: int
-
-
-class Assumptions(TypedDict):
-    maker: Annotated[Manufacturer, "the manufacturer"]
-    frames: Annotated[list[FramesWithCrc], "the frames with a CRC, by CRC and length"]
-    silent: Annotated[list[str], "the frames with a position whose verdict is always unknown"]
-    unprotected: Annotated[list[str], "the SSI words with a position that have no CRC"]
-    interfaces: Annotated[frozenset[str], "the interfaces of the encoders"]
-    later: Annotated[bool, "whether an encoder over SPI answers with the next word"]
-    parity: Annotated[list[str], "the frames with a position that have a parity bit and no CRC"]
-    compared: Annotated[list[str], "the frames with several data channels whose positions are compared"]
-
-
-def assumptions_files(
-    makers: Iterable[tuple[Manufacturer, tuple[Device, ...]]], render: Callable[[str, Mapping[str, object]], str]
-) -> Iterator[tuple[str, str]]:
-    """Yield the path in the C folder and the text of each manufacturer's page with assumptions, for safety reviews."""
-    for maker, devices in makers:
-        interfaces = [interface for device in devices for interface in device.interfaces]
-        values: Assumptions = {
-            "maker": maker,
-            "frames": list(_group_frames_by_crc(devices)),
-            "silent": list(_frames_without_verdict(devices)),
-            "unprotected": list(_yield_unprotected(devices)),
-            "interfaces": frozenset(interface.name for interface in interfaces),
-            "later": any(isinstance(interface, Spi) and interface.reply == "next_word" for interface in interfaces),
-            "parity": list(_frames_with_parity(devices)),
-            "compared": list(_frames_with_comparison(devices)),
-        }
-        yield f"ASSUMPTIONS-{maker.name}.md", render(TEMPLATE, values)
-
-
-def _group_frames_by_crc(devices: tuple[Device, ...]) -> Iterator[FramesWithCrc]:
-    """Yield the frames that have the same length and the same polynomial, with the errors that the CRC does not detect.
-
-    They are in order of the width of the CRC, of its polynomial and of the length.
-    """
-    crcs_by_kind: dict[_KindOfFrames, dict[str, Crc]] = {}
-    for device in devices:
-        for interface, layout in device.layouts():
-            name = _frame_name(device, interface=interface.title, layout=layout)
-            for crc, bits in _crcs_and_lengths(device, interface.name, layout):
-                kind_of_frames = _KindOfFrames(crc.width, crc.poly, bits)
-                crcs_by_kind.setdefault(kind_of_frames, {}).setdefault(name, crc)
-    for kind_of_frames, crc_by_name in sorted(crcs_by_kind.items()):
-        first_crc = next(iter(crc_by_name.values()))
-        undetected_errors = residual_of(first_crc, kind_of_frames.bits)
-        yield FramesWithCrc(crc=first_crc, names=tuple(crc_by_name), residual=undetected_errors)
-
-
-def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
-    """Yield each CRC of a frame with each length in bits that the frame can have. A pair can come several times.
-
-    The lengths are those for each order code and each answer to an open question. If all frames have the CRC, the
-    longest frame that registers of the encoder can select is included.
-    """
-    if layout.always_has_crc:
-        for crc in device.crcs_of(layout):
-            yield crc, layout.widest
-    for variant in device.variants_over(interface):
-        for _, parameters_of_answers in answer_combinations(device.alternatives):
-            placed = layout.place({**variant.parameters, **parameters_of_answers})
-            placed_crc = device.crc_of(placed)
-            if placed_crc is not None:
-                yield placed_crc, placed.bits
-
-
-def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
-    """Yield the frames with a position whose verdict is always unknown: no flag or unused bit affects it."""
-    for device in devices:
-        for reporting in reportings(device).values():
-            rules = reporting.verdict_rules
-            if rules is not None and rules.otherwise is Verdict.UNKNOWN and not rules.worst_first:
-                yield _frame_name(device, interface=reporting.interface.title, layout=reporting.codec.layout)
-
-
-def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
-    """Yield the frames over SSI with a position that have no CRC, at least with some order codes."""
-    for device in devices:
-        for interface, layout in device.layouts():
-            has_position = device.sends_position(interface.name, layout)
-            if isinstance(interface, Ssi) and has_position and not layout.always_has_crc:
-                yield _frame_name(device, interface=interface.title, layout=layout) + _of_some_codes(layout)
-
-
-def _frames_with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
-    """Yield the frames with a position that have a parity bit and, at least with some order codes, no CRC."""
-    for device in devices:
-        for interface, layout in device.layouts():
-            has_only_parity = layout.has_parity and not layout.always_has_crc
-            if has_only_parity and device.sends_position(interface.name, layout):
-                yield _frame_name(device, interface=interface.title, layout=layout) + _of_some_codes(layout)
-
-
-def _frames_with_comparison(devices: tuple[Device, ...]) -> Iterator[str]:
-    """Yield the frames with several data channels whose positions must agree."""
-    for device in devices:
-        for interface in device.interfaces:
-            frame = channel_frame(interface)
-            if frame is not None and frame.compared:
-                names = " and ".join(name_in_words(layout.name) for layout in frame.layouts)
-                yield f"{device.name.upper()} {interface.title}: {names}"
-
-
-def _of_some_codes(layout: Layout) -> str:
-    """Return the remark that only some order codes have no CRC, or an empty string if this applies to all."""
-    return " (some order codes)" if layout.crc_fields else ""
-
-
-def _frame_name(device: Device, interface: str, layout: Layout) -> str:
-    """Return the name of a frame on a page for all families, such as ``X BiSS: position``."""
-    return f"{device.name.upper()} {interface}: {name_in_words(layout.name)}"
 
 
 class ReceiverCode:

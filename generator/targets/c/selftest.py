@@ -30,13 +30,13 @@ from ...plan.operations import FieldToDecode
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, TwosComplement, UnsignedNumber
 from .. import manufacturers
 from .codec import StructCodec
-from .crc_functions import WordCrc
+from .crcs import WordCrc
 from .device import DeviceView
 from .enumerations import AlternativeCode
 from .names import c_name, c_number, signed_number, string
 from .positions import LengthPositions
 from .procedures import ProcedureCode
-from .runtime_texts import runtime_tests
+from .runtime_headers import runtime_tests
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,7 +35,7 @@ from .header_text import (
     names_of,
     without_settings,
 )
-from .runtime_texts import runtime_headers, runtime_version
+from .runtime_headers import runtime_headers, runtime_version
 from .single_comments import CommentAdapter, SingleUsage, first_paragraph, first_sentence, without_example, wrap_text
 
 TEMPLATE = "single.h.jinja"
