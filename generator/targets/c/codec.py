@@ -12,13 +12,13 @@ from ...plan.limits import OutsideLimits, depends_on_order_code
 from ...plan.operations import FrameCrc
 from .about import about_bits_crc, about_crc, about_member, about_unused, about_word_crc
 from .comments import Paragraph
-from .context import HeaderContext
+from .context import AlternativeCode, HeaderContext, alternatives_in
 from .crcs import BitsCrc, CrcCode, WordCrc, fold_operations
 from .decode import CDecoder
 from .encode import CEncoder
-from .enumerations import AlternativeCode, alternatives_in
 from .expressions import CExpression, CName, CNumber, COperation, join_operands
 from .names import DeclaredName, c_name, c_number, string, unsigned
+from .reports import Reports
 from .structs import LayoutStruct, covers_32_bits
 
 
@@ -26,11 +26,15 @@ class StructCodec:
     """The values that the templates print for the struct of a frame or register, its decoder and its encoder.
 
     ``about`` is the comment on a frame, and is empty for a register. ``outside`` are the limits of a register that its
-    encoder checks.
+    encoder checks. ``family_reports`` are the reports of the family, and None for a register.
     """
 
     def __init__(
-        self, struct: LayoutStruct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()
+        self,
+        struct: LayoutStruct,
+        about: Sequence[Paragraph] = (),
+        outside: Sequence[OutsideLimits] = (),
+        family_reports: Reports | None = None,
     ) -> None:
         self.struct = struct
         self.plan = struct.plan
@@ -48,8 +52,8 @@ class StructCodec:
         self.encodes = struct.register is not None or not self.decodes
         #: The reports of a frame, None for a register.
         self.reports = None
-        if struct.register is None:
-            self.reports = struct.context.reports.of(struct.layout, self.name, self.type)
+        if family_reports is not None:
+            self.reports = family_reports.of(struct.layout, self.name, self.type)
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with the path of the layout in the spec."""

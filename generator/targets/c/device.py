@@ -20,17 +20,18 @@ from ...say.errata import describe_erratum, errata
 from ...say.evidence import describe_grade, origin, other_editions, removals, titled_in_lists
 from ...say.order_code import initial
 from .. import TargetError
-from .code_facts import CodeFacts
+from .code_facts import CodeFacts, timing_macros
 from .codec import StructCodec, crc_code
 from .comments import HEADER_STYLE, Paragraph
-from .context import CMacro, HeaderContext, timing_macros
+from .context import HeaderContext
 from .crcs import CrcCode
 from .expressions import BY_VALUE, StructPassing
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import FOLDER, DeclaredName, HeaderNames, c_name, errata_page_name
+from .names import FOLDER, CMacro, DeclaredName, HeaderNames, c_name, errata_page_name
 from .positions import RangeFunctions, ReadCode, channel_code, positions
 from .procedures import ProcedureCode
-from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
+from .registers import RegisterCode, identity_codes, state_registers
+from .reports import AlarmCode, Reports
 from .runtime_headers import runtime_version
 from .variants import LengthCode, VariantCode, VariantUpdater
 from .worked_examples import chosen_variant
@@ -93,11 +94,11 @@ class DeviceView:
         self.prefix = context.prefix
         self.PREFIX = context.PREFIX
         self.stem = context.stem
-        self.reports = context.reports
+        self.reports = Reports(device, self.prefix, context.choices, context.scope)
         self.alternatives = context.alternatives
         self.variants = VariantCode(context)
         self.interface = _with_path_in_errors(
-            partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name
+            partial(InterfaceCode, context, context.interface, self.reports), "interfaces", context.interface.name
         )
         #: The order code in all samples.
         self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]

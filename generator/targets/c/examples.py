@@ -32,13 +32,12 @@ from ...say.names_and_places import name_in_words, title_of
 from ...say.text import VERDICT_CLAUSES
 from .codec import StructCodec
 from .comments import ascii_text
+from .context import AlternativeCode
 from .device import DeviceView
-from .enumerations import AlternativeCode
 from .interfaces import ReplyRequest
 from .names import c_name
 from .positions import Positions
-from .procedure_rows import StepRow
-from .procedures import ProcedureCode
+from .procedures import ProcedureCode, StepRow
 from .registers import RegisterFunctions
 from .reports import FrameReports
 from .structs import LayoutStruct

@@ -50,7 +50,7 @@ from .expressions import BY_ADDRESS, BY_VALUE, StructPassing
 from .names import FOLDER, c_name, c_number, clashes, describe_path, mask_constant, string, unsigned
 from .package import FILES, FOUND_BY_NAME, Named, Package, ReceiverCode, own_programs, package_files
 from .positions import Positions
-from .procedure_rows import FilledRows
+from .procedures import FilledRows
 from .review_pages import ERRATA_TEMPLATE, TEMPLATE, Assumptions, ErrataPage, assumptions_files, errata_files
 from .runtime_headers import needed_runtime, runtime_headers, runtime_version
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files

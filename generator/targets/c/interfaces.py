@@ -37,12 +37,14 @@ from .code_facts import (
     has_cables_by_code,
     timeout_limits,
     timeout_product,
+    timing_macros,
 )
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
-from .context import CMacro, HeaderContext, timing_macros
+from .context import HeaderContext
 from .expressions import CExpression, type_and_bits_in
-from .names import DeclaredName, c_name, c_number
+from .names import CMacro, DeclaredName, c_name, c_number
+from .reports import Reports
 from .structs import LayoutStruct
 
 _PARITY_CHARACTERS = {"none": "'N'", "even": "'E'", "odd": "'O'"}
@@ -95,7 +97,7 @@ class ReplyRequest:
 class InterfaceCode:
     """The values that the templates print for an interface. ``codecs`` are its frames."""
 
-    def __init__(self, context: HeaderContext, interface: Interface) -> None:
+    def __init__(self, context: HeaderContext, interface: Interface, reports: Reports) -> None:
         self.device = context.device
         self.interface = interface
         self.prefix = context.prefix
@@ -115,7 +117,7 @@ class InterfaceCode:
         self.frame_selectors = tuple(
             FrameSelector(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts)
         )
-        self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
+        self.codecs = tuple(self._build_codec(context, layout, reports) for layout in interface.layouts)
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec.
@@ -212,13 +214,14 @@ class InterfaceCode:
         """Return the constant that stands for a frame."""
         return f"{self._macro_prefix}_FRAME_{layout.name}".upper()
 
-    def _build_codec(self, context: HeaderContext, layout: Layout) -> StructCodec:
+    def _build_codec(self, context: HeaderContext, layout: Layout, reports: Reports) -> StructCodec:
         """Return the struct, decoder and encoder of a frame."""
         # The functions of the only frame of an interface need no further name.
         is_only_frame = len(self.interface.layouts) == 1 and not self.frame_selectors
         name = context.prefix if is_only_frame else f"{context.prefix}_{layout.name}"
         struct = LayoutStruct(context, layout, name=name, length_macro=context.length_macro(layout))
-        return StructCodec(struct, about_layout(self.device, self.interface, struct))
+        about = about_layout(self.device, self.interface, struct)
+        return StructCodec(struct, about=about, family_reports=reports)
 
     def _yield_comment(self) -> Iterator[Paragraph]:
         """Yield the comment on the interface, without statements and errata that are comments on macros and frames."""

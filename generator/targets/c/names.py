@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
+from itertools import count
 
 from ...language.document import Path
 from ...model import Device, Layout
@@ -227,3 +228,22 @@ def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Dev
         for name, path in inner_names(device):
             if name in declared_paths:
                 yield device, NameClash(name=name, path=path, other=())
+
+
+@dataclass(frozen=True, slots=True)
+class CMacro:
+    """A macro with its value. ``note`` is the comment at the end of its line, empty if it needs none."""
+
+    name: str
+    value: str
+    note: str = ""
+
+
+def _unused_name(name: str, used_names: Collection[str]) -> str:
+    """Return ``name``, with the first free number at its end if it is used already, such as ``status_2``."""
+    numbered_name = name
+    for number in count(2):
+        if numbered_name not in used_names:
+            break
+        numbered_name = f"{name}_{number}"
+    return numbered_name

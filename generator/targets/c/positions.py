@@ -9,8 +9,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
 from .codec import StructCodec
-from .context import HeaderContext
-from .enumerations import AlternativeCode
+from .context import AlternativeCode, HeaderContext
 from .expressions import CCast, CExpression, CFunction, CNumber, ParameterSpelling, wide_number_function
 from .names import DeclaredName, c_name
 from .variants import CodeRow, LengthCode

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from itertools import count
+from collections.abc import Iterator, Mapping
 
 from ...model import BitSlice, Procedure, Register, assert_never
+from ...model.record import dataclass
 from ...plan.limits import TooWide
 from ...plan.procedures import plan_procedure
 from ...plan.steps import (
@@ -32,9 +32,63 @@ from .about import about_argument, about_procedure, about_run, note_of_read, not
 from .comments import Paragraph
 from .context import HeaderContext
 from .expressions import CCast, CExpression, CName, CNumber, masked, shifted_left, shifted_right
-from .names import DeclaredName, c_name, size_of, unsigned
-from .procedure_rows import ZERO, ArgumentCode, FilledRegister, FilledRows, ReadMember, StepRow, WholeRegister
-from .registers import RegisterCode
+from .names import DeclaredName, _unused_name, c_name, size_of, unsigned
+from .registers import FilledRegister, RegisterCode, WholeRegister
+
+ZERO = CNumber(0)
+
+
+@dataclass(frozen=True, slots=True)
+class StepRow:
+    """A step at ``index`` of the list: an access to one byte of a register, a wait, or a request.
+
+    ``address`` is an expression with the macro of the register. ``mask`` and ``value`` are the bits of the byte that
+    the step writes, waits for, or compares. ``continues_previous`` is True if the byte is accessed together with the
+    byte of the previous step. ``note`` is the comment.
+    """
+
+    index: int
+    operation: PlannedStep
+    note: str
+    address: str = ""
+    mask: int = 0
+    value: CExpression = ZERO
+    continues_previous: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class FilledRows:
+    """The steps that write all bytes of a filled register, or with the ``kind`` ``verify``, read them back.
+
+    ``index`` is that of the first step in the list.
+    """
+
+    index: int
+    kind: str
+    register: FilledRegister
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class ArgumentCode:
+    """An argument of a procedure, with its C type and name, its comment, and the reasons to reject its value."""
+
+    checked: CheckedArgument
+    type: str
+    name: str
+    about: str
+    refusals: tuple[ArgumentRefusal, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadMember:
+    """A member of the struct with the bytes read: ``length`` of these bytes, from index ``first`` on."""
+
+    name: str
+    first: int
+    length: int
+    note: str
+
 
 #: Names of arguments and locals in the generated functions.
 _NAMES_OF_LOCALS = frozenset(
@@ -353,16 +407,6 @@ class ProcedureCode:
             note = note_of_read(self.context.device, read)
             yield ReadMember(name=member_name, first=first_byte, length=length, note=note)
             first_byte += length
-
-
-def _unused_name(name: str, used_names: Collection[str]) -> str:
-    """Return ``name``, with the first free number at its end if it is used already, such as ``status_2``."""
-    numbered_name = name
-    for number in count(2):
-        if numbered_name not in used_names:
-            break
-        numbered_name = f"{name}_{number}"
-    return numbered_name
 
 
 def _refuse_unsupported(step: RegisterAccess) -> None:

@@ -6,13 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 
 from ...model import (
-    Alarm,
     Device,
     Field,
     Interface,
     Register,
     RegisterMeaning,
-    member_named,
     number_to_bytes,
 )
 from ...model.expressions import Expression
@@ -25,13 +23,13 @@ from ...plan.operations import IsOneOf
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, UnsignedNumber, meaning_of
 from ...say.names_and_places import full_title, name_in_words, title_of
 from .. import TargetError
-from .about import about_access, about_alarm, about_member, about_register, field_table
+from .about import about_access, about_member, about_register, field_table
 from .codec import StructCodec
 from .comments import Paragraph
-from .context import CMacro, HeaderContext
+from .context import HeaderContext
 from .expressions import CExpression, CFunction, CName, number_function
 from .expressions import CNumber as NumberExpr
-from .names import DeclaredName, c_number
+from .names import DeclaredName
 from .structs import LayoutStruct
 
 
@@ -115,64 +113,6 @@ def state_registers(device: Device) -> list[str]:
     """
     names = dict.fromkeys(parameter.register for parameter in device.run_time_parameters)
     return [name for name in names if device.register(name).readable]
-
-
-class AlarmCode:
-    """The values that the templates print for an alarm."""
-
-    def __init__(self, context: HeaderContext, alarm: Alarm) -> None:
-        self.alarm = alarm
-        self.about = about_alarm(context.device, alarm)
-        self.macros = tuple(_alarm_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
-
-    def declared(self) -> Iterator[DeclaredName]:
-        """Yield the names of the macros, each with the path of the alarm in the spec."""
-        for macro in self.macros:
-            yield macro.name, ("alarms", self.alarm.name)
-
-
-def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[CMacro]:
-    """Yield the macros of an alarm: the mask of its bits, and the supply voltage below which it is raised."""
-    bits, note = _alarm_mask(device, alarm)
-    if bits:
-        yield CMacro(f"{stem}_MASK", value=c_number(bits, hexadecimal=True), note=note)
-    if alarm.below_mv is not None:
-        yield CMacro(f"{stem}_BELOW_MV", value=c_number(alarm.below_mv), note="raised below this, in millivolts")
-
-
-def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
-    """Return the mask of an alarm in its byte of a frame, or else in its register, and a note on the mask.
-
-    The mask is 0 if the alarm has no bits at a fixed place. The note is empty unless the frame has several bytes of
-    flags, in which the same mask can occur again.
-    """
-    frame_field = _frame_field_of(device, alarm)
-    if frame_field is not None and len(frame_field.bit_slices) == 1:
-        (bit_slice,) = frame_field.bit_slices
-        group = member_named(device.field_groups, alarm.group, "field group")
-        note = "in its byte" if group.bits > 8 else ""
-        return bit_slice.mask << bit_slice.low_in_byte, note
-    if not alarm.register:
-        return 0, ""
-    layout = device.register(alarm.register).layout
-    register_field = layout.field(alarm.field) if alarm.field else layout.fields[0]
-    # A flag whose place depends on the order code has no mask. The decoder of the register finds it.
-    mask = register_field.mask_in_place if register_field.is_fixed else 0
-    return mask, ""
-
-
-def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
-    """Return the field of a frame that reports the alarm, from the first frame that has it at a fixed place.
-
-    The result is None if no frame has it, or if the alarm is in no group of flags.
-    """
-    if not alarm.group:
-        return None
-    for _, layout in device.layouts():
-        for field in layout.fields:
-            if field.group == alarm.group and field.name == alarm.field and field.bit_slices:
-                return field
-    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -427,3 +367,36 @@ def identity_codes(context: HeaderContext, codes: Mapping[str, RegisterCode]) ->
     for identity in identities(context.device):
         compared = tuple(codes[comparison.register.name] for comparison in identity.compared)
         yield IdentityCode(context.prefix, context.device.interface(identity.interface), compared)
+
+
+@dataclass(frozen=True, slots=True)
+class FilledRegister:
+    """A register whose struct the function fills with an argument of the procedure.
+
+    ``local`` and ``bytes`` are the local variables for the struct and for the bytes that it encodes to.
+    """
+
+    code: RegisterCode
+    argument: str
+    member: str
+    local: str
+    bytes: str
+
+    @property
+    def needs_setter(self) -> bool:
+        """True if other members repeat the value, so that a ``_set_`` function must set all of them."""
+        return self.code.codec is not None and self.member in self.code.codec.set_names
+
+
+@dataclass(frozen=True, slots=True)
+class WholeRegister:
+    """A register that an argument of the procedure sets as one number.
+
+    ``values`` are its bytes as C expressions. ``bytes`` and ``local`` are the local variables for the bytes and for the
+    struct that they decode to.
+    """
+
+    code: RegisterCode
+    local: str
+    bytes: str
+    values: tuple[CExpression, ...]

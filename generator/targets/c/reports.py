@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ...language.document import Path
-from ...model import Device, Layout, Verdict, cite, first_or_raise
+from ...model import (
+    Alarm,
+    Device,
+    Field,
+    Layout,
+    Verdict,
+    cite,
+    first_or_raise,
+    member_named,
+)
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.values import ActiveFlag
 from ...plan.verdicts import (
@@ -23,10 +32,20 @@ from ...say.report import alarm_of, alarm_source, remedy
 from ...say.report import meaning as report_meaning
 from ...say.text import statement
 from .. import TargetError
+from .about import about_alarm
 from .comments import HEADER_STYLE
-from .enumerations import CEnumeration, EnumConstant
-from .expressions import CCast, CExpression, CName, CNumber, Conditional, COperation, ParameterSpelling, join_operands
-from .names import DeclaredName, c_name, unsigned
+from .context import CEnumeration, EnumConstant, HeaderContext
+from .expressions import (
+    CCast,
+    CExpression,
+    CName,
+    CNumber,
+    Conditional,
+    COperation,
+    ParameterSpelling,
+    join_operands,
+)
+from .names import CMacro, DeclaredName, c_name, c_number, unsigned
 
 _UNUSED_MEMBER = CName("frame->unused")
 
@@ -291,3 +310,61 @@ def _express_code_condition(scope: ParameterSpelling, condition: CodeCondition) 
 def _struct_member(part: FieldToDecode) -> str:
     """Return the member of a flag or field in the struct of a frame."""
     return f"frame->{c_name(part.field.name)}"
+
+
+class AlarmCode:
+    """The values that the templates print for an alarm."""
+
+    def __init__(self, context: HeaderContext, alarm: Alarm) -> None:
+        self.alarm = alarm
+        self.about = about_alarm(context.device, alarm)
+        self.macros = tuple(_alarm_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
+
+    def declared(self) -> Iterator[DeclaredName]:
+        """Yield the names of the macros, each with the path of the alarm in the spec."""
+        for macro in self.macros:
+            yield macro.name, ("alarms", self.alarm.name)
+
+
+def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[CMacro]:
+    """Yield the macros of an alarm: the mask of its bits, and the supply voltage below which it is raised."""
+    bits, note = _alarm_mask(device, alarm)
+    if bits:
+        yield CMacro(f"{stem}_MASK", value=c_number(bits, hexadecimal=True), note=note)
+    if alarm.below_mv is not None:
+        yield CMacro(f"{stem}_BELOW_MV", value=c_number(alarm.below_mv), note="raised below this, in millivolts")
+
+
+def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
+    """Return the mask of an alarm in its byte of a frame, or else in its register, and a note on the mask.
+
+    The mask is 0 if the alarm has no bits at a fixed place. The note is empty unless the frame has several bytes of
+    flags, in which the same mask can occur again.
+    """
+    frame_field = _frame_field_of(device, alarm)
+    if frame_field is not None and len(frame_field.bit_slices) == 1:
+        (bit_slice,) = frame_field.bit_slices
+        group = member_named(device.field_groups, alarm.group, "field group")
+        note = "in its byte" if group.bits > 8 else ""
+        return bit_slice.mask << bit_slice.low_in_byte, note
+    if not alarm.register:
+        return 0, ""
+    layout = device.register(alarm.register).layout
+    register_field = layout.field(alarm.field) if alarm.field else layout.fields[0]
+    # A flag whose place depends on the order code has no mask. The decoder of the register finds it.
+    mask = register_field.mask_in_place if register_field.is_fixed else 0
+    return mask, ""
+
+
+def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
+    """Return the field of a frame that reports the alarm, from the first frame that has it at a fixed place.
+
+    The result is None if no frame has it, or if the alarm is in no group of flags.
+    """
+    if not alarm.group:
+        return None
+    for _, layout in device.layouts():
+        for field in layout.fields:
+            if field.group == alarm.group and field.name == alarm.field and field.bit_slices:
+                return field
+    return None

@@ -30,9 +30,9 @@ from ...plan.operations import FieldToDecode
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, TwosComplement, UnsignedNumber
 from .. import manufacturers
 from .codec import StructCodec
+from .context import AlternativeCode
 from .crcs import WordCrc
 from .device import DeviceView
-from .enumerations import AlternativeCode
 from .names import c_name, c_number, signed_number, string
 from .positions import LengthPositions
 from .procedures import ProcedureCode

@@ -19,9 +19,9 @@ from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
 from ...plan.frames import received_sizes
 from .. import TargetError
+from .code_facts import timing_macros
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
-from .context import timing_macros
 from .device import DeviceView, views_of
 from .expressions import StructPassing
 from .header_text import (

@@ -20,10 +20,9 @@ from ...plan.values import (
 )
 from .. import TargetError
 from .bits import BitReader, UnusedMember
-from .context import CMacro, HeaderContext, scale_macros
-from .enumerations import CEnumeration
+from .context import CEnumeration, HeaderContext
 from .expressions import CCast, CExpression, CName, CNumber, COperation, join_operands, masked, shifted_right
-from .names import c_name, c_number, signed, signed_number, size_of, unsigned
+from .names import CMacro, c_name, c_number, signed, signed_number, size_of, unsigned
 
 
 class LayoutStruct:
@@ -258,3 +257,20 @@ def _default_value(field: Field) -> int:
             return number_for_zero
         case _:
             return 0
+
+
+def scale_macros(layout: Layout, stem: str) -> Iterator[CMacro]:
+    """Yield the macros that convert fields with a scale to their unit, such as a temperature to degrees.
+
+    Their values have 64 bits, so that no product overflows.
+    """
+    for field in layout.fields:
+        scale = field.scale
+        name = f"{stem}_{field.name}".upper()
+        if scale is not None:
+            note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
+            yield CMacro(f"{name}_NUMERATOR", value=f"INT64_C({scale.numerator})", note=note)
+            magnitude = f"INT64_C({abs(scale.offset)})"
+            offset = f"(-{magnitude})" if scale.offset < 0 else magnitude
+            yield CMacro(f"{name}_OFFSET", offset)
+            yield CMacro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")

@@ -19,7 +19,7 @@ from ...say.order_code import initial, timeouts_with_codes
 from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
-from .context import CMacro, HeaderContext
+from .context import HeaderContext
 from .expressions import (
     CCast,
     CExpression,
@@ -32,7 +32,7 @@ from .expressions import (
     number_function,
     type_and_bits_in,
 )
-from .names import DeclaredName, c_name, c_number, unsigned
+from .names import CMacro, DeclaredName, c_name, c_number, unsigned
 from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import RegisterFunctions
 
