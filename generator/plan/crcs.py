@@ -13,7 +13,12 @@ from functools import cache
 from itertools import combinations
 from math import comb
 
-from ..model import Crc, Device, Layout
+from ..model import (
+    Crc,
+    Device,
+    Layout,
+    answer_combinations,
+)
 from ..model.kinds import CrcValue
 from ..model.record import dataclass
 
@@ -346,3 +351,20 @@ def vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
         return ()
     vectors_by_width_and_poly = {(6, 0x03): _CRC_6, (4, 0x03): _CRC_4}
     return vectors_by_width_and_poly.get((crc.width, crc.poly), ())
+
+
+def crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
+    """Yield each CRC of a frame with each length in bits that the frame can have. A pair can come several times.
+
+    The lengths are those for each order code and each answer to an open question. If all frames have the CRC, the
+    longest frame that registers of the encoder can select is included.
+    """
+    if layout.always_has_crc:
+        for crc in device.crcs_of(layout):
+            yield crc, layout.widest
+    for variant in device.variants_over(interface):
+        for _, parameters_of_answers in answer_combinations(device.alternatives):
+            placed = layout.place({**variant.parameters, **parameters_of_answers})
+            placed_crc = device.crc_of(placed)
+            if placed_crc is not None:
+                yield placed_crc, placed.bits

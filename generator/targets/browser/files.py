@@ -69,8 +69,7 @@ from ...why.other_order_codes import MOST_CUT_BITS, MOST_STATES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistakes, line_name
 from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
-from ..palette import palette_css
-from ..registry import licence_in, our_runtime
+from ..registry import licence_in, our_runtime, palette_css
 from .example_link import LinkedFrame, linked_frame
 from .layouts import (
     Data,

@@ -1,4 +1,4 @@
-"""C expressions that extract the bits of fields from a word or from bytes.
+"""C expressions for the bits of fields, and for unused bits, in a word or in bytes.
 
 In bytes, each bit stays at its place in its byte, so that only whole bytes are shifted.
 """
@@ -21,14 +21,14 @@ from .expressions import (
     CNumber,
     COperation,
     ParameterSpelling,
-    _masked_byte,
-    _shift_bits,
-    _with_inverted,
     join_operands,
     masked,
+    masked_byte,
+    shift_bits,
     shifted_left,
     shifted_right,
     type_and_bits_in,
+    with_inverted,
 )
 from .names import size_of, unsigned
 
@@ -276,7 +276,7 @@ class UnusedMember:
             differing_bits = join_operands("|", tuple(map(self._bits_of_separate_field, self.separate_fields)))
             return CCast(self.type, differing_bits)
         received_bits = join_operands("|", tuple(map(self._bits_of_group, self.bit_groups)))
-        return CCast(self.type, _with_inverted(received_bits, self._documented_bits))
+        return CCast(self.type, with_inverted(received_bits, self._documented_bits))
 
     @property
     def _documented_bits(self) -> CExpression | None:
@@ -293,7 +293,7 @@ class UnusedMember:
         """Return the member from bytes that are shifted to their places in it. Bits of other fields are masked off."""
         mask = sum(group.mask for group in self.bit_groups)
         documented = self._documented_bits
-        differing_bits = _with_inverted(masked(bits, mask), documented)
+        differing_bits = with_inverted(masked(bits, mask), documented)
         return differing_bits if self.type == self.work_type else CCast(self.type, differing_bits)
 
     @property
@@ -315,8 +315,8 @@ class UnusedMember:
         _, bits = self.reader.value(reserved.bits)
         documented = self._express_documented(reserved)
         if not reserved.place:
-            return _with_inverted(bits, documented)
-        differing_bits = _with_inverted(CCast(self.work_type, bits), documented)
+            return with_inverted(bits, documented)
+        differing_bits = with_inverted(CCast(self.work_type, bits), documented)
         if not reserved.bits.width.is_constant:
             # The mask of a variable width has 64 bits.
             differing_bits = CCast(self.work_type, differing_bits)
@@ -358,12 +358,12 @@ class UnusedMember:
         is_whole_member = len(self.bit_groups) + len(self.separate_fields) == 1
         for group in self.bit_groups:
             differing_bits = _UNUSED_MEMBER if is_whole_member else masked(_UNUSED_MEMBER, group.mask)
-            bits = _with_inverted(differing_bits, _express_documented_value(group.value))
+            bits = with_inverted(differing_bits, _express_documented_value(group.value))
             # Bit 0 of the member is bit ``shift`` of the word.
-            yield _shift_bits(CCast(self.reader.encoded_type, bits), -group.shift)
+            yield shift_bits(CCast(self.reader.encoded_type, bits), -group.shift)
         for reserved in self.separate_fields:
             if is_whole_member:
-                bits = _with_inverted(_UNUSED_MEMBER, self._express_documented(reserved))
+                bits = with_inverted(_UNUSED_MEMBER, self._express_documented(reserved))
             else:
                 bits = self._bits_to_send(reserved)
             low = reserved.bits.low
@@ -379,18 +379,18 @@ class UnusedMember:
         for reserved in self.separate_fields:
             for bit_slice in reserved.bits.bit_slices:
                 bits = shifted_right(self._bits_to_send(reserved), bit_slice.low_in_number)
-                yield bit_slice.byte, _shift_bits(_masked_byte(bits, bit_slice.mask), -bit_slice.low_in_byte)
+                yield bit_slice.byte, shift_bits(masked_byte(bits, bit_slice.mask), -bit_slice.low_in_byte)
 
     def _group_to_send(self, group: ShiftedBits) -> CExpression:
         """Return the unused bits of a byte to send: as the manual states them, inverted where the member has a 1."""
         # In bytes, ``shift`` is 0 or negative: bit -shift of the member is bit 0 of the byte.
         bit_in_member = -group.shift
-        bits = _masked_byte(shifted_right(_UNUSED_MEMBER, bit_in_member), group.mask >> bit_in_member)
+        bits = masked_byte(shifted_right(_UNUSED_MEMBER, bit_in_member), group.mask >> bit_in_member)
         # The member itself, if it was neither shifted nor masked.
         is_wider_than_byte = bits is _UNUSED_MEMBER and self.width > 8
         if is_wider_than_byte:
             bits = CCast("uint8_t", bits)
-        return _with_inverted(bits, _express_documented_value(group.value >> bit_in_member))
+        return with_inverted(bits, _express_documented_value(group.value >> bit_in_member))
 
     def bits_of(self, field: Field) -> CExpression:
         """Return the bits to send for one unused field, shifted to bit 0."""
@@ -403,7 +403,7 @@ class UnusedMember:
         They are the bits that the manual states, inverted where the member has a 1.
         """
         differing_bits = shifted_right(masked(_UNUSED_MEMBER, reserved.mask), reserved.place)
-        return _with_inverted(differing_bits, self._express_documented(reserved))
+        return with_inverted(differing_bits, self._express_documented(reserved))
 
     # -- both
 

@@ -1,4 +1,4 @@
-"""The struct of a frame or register in C, with the names and the types that its decoder and encoder use."""
+"""The struct of a frame or register in C with its decoder and encoder, and the CRC functions that they call."""
 
 from __future__ import annotations
 

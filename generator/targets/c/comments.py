@@ -313,3 +313,9 @@ def _break_at(breaks: re.Pattern[str], code: _LongCode) -> list[str]:
             current_line += segment
         start = end
     return [*lines, current_line]
+
+
+def without_special_characters(text: str) -> str:
+    """Return ``text`` with single spaces in place of all characters special to CMake, Kconfig or pkg-config."""
+    plain_text = re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text))
+    return " ".join(plain_text.split())

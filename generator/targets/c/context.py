@@ -1,4 +1,4 @@
-"""The context of every part of a header, and the constants that a part declares."""
+"""The context that all parts of a header share: the prefix of its names, enumerations, and open questions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""CRC functions in C, as templates/c/crc.h.jinja prints them: in folding steps, or with a table look-up per byte.
+"""CRC functions in C: the general function of each CRC with its table, and the functions of single frames.
+
+templates/c/general_crcs.h.jinja and templates/c/crc_of_frame.h.jinja print them. The function of a frame that is a word
+consists of folding steps, or of a table look-up per byte.
 
 32-bit processors are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore
 takes the bits above and below its place from the halves of the wide number.

@@ -26,13 +26,13 @@ from .comments import HEADER_STYLE, Paragraph
 from .context import HeaderContext
 from .crcs import CrcCode
 from .expressions import BY_VALUE, StructPassing
+from .header_text import runtime_version
 from .interfaces import InterfaceCode, ReplyRequest
 from .names import FOLDER, CMacro, DeclaredName, HeaderNames, c_name, errata_page_name
 from .positions import RangeFunctions, ReadCode, channel_code, positions
 from .procedures import ProcedureCode
 from .registers import RegisterCode, identity_codes, state_registers
 from .reports import AlarmCode, Reports
-from .runtime_headers import runtime_version
 from .variants import LengthCode, VariantCode, VariantUpdater
 from .worked_examples import chosen_variant
 

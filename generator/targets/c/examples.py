@@ -1,12 +1,13 @@
-"""A program for one interface that runs on any host: worked examples of the manual over a simulated bus."""
+"""Example programs for one interface: worked examples over a simulated bus, for any host, and receivers with DMA."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 
 from ...model import (
     Answer,
+    Biss,
     ModifyStep,
     Register,
     RegisterStep,
@@ -20,7 +21,6 @@ from ...model import (
     first_or_raise,
     number_to_bytes,
 )
-from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
 from ...plan.steps import SendRequest
 from ...plan.values import (
@@ -37,77 +37,27 @@ from .device import DeviceView
 from .interfaces import ReplyRequest
 from .names import c_name
 from .positions import Positions
-from .procedures import ProcedureCode, StepRow
-from .registers import RegisterFunctions
+from .procedures import StepRow
 from .reports import FrameReports
 from .structs import LayoutStruct
 from .variants import CodeRow
-from .worked_examples import Chosen, ExampleFrame, NoFrame, printed_members, printed_number
+from .worked_examples import (
+    Chosen,
+    ExampleFrame,
+    Memory,
+    NoFrame,
+    ReceivedBytes,
+    Session,
+    ShownRegister,
+    ShownRun,
+    printed_members,
+    printed_number,
+)
 
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
 _NAMES_OF_LOCALS = frozenset(("bus", "encoder", "failure", "frame", "result"))
 #: Smallest size of the simulated registers in bytes: the addresses 0 to 127, which BiSS can access.
 _FEWEST_REGISTER_BYTES = 128
-
-
-@dataclass(frozen=True, slots=True)
-class ShownRegister:
-    """A register that the program reads with its own function and prints."""
-
-    title: str
-    name: str
-    about: str
-    access: RegisterFunctions
-    struct: LayoutStruct
-
-    @property
-    def members(self) -> int:
-        """The number of members in its struct."""
-        plan = self.struct.plan
-        return len(plan.joined_numbers) + sum(1 + len(part.field.runs) for part in plan.parts)
-
-
-@dataclass(frozen=True, slots=True)
-class ShownRun:
-    """A procedure that the program carries out, with its arguments."""
-
-    title: str
-    about: str
-    code: ProcedureCode
-    values: tuple[int, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Memory:
-    """Initial content of a simulated register."""
-
-    address: int
-    data: bytes
-    note: str
-
-
-@dataclass(frozen=True, slots=True)
-class ReceivedBytes:
-    """The bytes that SPI received for the frame, and the macros for its length in bits and bytes."""
-
-    bits: str
-    size: str
-    data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Session:
-    """A request over SPI, and the bytes of the frame that is its reply.
-
-    ``initial`` is the initializer of its struct, ``macro`` the constant of the request, and ``size`` the number of
-    bytes of its longest word.
-    """
-
-    request: LayoutStruct
-    initial: str
-    macro: str
-    data: bytes
-    size: int
 
 
 class ExampleCode:
@@ -427,3 +377,67 @@ def example_codes(view: DeviceView) -> Iterator[ExampleCode]:
     if any(layout.sender == "encoder" for layout in view.context.interface.layouts):
         with suppress(NoFrame):
             yield ExampleCode(view)
+
+
+class ReceiverCode:
+    """The values for the template of a program that receives frames by DMA.
+
+    The program is for the order code with the longest frame.
+    """
+
+    def __init__(self, example: ExampleCode) -> None:
+        view = example.view
+        self.view = view
+        self.example = example
+        self.name = f"{view.stem}_dma"
+        self.sketch = f"{view.stem}_arduino"
+        self.struct = example.struct
+        self.verdict = example.reports.verdict if example.reports is not None else ""
+        self.member = example.counts
+        self.is_signed = example.is_signed(example.counts)
+        #: The size of the longest frame. The program is for its order code.
+        self.longest = max(example.received, key=lambda frame: frame.bits)
+        variant = self.longest.variant
+        rows = (row for row in view.variants.rows if row.variant is variant)
+        self.row: CodeRow = first_or_raise(rows, f"row for {variant.code}")
+        #: The macros of the bits in a frame and of the bytes in its buffer.
+        self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
+        reading = view.reading
+        #: The call that reads the position from the buffer.
+        self.read = f"{reading.macro}({reading.arguments_of(self.row.code)}, rx, &position)"
+        self.position_type = reading.frame.struct.member_type(reading.frame.position_member) if reading.frame else ""
+        self.modulus = view.modulus(self.row.macro, example.frame.layout)
+
+
+def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
+    """Yield a program that receives by DMA for each example over BiSS with one frame, whose position has a verdict."""
+    for example in examples:
+        has_verdict = example.reports is not None and bool(example.reports.verdict)
+        has_position = bool(example.counts) and example.position is not None
+        has_one_frame = len(example.view.lengths.layouts) == 1
+        if isinstance(example.interface, Biss) and has_verdict and has_position and has_one_frame:
+            yield ReceiverCode(example)
+
+
+def own_programs(
+    view: DeviceView, render_later: Callable[[str, Mapping[str, object]], Callable[[], str]]
+) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path in the C folder of each example program of an interface, and a function that returns its text.
+
+    ``render_later`` takes a template and its values, and returns such a function.
+    """
+    maker = view.maker
+    examples = list(example_codes(view))
+    programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
+    for program in programs:
+        values = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}
+        yield f"examples/{program.name}.c", render_later(_program_template(program), values)
+        if isinstance(program, ReceiverCode):
+            yield f"examples/{program.sketch}/{program.sketch}.ino", render_later("sketch.ino.jinja", values)
+
+
+def _program_template(program: ExampleCode | ReceiverCode) -> str:
+    """Return the template of a program: a receiver with DMA, a main loop that polls, or a list of worked examples."""
+    if isinstance(program, ReceiverCode):
+        return "receiver.c.jinja"
+    return "poller.c.jinja" if program.can_poll else "example.c.jinja"

@@ -1,4 +1,4 @@
-"""Expressions in C, as trees: their operands, masks, shifts and casts, and parameters of order codes in them."""
+"""Expressions in C, as trees: operands, masks, shifts and casts, parameters of order codes, and functions of them."""
 
 from __future__ import annotations
 
@@ -352,16 +352,16 @@ def _bits_of_slice(bit_slice: BitSlice) -> CExpression:
     return shifted_byte if reaches_top else masked(shifted_byte, bit_slice.mask)
 
 
-def _masked_byte(bits: CExpression, mask: int) -> CExpression:
+def masked_byte(bits: CExpression, mask: int) -> CExpression:
     """Return the bits of a number in ``mask``. For a whole byte, no mask is needed: a later cast drops higher bits."""
     return bits if mask == 0xFF else masked(bits, mask)
 
 
-def _with_inverted(bits: CExpression, inverted: CExpression | None) -> CExpression:
+def with_inverted(bits: CExpression, inverted: CExpression | None) -> CExpression:
     """Return the bits, inverted where ``inverted`` has a 1. None means that no bit is inverted."""
     return COperation("^", (bits, inverted)) if inverted is not None else bits
 
 
-def _shift_bits(bits: CExpression, distance: int) -> CExpression:
+def shift_bits(bits: CExpression, distance: int) -> CExpression:
     """Return ``bits`` shifted to the right, or to the left if ``distance`` is negative."""
     return shifted_left(bits, -distance) if distance < 0 else shifted_right(bits, distance)

@@ -1,4 +1,4 @@
-"""Filters for templates of the C target, and tests for the class of an operation.
+"""The files of the C target, and the filters and tests of its templates.
 
 The headers need C99 or C++11 and no library. The templates contain the statements. Names, types and expressions are
 built here.
@@ -45,14 +45,25 @@ from .comments import (
 from .crcs import FoldOperation
 from .decode import AllUnusedBits, FlagByte, UnusedBitsOfByte
 from .device import DeviceView, HeaderPart, views_of
-from .examples import ExampleCode
+from .examples import ExampleCode, ReceiverCode, own_programs
 from .expressions import BY_ADDRESS, BY_VALUE, StructPassing
+from .header_text import needed_runtime, runtime_headers, runtime_version
 from .names import FOLDER, c_name, c_number, clashes, describe_path, mask_constant, string, unsigned
-from .package import FILES, FOUND_BY_NAME, Named, Package, ReceiverCode, own_programs, package_files
+from .package import (
+    ERRATA_TEMPLATE,
+    FILES,
+    FOUND_BY_NAME,
+    TEMPLATE,
+    Assumptions,
+    ErrataPage,
+    Named,
+    Package,
+    assumptions_files,
+    errata_files,
+    package_files,
+)
 from .positions import Positions
 from .procedures import FilledRows
-from .review_pages import ERRATA_TEMPLATE, TEMPLATE, Assumptions, ErrataPage, assumptions_files, errata_files
-from .runtime_headers import needed_runtime, runtime_headers, runtime_version
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
 from .single import TEMPLATE as SINGLE_TEMPLATE
 from .single import SingleHeader, single_header, single_path, single_views

@@ -1,4 +1,4 @@
-"""Names, types and expressions in C: those that are reserved, those that a header declares, and trees of them."""
+"""Names, constants and types in C: reserved names, and parts of specs that would get the same name."""
 
 from __future__ import annotations
 
@@ -239,7 +239,7 @@ class CMacro:
     note: str = ""
 
 
-def _unused_name(name: str, used_names: Collection[str]) -> str:
+def unused_name(name: str, used_names: Collection[str]) -> str:
     """Return ``name``, with the first free number at its end if it is used already, such as ``status_2``."""
     numbered_name = name
     for number in count(2):

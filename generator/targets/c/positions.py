@@ -1,4 +1,4 @@
-"""Positions in C: the functions that convert them to turns and lengths, and those about their range."""
+"""Positions in C: the macros that read them, frames of several data channels, and conversions to turns and lengths."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ from .about import about_argument, about_procedure, about_run, note_of_read, not
 from .comments import Paragraph
 from .context import HeaderContext
 from .expressions import CCast, CExpression, CName, CNumber, masked, shifted_left, shifted_right
-from .names import DeclaredName, _unused_name, c_name, size_of, unsigned
+from .names import DeclaredName, c_name, size_of, unsigned, unused_name
 from .registers import FilledRegister, RegisterCode, WholeRegister
 
 ZERO = CNumber(0)
@@ -402,7 +402,7 @@ class ProcedureCode:
             stem = read.register.name
             if length != read.register.length and read.field is not None:
                 stem += f"_{read.field.name}"
-            member_name = _unused_name(c_name(stem), used_names)
+            member_name = unused_name(c_name(stem), used_names)
             used_names.add(member_name)
             note = note_of_read(self.context.device, read)
             yield ReadMember(name=member_name, first=first_byte, length=length, note=note)

@@ -1,4 +1,4 @@
-"""Registers in C: the places of fields, limits, access by name, alarms, and the registers that identify an encoder."""
+"""Registers in C: the places of fields, limits, access by name, and the registers that identify an encoder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The reports of a family in C, such as alarms, and the functions for the reports and the verdict of a frame."""
+"""The reports of a family in C, its alarms, and the functions for the reports and the verdict of a frame."""
 
 from __future__ import annotations
 

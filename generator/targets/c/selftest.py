@@ -33,10 +33,10 @@ from .codec import StructCodec
 from .context import AlternativeCode
 from .crcs import WordCrc
 from .device import DeviceView
+from .header_text import runtime_tests
 from .names import c_name, c_number, signed_number, string
 from .positions import LengthPositions
 from .procedures import ProcedureCode
-from .runtime_headers import runtime_tests
 
 
 @dataclass(frozen=True, slots=True)

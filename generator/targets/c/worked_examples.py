@@ -1,4 +1,4 @@
-"""The worked examples of the manual that a program shows, and a made-up frame if the manual has none."""
+"""What an example program shows: worked examples of the manual, or a made-up frame, and how members are printed."""
 
 from __future__ import annotations
 
@@ -31,11 +31,20 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...plan.operations import FieldToDecode
-from ...plan.values import ActiveFlag, DecimalDigits, Latin1Text, NamedChoice, TwosComplement
+from ...plan.values import (
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
+    TwosComplement,
+)
 from ...say.evidence import word_for_document
 from ...say.names_and_places import title_of
 from .comments import ascii_text
 from .names import c_name
+from .procedures import ProcedureCode
+from .registers import RegisterFunctions
+from .structs import LayoutStruct
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,3 +289,63 @@ def _value_meanings(values: Iterable[Value]) -> str:
     """Return the meanings of the values, such as ``0 off, 1 on``, or an empty string if the line would be too long."""
     meanings = ", ".join(f"{value.value} {ascii_text(title_of(value))}" for value in values)
     return meanings if len(meanings) <= _LONGEST_EXPLANATION else ""
+
+
+@dataclass(frozen=True, slots=True)
+class ShownRegister:
+    """A register that the program reads with its own function and prints."""
+
+    title: str
+    name: str
+    about: str
+    access: RegisterFunctions
+    struct: LayoutStruct
+
+    @property
+    def members(self) -> int:
+        """The number of members in its struct."""
+        plan = self.struct.plan
+        return len(plan.joined_numbers) + sum(1 + len(part.field.runs) for part in plan.parts)
+
+
+@dataclass(frozen=True, slots=True)
+class ShownRun:
+    """A procedure that the program carries out, with its arguments."""
+
+    title: str
+    about: str
+    code: ProcedureCode
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """Initial content of a simulated register."""
+
+    address: int
+    data: bytes
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReceivedBytes:
+    """The bytes that SPI received for the frame, and the macros for its length in bits and bytes."""
+
+    bits: str
+    size: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """A request over SPI, and the bytes of the frame that is its reply.
+
+    ``initial`` is the initializer of its struct, ``macro`` the constant of the request, and ``size`` the number of
+    bytes of its longest word.
+    """
+
+    request: LayoutStruct
+    initial: str
+    macro: str
+    data: bytes
+    size: int

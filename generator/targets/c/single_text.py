@@ -1,4 +1,4 @@
-"""The comments of a single header for one order code, which are shortened from other headers and wrapped again."""
+"""The text of a single header: the facts at its top, comments shortened from other headers, and lines broken again."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _CHOICE = "It is set by your choice of "
 _OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC", _CHOICE)
 #: The name of an erratum, which this header lists by its title: `` (erratum low_battery)``.
 _NAME_OF_ERRATUM = re.compile(r" \((?:see )?erratum \w+\)")
-_C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
+C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 
 
 class CommentAdapter:
@@ -103,7 +103,7 @@ class CommentAdapter:
         """
         if sentence.startswith(_OTHER_SENTENCES) or _ABOUT_ABSENT.search(sentence) is not None:
             return True
-        return any(map(self._is_absent, _C_IDENTIFIER.findall(sentence)))
+        return any(map(self._is_absent, C_IDENTIFIER.findall(sentence)))
 
 
 def member_comment(text: str, margin: str) -> str:
@@ -301,3 +301,48 @@ class SingleUsage:
         if frame.whole_frame is not None and self.view.channels is not None:
             return self._named(f"{self.view.channels.type}_receive")
         return self._named(f"{frame.name}_decode")
+
+
+#: A condition on one line, after which the function only returns a result.
+_GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
+
+
+def with_signature_on_one_line(c_code: str) -> str:
+    """Return a C function with its signature on one line, from the macros that mark it to its parameters.
+
+    The macros are on a separate line if they and the name of the function are too long for one line. ``break_lines``
+    breaks the parameters again if necessary. Other code is returned unchanged.
+    """
+    function = re.match(r"(?P<marks>(?:CW_[A-Z]+[ \n])*)(?P<signature>static inline [^{;]*\))\n\{", c_code)
+    if function is None:
+        return c_code
+    marks = function["marks"].replace("\n", " ")
+    with_first_parameter = function["signature"].replace("(\n    ", "(")
+    signature = re.sub(r"\n +", " ", with_first_parameter)
+    body = c_code[function.end("signature") :]
+    type_and_name, _, _ = signature.partition("(")
+    if len(marks + type_and_name) >= COLUMNS:
+        return f"{marks.rstrip()}\n{signature}{body}"
+    return f"{marks}{signature}{body}"
+
+
+def with_short_conditions(c_code: str) -> str:
+    """Return a C function in which each condition that only returns a result is on one line, if it fits."""
+    return _GUARD.sub(_on_one_line, c_code)
+
+
+def _on_one_line(guard: re.Match[str]) -> str:
+    """Return a condition and its result on one line, or unchanged if that is too long or has a comment."""
+    line = f"{guard['condition']} {guard['result']} }}"
+    return guard[0] if len(line) > COLUMNS or "/*" in line else f"{line}\n"
+
+
+def refilled_macro(c_code: str) -> str:
+    """Return a macro whose lines after the first, if any, are joined and broken again at the width of a header."""
+    first_line, *body = (line.removesuffix("\\").rstrip() for line in c_code.splitlines())
+    if not body:
+        return c_code
+    joined_body = " ".join(line.strip() for line in body)
+    # 2 characters are the space and the backslash at the end of a line.
+    lines = wrap_text(joined_body, COLUMNS - 2, first_margin=" " * 4, margin=" " * 8)
+    return " \\\n".join((first_line, *lines)) + "\n"
