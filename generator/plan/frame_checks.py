@@ -101,8 +101,8 @@ def _parity_check(layout: Layout, parity_bit: Field, parity_kind: Parity) -> Par
     return ParityIs(
         field=parity_bit,
         bits=bits_of(layout, parity_bit),
-        of=covered_fields,
-        of_bits=covered_bits,
+        covered_fields=covered_fields,
+        covered_bits=covered_bits,
         odd=parity_kind.odd,
         mask=parity_mask(parity_kind, covered_fields),
         known_parity=known_parity(layout, parity_bit, covered_fields, parity_kind),

@@ -203,7 +203,7 @@ def codecs(view: DeviceView) -> list[StructCodec]:
 
 def members(codec: StructCodec) -> list[Member]:
     struct_members = []
-    for field in (part.field for part in codec.plan.parts):
+    for field in (part.field for part in codec.plan.decoded_fields):
         if isinstance(field.kind, Text):
             struct_members.append(Member("char", c_name(field.name), field.widest // 8))
             continue

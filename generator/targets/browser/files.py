@@ -299,7 +299,7 @@ def _dispatch_data(interface: Interface, dispatch: FrameDispatch) -> Data:
             [bit_slice.byte, bit_slice.low_in_byte, bit_slice.mask, bit_slice.low_in_number]
             for bit_slice in dispatch.bits.bit_slices
         ],
-        needs=dispatch.needs,
+        needs=dispatch.bytes_needed,
         frames=[[indexes[branch.layout.name], *map(json_number, branch.values)] for branch in dispatch.branches],
     ) | {"fallback": indexes[dispatch.fallback.name] if dispatch.fallback is not None else -1}
 

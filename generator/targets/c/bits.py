@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from ...model import BitSlice, Digits, Field, first_or_raise
 from ...model.record import dataclass
-from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
+from ...plan.codec import LayoutPlan, ShiftedBits, group_reserved_bits_by_shift
 from ...plan.operations import AlwaysIs, Check, FieldBits, JoinedNumber, Reserved, ZerosAbove
 from ...say.names_and_places import name_in_words
 from .expressions import (
@@ -52,7 +52,7 @@ def constant_bytes(checks: Iterable[Check]) -> list[ConstantByte]:
     for check in checks:
         name = name_in_words(check.field.name)
         match check:
-            case ZerosAbove(beyond=slices_beyond):
+            case ZerosAbove(bytes_beyond_field=slices_beyond):
                 for bit_slice in slices_beyond:
                     byte = bit_slice.byte
                     byte_by_index[byte] = ConstantByte(byte, mask=0xFF, value=0, reasons=(f"above {name}",))
@@ -93,7 +93,7 @@ class BitReader:
 
         The runtime converts Gray code and digits, and masks fields whose width depends on the order code, in 64 bits.
         """
-        needs_64_bits = self.word_size > 32 or self.plan.is_converted or self.plan.depends
+        needs_64_bits = self.word_size > 32 or self.plan.is_converted or self.plan.depends_on_order_code
         return "uint64_t" if needs_64_bits else "uint32_t"
 
     @property
@@ -249,7 +249,7 @@ class UnusedMember:
         #: The unused fields that are extracted one by one, because the place of some field depends on the order code.
         self.separate_fields = () if are_fixed else self.plan.reserved
         #: Otherwise, all unused bits, in groups that one shift moves from the frame to the member.
-        self.bit_groups = moved_bits(self.plan) if are_fixed else ()
+        self.bit_groups = group_reserved_bits_by_shift(self.plan) if are_fixed else ()
 
     def __bool__(self) -> bool:
         return bool(self.plan.reserved)
@@ -314,13 +314,13 @@ class UnusedMember:
         """Return the bits of one unused field that differ from the manual, shifted to their place in the member."""
         _, bits = self.reader.value(reserved.bits)
         documented = self._express_documented(reserved)
-        if not reserved.place:
+        if not reserved.lowest_bit_in_unused:
             return with_inverted(bits, documented)
         differing_bits = with_inverted(CCast(self.work_type, bits), documented)
         if not reserved.bits.width.is_constant:
             # The mask of a variable width has 64 bits.
             differing_bits = CCast(self.work_type, differing_bits)
-        return shifted_left(differing_bits, reserved.place)
+        return shifted_left(differing_bits, reserved.lowest_bit_in_unused)
 
     # -- encoding
 
@@ -343,7 +343,7 @@ class UnusedMember:
         masks: list[CExpression] = []
         for reserved in varying_fields:
             mask_of_width = self.reader.scope.mask(reserved.bits.width)
-            masks.append(shifted_left(mask_of_width, reserved.place))
+            masks.append(shifted_left(mask_of_width, reserved.lowest_bit_in_unused))
         if fixed_mask:
             masks.append(CNumber(fixed_mask, hexadecimal=True))
         unused_bits_of_member = COperation("&", (_UNUSED_MEMBER, join_operands("|", tuple(masks))))
@@ -402,7 +402,7 @@ class UnusedMember:
 
         They are the bits that the manual states, inverted where the member has a 1.
         """
-        differing_bits = shifted_right(masked(_UNUSED_MEMBER, reserved.mask), reserved.place)
+        differing_bits = shifted_right(masked(_UNUSED_MEMBER, reserved.mask), reserved.lowest_bit_in_unused)
         return with_inverted(differing_bits, self._express_documented(reserved))
 
     # -- both

@@ -25,15 +25,15 @@ from .structs import LayoutStruct, covers_32_bits
 class StructCodec:
     """The values that the templates print for the struct of a frame or register, its decoder and its encoder.
 
-    ``about`` is the comment on a frame, and is empty for a register. ``outside`` are the limits of a register that its
-    encoder checks. ``family_reports`` are the reports of the family, and None for a register.
+    ``about`` is the comment on a frame, and is empty for a register. The encoder of a register makes ``limit_checks``.
+    ``family_reports`` are the reports of the family, and None for a register.
     """
 
     def __init__(
         self,
         struct: LayoutStruct,
         about: Sequence[Paragraph] = (),
-        outside: Sequence[OutsideLimits] = (),
+        limit_checks: Sequence[OutsideLimits] = (),
         family_reports: Reports | None = None,
     ) -> None:
         self.struct = struct
@@ -44,7 +44,7 @@ class StructCodec:
         self.length_macro = struct.length_macro
         self.about = tuple(about)
         self.decoder = CDecoder(struct)
-        self.encoder = CEncoder(struct, outside)
+        self.encoder = CEncoder(struct, limit_checks)
         alternatives = struct.context.alternatives
         self.alternatives = tuple(code for code in alternatives if code.alternative in self.plan.alternatives)
         #: Whether a program that reads an encoder decodes the struct, and encodes it. A simulator does the opposite.
@@ -194,15 +194,15 @@ class StructCodec:
         They are numbers joined from several fields, and numbers whose decimal digits are members, too.
         """
         join_names = (joined_number.join.name for joined_number in self.plan.joined_numbers)
-        decimal_names = (part.field.name for part in self.plan.parts if part.field.runs)
+        decimal_names = (part.field.name for part in self.plan.decoded_fields if part.field.runs)
         return (*join_names, *decimal_names)
 
     @cached_property
     def word_crc(self) -> WordCrc | None:
         """The function that computes the CRC of a whole word, or None if the layout has no such CRC."""
-        crc = self.plan.only_crc
+        crc = self.plan.crc_of_all_order_codes
         bits = self.plan.layout.widest
-        if crc is None or not crc.divides:
+        if crc is None or not crc.is_checked_by_division:
             return None
         is_wider_than_shift_register = crc.crc.width > 32
         if is_wider_than_shift_register:
@@ -246,7 +246,7 @@ class StructCodec:
     def decoder_depends(self) -> bool:
         """True if the decoder uses the variant, because places or lengths depend on the order code."""
         checks_length = not self.plan.in_bytes and self.may_be_longer
-        return self.plan.depends or checks_length
+        return self.plan.depends_on_order_code or checks_length
 
     @property
     def encoder_depends(self) -> bool:
@@ -254,12 +254,12 @@ class StructCodec:
 
         A layout that depends only on the user's answer to an open question does not use the variant.
         """
-        depends_only_on_answers = bool(self.alternatives) and not self.plan.depends
+        depends_only_on_answers = bool(self.alternatives) and not self.plan.depends_on_order_code
         if depends_only_on_answers:
             return False
         gray = self.plan.gray
-        gray_depends = gray is not None and gray.depends
-        fields_depend = any(term.depends for term in self.plan.terms)
+        gray_depends = gray is not None and gray.depends_on_order_code
+        fields_depend = any(term.depends_on_order_code for term in self.plan.encoded_fields)
         limits_depend = any(depends_on_order_code(refusal) for refusal in self.encoder.refusals)
         crcs_depend = any(map(self._crc_depends, self.plan.crcs))
         return gray_depends or fields_depend or self.struct.unused.depends or limits_depend or crcs_depend
@@ -274,7 +274,7 @@ class StructCodec:
     @property
     def expected_fields(self) -> tuple[Field, ...]:
         """The fields for which the manual states a value, such as a device ID."""
-        return tuple(part.field for part in self.plan.parts if part.field.equals is not None)
+        return tuple(part.field for part in self.plan.decoded_fields if part.field.equals is not None)
 
     @property
     def can_differ_from_manual(self) -> bool:
@@ -341,7 +341,7 @@ def crc_code(context: HeaderContext, function: CrcFunction, codecs: Sequence[Str
     """
     users = [codec for codec in codecs if _uses_function(codec, function)]
     return CrcCode(
-        name=context.crc_name(function.crc, function.carrier.value),
+        name=context.crc_name(function.crc, function.covered_data.value),
         function=function,
         about=tuple(about_crc(context.device, function)),
         table=_table_entries(function) if users else (),
@@ -365,7 +365,7 @@ def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
     """
     has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
     has_own_function = bool(codec.bits_crcs)
-    return has_crc and not has_own_function and covered_data_of(codec.struct.layout) is function.carrier
+    return has_crc and not has_own_function and covered_data_of(codec.struct.layout) is function.covered_data
 
 
 def _table_entries(function: CrcFunction) -> tuple[int, ...]:
@@ -374,9 +374,9 @@ def _table_entries(function: CrcFunction) -> tuple[int, ...]:
     A CRC in straight-line code (``FOLD``) has a table only for frames that are words.
     """
     crc = function.crc
-    if function.form is CrcMethod.TABLE:
-        is_reflected = function.carrier is CoveredData.BYTES and crc.refin
+    if function.method is CrcMethod.TABLE:
+        is_reflected = function.covered_data is CoveredData.BYTES and crc.refin
         return byte_table(crc.width, crc.poly, is_reflected)
-    if function.form is CrcMethod.FOLD and function.in_words:
+    if function.method is CrcMethod.FOLD and function.ends_words:
         return word_table(crc.width, crc.poly)
     return ()

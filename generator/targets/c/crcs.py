@@ -205,16 +205,16 @@ class CrcCode:
 
     @property
     def in_bytes(self) -> bool:
-        return self.function.carrier is CoveredData.BYTES
+        return self.function.covered_data is CoveredData.BYTES
 
     @property
     def is_fold(self) -> bool:
-        return self.function.form is CrcMethod.FOLD
+        return self.function.method is CrcMethod.FOLD
 
     @property
     def can_be_bitwise(self) -> bool:
         """True if the function uses a table, which a macro can replace by a computation bit by bit."""
-        return self.function.form is CrcMethod.TABLE
+        return self.function.method is CrcMethod.TABLE
 
     @property
     def is_reflected(self) -> bool:

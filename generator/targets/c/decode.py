@@ -65,7 +65,7 @@ class CDecoder:
         self.struct = struct
         self.plan = struct.plan
         self.reader = struct.reader
-        self._plain_flags = {part.field.name for part in self.plan.parts if is_plain_flag(part)}
+        self._plain_flags = {part.field.name for part in self.plan.decoded_fields if is_plain_flag(part)}
         #: For each parity bit that is checked in the word: the mask of it and of all bits that it covers.
         self._word_parities: dict[str, int] = {}
         #: Fields that a check needs in a local.
@@ -78,7 +78,7 @@ class CDecoder:
                 if mask:
                     self._word_parities[check.field.name] = mask
                 else:
-                    checked_names.update(covered.name for covered in check.of)
+                    checked_names.update(covered.name for covered in check.covered_fields)
         unused_names = {reserved.field.name for reserved in self.plan.reserved}
         #: Unused fields that no check needs. Their bits only go to the member ``unused``.
         self._only_reported = unused_names - checked_names
@@ -96,7 +96,8 @@ class CDecoder:
         """
         names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
         names_without_local |= self._word_parities.keys()
-        names_without_local |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Latin1Text)}
+        texts = [part.field for part in self.plan.decoded_fields if isinstance(part.meaning, Latin1Text)]
+        names_without_local |= {field.name for field in texts}
         names_without_local |= {crc.field.name for crc in self.plan.crcs}
         return tuple(field for field in self.plan.layout.fields if field.name not in names_without_local)
 
@@ -165,7 +166,7 @@ class CDecoder:
         if self.plan.by_word:
             yield from (check for check in checks if isinstance(check, AlwaysIs))
         else:
-            yield from (check for check in checks if isinstance(check, ZerosAbove) and check.may_reach)
+            yield from (check for check in checks if isinstance(check, ZerosAbove) and check.shares_bytes_with_field)
             yield from constant_bytes(checks)
 
     def is_of_other_frame(self, parity: ParityIs) -> CExpression:
@@ -177,7 +178,7 @@ class CDecoder:
         assert parity.known_parity is not None
         # A known parity covers a single field with a single value: here the selector, with the value of this frame.
         (selected_value,) = self.plan.layout.selects
-        (selector_bits,) = parity.of_bits
+        (selector_bits,) = parity.covered_bits
         slices_and_numbers = [(bit_slice, selected_value) for bit_slice in selector_bits.bit_slices]
         slices_and_numbers += [(bit_slice, parity.known_parity) for bit_slice in parity.bits.bit_slices]
         byte_indices = {bit_slice.byte for bit_slice, _ in slices_and_numbers}
@@ -223,7 +224,7 @@ class CDecoder:
         if not is_in_plain_word or parity.known_parity is not None:
             return 0
         parameters: set[str] = set()
-        for bits in (parity.bits, *parity.of_bits):
+        for bits in (parity.bits, *parity.covered_bits):
             parameters.update((*bits.low.parameters, *bits.width.parameters))
         depends_on_order_code_alone = parameters.isdisjoint(self._parameters_beyond_order_code())
         masks = {_mask_for_code(parity, variant.parameters) for variant in self.struct.device.variants}
@@ -306,7 +307,7 @@ class CDecoder:
         The byte of adjacent flags comes before the first of them.
         """
         flag_bytes = self._first_flags_of_bytes()
-        for part in self.plan.parts:
+        for part in self.plan.decoded_fields:
             if part.field.name in flag_bytes:
                 yield flag_bytes[part.field.name]
             yield part
@@ -319,7 +320,7 @@ class CDecoder:
         """
         byte_by_first_flag: dict[str, int] = {}
         previous_byte = -1
-        for part in self.plan.parts:
+        for part in self.plan.decoded_fields:
             if is_plain_flag(part) and not self.plan.by_word:
                 byte = part.bits.bit_slices[0].byte
                 if byte != previous_byte:
@@ -401,7 +402,7 @@ def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
     ``parameters`` are the values of that order code.
     """
     word_mask = _field_mask(parity.bits, parameters)
-    for bits in parity.of_bits:
+    for bits in parity.covered_bits:
         word_mask |= _field_mask(bits, parameters, parity.mask)
     return word_mask
 

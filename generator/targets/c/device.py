@@ -354,10 +354,10 @@ class DeviceView:
 
         Two words can be compared only if the position is never negative.
         """
-        meanings = (part.meaning for part in codec.plan.parts if part.field.name == member)
+        meanings = (part.meaning for part in codec.plan.decoded_fields if part.field.name == member)
         is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
         is_over_ssi = isinstance(self.context.interface, Ssi)
-        return bool(codec.position_member) and is_over_ssi and not codec.plan.only_crc and not is_signed
+        return bool(codec.position_member) and is_over_ssi and not codec.plan.crc_of_all_order_codes and not is_signed
 
     def errata(self, *paths: str) -> list[Paragraph]:
         """Return a sentence for each erratum that affects one of these parts of the spec."""

@@ -115,7 +115,7 @@ class CEncoder:
         which are in ``parities_of_sent_bits``.
         """
         terms: list[CExpression] = []
-        for term in self.plan.terms:
+        for term in self.plan.encoded_fields:
             is_added_later = self.plan.parity_covers_converted and isinstance(term.value, ParityOf)
             # ``unused.in_word`` contains the terms of unused fields.
             is_unused = isinstance(term.value, ReservedBits)
@@ -131,7 +131,7 @@ class CEncoder:
         """
         if not self.plan.parity_covers_converted:
             return ()
-        return tuple(self._term_in_word(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
+        return tuple(self._term_in_word(term) for term in self.plan.encoded_fields if isinstance(term.value, ParityOf))
 
     def _term_in_word(self, term: FieldToEncode) -> CExpression:
         """Return a term shifted to its place in the word, such as ``(uint64_t)in->position << 8``."""
@@ -167,7 +167,7 @@ class CEncoder:
     def _parity_bit(self, term: FieldToEncode, parity: ParityOf) -> CExpression:
         """Return the parity bit of several fields, 0 for an order code without this bit."""
         if self.plan.parity_covers_converted:
-            even_parity = self.reader.parity_as_sent(parity.of, parity.mask)
+            even_parity = self.reader.parity_as_sent(parity.covered_fields, parity.mask)
         else:
             even_parity = self._parity_of_members(parity)
         bit = COperation("^", (even_parity, CNumber(1))) if parity.odd else even_parity
@@ -183,7 +183,7 @@ class CEncoder:
         An example is ``cw_parity((uint32_t)in->position)``. The width of a field can depend on the order code, so its
         greatest width (``widest``) counts.
         """
-        covered_fields = parity.of
+        covered_fields = parity.covered_fields
         bits_and_widths = [(self._bits_of_member(field), field.widest) for field in covered_fields]
         # ``self.reader`` writes the C code of the parity. It casts several members to one type, and splits a member of
         # more than 32 bits into halves. A single shorter member is cast here.
@@ -250,7 +250,7 @@ class CEncoder:
 
     def _crc_bytes(self) -> set[int]:
         """Return the indices of the bytes of a CRC over whole bytes. The set is empty if there is no such CRC."""
-        crc = self.plan.only_crc
+        crc = self.plan.crc_of_all_order_codes
         if crc is None or not self.plan.layout.crc_covers_bytes:
             return set()
         return {bit_slice.byte for bit_slice in crc.bits.bit_slices}
@@ -258,7 +258,7 @@ class CEncoder:
     def _constant_bits_by_byte(self) -> dict[int, int]:
         """Return the constant bits of every byte, by its index, such as ``{0: 0x80, 1: 0}``."""
         constants = dict.fromkeys(range(self.plan.length), 0)
-        for term in self.plan.terms:
+        for term in self.plan.encoded_fields:
             if isinstance(term.value, ConstantNumber):
                 for bit_slice in term.field.bit_slices:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
@@ -271,7 +271,7 @@ class CEncoder:
         expressions: dict[int, list[CExpression]] = {}
         for byte, bits in self.struct.unused.in_bytes:
             expressions.setdefault(byte, []).append(bits)
-        for term in self.plan.terms:
+        for term in self.plan.encoded_fields:
             for byte, bits in self._variable_bits(term):
                 expressions.setdefault(byte, []).append(bits)
         return expressions

@@ -272,7 +272,7 @@ class ExampleCode:
 
     def is_signed(self, member: str) -> bool:
         """Return whether a member of the frame can be negative."""
-        parts = (part for part in self.struct.plan.parts if c_name(part.field.name) == member)
+        parts = (part for part in self.struct.plan.decoded_fields if c_name(part.field.name) == member)
         return any(isinstance(part.meaning, TwosComplement) for part in parts)
 
     @property

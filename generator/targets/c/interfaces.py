@@ -386,7 +386,7 @@ def _time_on_line_us(port: Port, number_of_bytes: int) -> int:
 
 def _take_function(exchanged: RequestAndReply) -> str:
     """Return the function that receives a reply: one that begins like its request, or one with any first byte."""
-    return "cw_rs485_take" if exchanged.repeats_first else "cw_rs485_take_any"
+    return "cw_rs485_take" if exchanged.repeats_first_byte else "cw_rs485_take_any"
 
 
 def _member_names(layout: Layout) -> Iterator[str]:

@@ -22,7 +22,7 @@ from ...model import (
     layer_in_words,
 )
 from ...model.record import dataclass
-from ...plan.crcs import UndetectedErrors, crcs_and_lengths, residual_of
+from ...plan.crcs import UndetectedErrors, crcs_and_lengths, undetected_errors_of
 from ...plan.verdicts import reportings
 from ...say.errata import STATUS_IN_WORDS, consequence, content_before_and_after, paths_in_words
 from ...say.names_and_places import name_in_words
@@ -185,7 +185,7 @@ def _group_frames_by_crc(devices: tuple[Device, ...]) -> Iterator[FramesWithCrc]
                 crcs_by_kind.setdefault(kind_of_frames, {}).setdefault(name, crc)
     for kind_of_frames, crc_by_name in sorted(crcs_by_kind.items()):
         first_crc = next(iter(crc_by_name.values()))
-        undetected_errors = residual_of(first_crc, kind_of_frames.bits)
+        undetected_errors = undetected_errors_of(first_crc, kind_of_frames.bits)
         yield FramesWithCrc(crc=first_crc, names=tuple(crc_by_name), residual=undetected_errors)
 
 
@@ -195,7 +195,7 @@ def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
         for reporting in reportings(device).values():
             rules = reporting.verdict_rules
             if rules is not None and rules.otherwise is Verdict.UNKNOWN and not rules.worst_first:
-                yield _frame_name(device, interface=reporting.interface.title, layout=reporting.codec.layout)
+                yield _frame_name(device, interface=reporting.interface.title, layout=reporting.layout_plan.layout)
 
 
 def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -389,7 +389,7 @@ class Guide:
         """The name in the spec of the position, or else of the first number of the frame, or else ``no_data``."""
         plan = self.example.struct.plan
         number_names = [joined_number.join.name for joined_number in plan.joined_numbers]
-        number_names += [part.field.name for part in plan.parts]
+        number_names += [part.field.name for part in plan.decoded_fields]
         for name in number_names:
             if c_name(name) == self.example.counts:
                 return name

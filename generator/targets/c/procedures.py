@@ -212,7 +212,7 @@ class ProcedureCode:
         Reasons that cannot occur, because the C type of the argument has no such value, are left out.
         """
         all_refusals = list(parameter.refusals)
-        for write in parameter.written:
+        for write in parameter.writes:
             all_refusals += self._byte_refusals(write)
         refusals: list[ArgumentRefusal] = []
         for refusal in all_refusals:
@@ -220,7 +220,7 @@ class ProcedureCode:
                 refusals.append(refusal)
         return ArgumentCode(
             checked=parameter,
-            type=self._argument_type(parameter.written[0]),
+            type=self._argument_type(parameter.writes[0]),
             name=self._names[parameter.argument.name],
             about=about_argument(self.context.device, parameter.argument),
             refusals=tuple(refusals),
@@ -253,7 +253,7 @@ class ProcedureCode:
         for parameter in self.run.arguments:
             argument = parameter.argument.name
             member_by_register: dict[str, str] = {}
-            for write in parameter.written:
+            for write in parameter.writes:
                 is_plain = self.registers[write.register.name].is_plain
                 if isinstance(write.value, AsMember) and not is_plain:
                     member_by_register[write.register.name] = write.value.member
@@ -278,7 +278,7 @@ class ProcedureCode:
             argument = parameter.argument.name
             undecodable = [refusal for refusal in parameter.refusals if isinstance(refusal, Undecodable)]
             checked_registers = {refusal.register.name for refusal in undecodable}
-            for write in parameter.written:
+            for write in parameter.writes:
                 register = write.register.name
                 is_checked = register in checked_registers or write.determines_limits
                 if isinstance(write.value, AsNumber) and is_checked:
@@ -425,7 +425,7 @@ def _has_variable_limits(refusal: ArgumentRefusal) -> bool:
     """Return True if a check rejects an argument outside limits that depend on the order code."""
     if not isinstance(refusal, OutsideArgumentLimits):
         return False
-    return any(not bound.is_constant for _, bound in refusal.limits.binding)
+    return any(not bound.is_constant for _, bound in refusal.limits.bounds_to_check)
 
 
 def _number_of_rows(step: PlannedStep) -> int:

@@ -18,7 +18,7 @@ from ...model.record import dataclass
 from ...order_codes.parameters import parameters_at_run_time
 from ...plan.codec import LayoutPlan
 from ...plan.frames import identities
-from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
+from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_check_of, limits_of, refusals
 from ...plan.operations import IsOneOf
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, UnsignedNumber, meaning_of
 from ...say.names_and_places import full_title, name_in_words, title_of
@@ -37,16 +37,16 @@ class RegisterFunctions:
     """The functions that read and write a register over the user's transport.
 
     ``read`` and ``write`` are their names, empty if the register does not allow that access. Registers reserved for the
-    manufacturer are only read. ``struct`` is empty if the register is one plain byte. ``outside`` are the limits of the
-    register.
+    manufacturer are only read. ``struct`` is empty if the register is one plain byte. ``limit_checks`` check the limits
+    of the register.
     """
 
-    def __init__(self, layout: LayoutStruct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
+    def __init__(self, layout: LayoutStruct, *, has_struct: bool, limit_checks: Sequence[OutsideLimits]) -> None:
         context = layout.context
         register = layout.register
         assert register is not None
         self.register = register
-        self.outside = outside
+        self.limit_checks = limit_checks
         self.stem = layout.name.upper()
         self.struct = layout.name if has_struct else ""
         self._struct = layout
@@ -103,7 +103,7 @@ class RegisterFunctions:
     @property
     def write_depends(self) -> bool:
         """True if the function that writes uses the variant."""
-        return bool(self.struct) or any(map(depends_on_order_code, self.outside))
+        return bool(self.struct) or any(map(depends_on_order_code, self.limit_checks))
 
 
 def state_registers(device: Device) -> list[str]:
@@ -153,10 +153,10 @@ class RegisterCode:
         self.struct = LayoutStruct(context, self.layout, name=self.name, length_macro=length_macro, register=register)
         self.enumerations = context.enumerations.of("registers", register.name)
         # None if no value is outside the limits, or if they do not apply to a single member.
-        outside_limits = outside(self.struct.plan, limits_of(self.device, register))
+        outside_limits = limits_check_of(self.struct.plan, limits_of(self.device, register))
         limit_checks = (outside_limits,) if outside_limits is not None else ()
-        self.codec = None if self.is_plain else StructCodec(self.struct, outside=limit_checks)
-        self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, outside=limit_checks)
+        self.codec = None if self.is_plain else StructCodec(self.struct, limit_checks=limit_checks)
+        self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, limit_checks=limit_checks)
         #: Its own limits, and the limits of each of its meanings.
         self.limits = tuple(self._find_limits(meaning) for meaning in (None, *register.meanings))
         self.explaining_bits = tuple(self._yield_explaining_bits())
@@ -328,9 +328,9 @@ def _is_byte(plan: LayoutPlan) -> bool:
 
     The result is False for a number that must be a power of two, since an encoder must check it.
     """
-    if not plan.parts or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
+    if not plan.decoded_fields or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
         return False
-    only_part = plan.parts[0]
+    only_part = plan.decoded_fields[0]
     return isinstance(only_part.meaning, (UnsignedNumber, NamedChoice)) and only_part.field.width == Expression(8)
 
 

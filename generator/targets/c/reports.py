@@ -74,7 +74,7 @@ class FrameReports:
         self.verdict_rules = reporting.verdict_rules
         self.verdict = f"{frame}_verdict" if reporting.verdict_rules is not None else ""
         self.reports = f"{frame}_reports" if reporting.causes else ""
-        self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.codec.reserved)
+        self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.layout_plan.reserved)
 
     def names(self) -> Iterator[str]:
         """Yield the names of the functions and macros that the frame has."""
@@ -84,7 +84,7 @@ class FrameReports:
     @property
     def unused_masks(self) -> Iterator[EnumConstant]:
         """The bits of the member ``unused`` that belong to each reported field, unless it has all of them."""
-        for cause in (report_cause.by for report_cause in self.reporting.causes):
+        for cause in (report_cause.cause for report_cause in self.reporting.causes):
             if isinstance(cause, Reserved) and cause.mask != self._mask_of_all_unused:
                 note = f"{cause.field.name} in the member unused"
                 yield EnumConstant(name=self._name_of_mask(cause), value=cause.mask, note=note)
@@ -98,7 +98,7 @@ class FrameReports:
         """The terms of the mask of active reports, such as ``frame->error ? ACME_X_REPORT_ERROR : 0U``."""
         for report_cause in self.reporting.causes:
             applies_to_code = self._express_code_conditions(report_cause.conditions)
-            condition = join_operands("&&", (*applies_to_code, self._is_active(report_cause.by)))
+            condition = join_operands("&&", (*applies_to_code, self._is_active(report_cause.cause)))
             yield Conditional(
                 condition, value_if_true=self.family.constant(report_cause.report), value_if_false=CNumber(0)
             )
@@ -122,7 +122,7 @@ class FrameReports:
     @property
     def reports_depend(self) -> bool:
         """True if the reports depend on the order code."""
-        return any(report_cause.only for report_cause in self.reporting.causes)
+        return any(report_cause.code_condition for report_cause in self.reporting.causes)
 
     @property
     def _causes_by_verdict(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
@@ -149,7 +149,7 @@ class FrameReports:
                 # The value of a flag is 1 while it is active.
                 yield CName(member if value else f"!{member}")
             else:
-                enumeration = self._choices[self.reporting.codec.layout.name, part.field.name]
+                enumeration = self._choices[self.reporting.layout_plan.layout.name, part.field.name]
                 yield COperation("==", (CName(member), CName(enumeration.names[value])))
 
     @property
@@ -179,12 +179,12 @@ class FrameReports:
         """
         unused_fields = []
         for cause in causes:
-            if isinstance(cause.by, Reserved):
-                unused_fields.append(cause.by)
+            if isinstance(cause.cause, Reserved):
+                unused_fields.append(cause.cause)
             else:
                 applies_to_code = self._express_code_conditions(cause.conditions)
                 combining_flags_are_inactive = [CName(f"!{_struct_member(flag)}") for flag in cause.unless]
-                conditions = (*applies_to_code, *self._conditions_of(cause.by), *combining_flags_are_inactive)
+                conditions = (*applies_to_code, *self._conditions_of(cause.cause), *combining_flags_are_inactive)
                 yield join_operands("&&", conditions)
         if unused_fields:
             yield self._differs_in(unused_fields)
@@ -269,7 +269,7 @@ class Reports:
         """Return the path of the first frame with this report."""
         reportings_with_it = (reporting for reporting in self._by_frame.values() if _has_report(reporting, report))
         first_reporting = first_or_raise(reportings_with_it, f"frame with the report '{report.name}'")
-        return ("interfaces", first_reporting.interface.name, "layouts", first_reporting.codec.layout.name)
+        return ("interfaces", first_reporting.interface.name, "layouts", first_reporting.layout_plan.layout.name)
 
 
 def _has_report(reporting: ReportsAndVerdict, report: NumberedReport) -> bool:

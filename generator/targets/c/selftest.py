@@ -25,7 +25,7 @@ from ...model import (
     member_named,
 )
 from ...model.record import dataclass
-from ...plan.crcs import CONTROL_FIELDS, vectors_of
+from ...plan.crcs import CONTROL_FIELDS, public_vectors_of
 from ...plan.operations import FieldToDecode
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, TwosComplement, UnsignedNumber
 from .. import manufacturers
@@ -159,7 +159,7 @@ class SelfTest:
             word_crc = codec.word_crc
             if word_crc is None:
                 continue
-            for vector in vectors_of(word_crc.crc):
+            for vector in public_vectors_of(word_crc.crc):
                 for work in _word_check(word_crc, covered_bits=vector.data, check=vector.crc):
                     yield f"{word_crc.crc.name}: {vector.title} [{vector.source}]", work
         interface = self.view.context.interface
@@ -326,7 +326,7 @@ class SelfTest:
         are checked by decoding and encoding the frame.
         """
         member_names = set(_member_names(codec))
-        part_by_field = {part.field.name: part for part in codec.plan.parts}
+        part_by_field = {part.field.name: part for part in codec.plan.decoded_fields}
         for name, value in values.items():
             if name in member_names:
                 yield self._expected_member(owner, name, value, part_by_field.get(name))
@@ -383,7 +383,7 @@ class SelfTest:
 def _member_names(codec: StructCodec) -> Iterator[str]:
     """Yield the names of the members of a struct, as in the spec."""
     yield from (joined_number.join.name for joined_number in codec.plan.joined_numbers)
-    for part in codec.plan.parts:
+    for part in codec.plan.decoded_fields:
         yield from (part.field.name, *(run.name for run in part.field.runs))
 
 

@@ -71,7 +71,7 @@ class LayoutStruct:
             raise TargetError(
                 f"{name} has unused bits in {unused_bytes} bytes; the C target supports at most 8", self.path
             )
-        for part in self.plan.parts:
+        for part in self.plan.decoded_fields:
             field = part.field
             # Called for its error if the field has more than 64 bits.
             self.type_of(field)
@@ -160,7 +160,7 @@ class LayoutStruct:
         a value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The member
         ``unused`` is 0, which means that all unused bits are as documented.
         """
-        fields = [decoded_field.field for decoded_field in self.plan.parts]
+        fields = [decoded_field.field for decoded_field in self.plan.decoded_fields]
         number_by_field = {field.name: values.get(field.name, _default_value(field)) for field in fields}
         for joined_number in self.plan.joined_numbers:
             if joined_number.name in values:
@@ -182,7 +182,7 @@ class LayoutStruct:
     @property
     def without_default(self) -> tuple[str, ...]:
         """The members of a request whose values the spec does not give."""
-        return tuple(c_name(part.field.name) for part in self.plan.parts if part.field.default is None)
+        return tuple(c_name(part.field.name) for part in self.plan.decoded_fields if part.field.default is None)
 
     def _initial_values(self, field: Field, initial_number: int) -> Iterator[str]:
         """Yield the initial value of each member of a field: one, or with runs of digits also one for each run."""

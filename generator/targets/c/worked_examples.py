@@ -305,7 +305,7 @@ class ShownRegister:
     def members(self) -> int:
         """The number of members in its struct."""
         plan = self.struct.plan
-        return len(plan.joined_numbers) + sum(1 + len(part.field.runs) for part in plan.parts)
+        return len(plan.joined_numbers) + sum(1 + len(part.field.runs) for part in plan.decoded_fields)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from itertools import pairwise
 from ...model import BitSlice, Field
 from ...model.expressions import Expression
 from ...model.lookup import assert_never
-from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
+from ...plan.codec import LayoutPlan, ShiftedBits, group_reserved_bits_by_shift
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from ...plan.values import (
     ActiveFlag,
@@ -233,7 +233,7 @@ class BitReader:
 
         An example is ``b1 & 0xC | (b2 & 0x1) << 4``.
         """
-        groups = sorted(moved_bits(self.plan), key=_byte_and_shift)
+        groups = sorted(group_reserved_bits_by_shift(self.plan), key=_byte_and_shift)
         differing_bits = [self._unused_at_fixed_place(group) for group in groups]
         for reserved in self.plan.reserved:
             if not reserved.bits.are_fixed:
@@ -282,7 +282,7 @@ class BitReader:
             bits = PythonOperation(bits, "^", mask(reserved.value))
         differing_bits = PythonOperation(bits, "&", self.scope.ones(reserved.bits.width))
         # The position of the field in ``unused``.
-        return shift_left(differing_bits, number(reserved.place))
+        return shift_left(differing_bits, number(reserved.lowest_bit_in_unused))
 
     def characters(self, bits: FieldBits) -> str:
         """Return the slice of ``data`` that contains the bytes of a text, such as ``data[2:6]``.
