@@ -381,7 +381,7 @@ def functions(view: DeviceView) -> list[Numeric]:
     of_positions = []
     for position_range in positions.ranges if positions is not None else ():
         for name in position_range.names:
-            kind = _OF_POSITIONS[name.removeprefix(position_range.scope)]
+            kind = _OF_POSITIONS[name.removeprefix(position_range.frame_in_names)]
             of_positions.append(Numeric(f"{view.prefix}_{name}", *_types(kind, position_range.is_signed)))
     if positions is not None:
         names = [name for name in positions.names if name in _OF_POSITIONS]
@@ -481,7 +481,7 @@ def _wrong_length(codec: StructCodec) -> str:
         return "b, 0U"
     if codec.word_has_length:
         return "cw_word_of(~(uint64_t)0U, 64U)"
-    return f"({codec.struct.number_type})~(uint64_t)0U" if codec.may_be_longer else ""
+    return f"({codec.struct.number_type})~(uint64_t)0U" if codec.word_may_be_longer else ""
 
 
 def _position(view: DeviceView, codec: StructCodec) -> str:

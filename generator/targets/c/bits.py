@@ -81,7 +81,7 @@ class BitReader:
     """Expressions that extract the fields of a layout: from the word if there is one, otherwise from the bytes."""
 
     plan: LayoutPlan
-    scope: ParameterSpelling
+    spelling: ParameterSpelling
     #: Number of bits in the type of the word that a decoder takes.
     word_size: int = 64
     #: Whether the bits are those of the word as sent, rather than those after the conversion of Gray code.
@@ -101,19 +101,19 @@ class BitReader:
         """The word, with any Gray code and digits in it converted unless the reader is for the bits ``as_sent``."""
         return CName("plain" if self.plan.is_converted and not self.as_sent else "word")
 
-    def value(self, bits: FieldBits) -> tuple[str, CExpression]:
+    def type_and_bits(self, bits: FieldBits) -> tuple[str, CExpression]:
         """Return the type and the bits of a field, such as ``uint16_t`` and ``(uint16_t)(word >> 6)``."""
         if not self.plan.by_word:
             return type_and_bits_in(bits.bit_slices)
         type_ = unsigned(bits.widest)
         if bits.are_fixed and bits.width.constant == 64:
             return type_, self.word
-        number = self.in_word(bits)
+        number = self.bits_in_word(bits)
         # At a place that depends on the order code, the bits have 64 bits, the type of more than 32 of them.
         has_64_bits = bits.widest > 32 and not bits.are_fixed
         return type_, number if has_64_bits else CCast(type_, number)
 
-    def in_word(self, bits: FieldBits) -> CExpression:
+    def bits_in_word(self, bits: FieldBits) -> CExpression:
         """Return bits of the word, shifted to bit 0, such as ``((uint32_t)word >> 6) & 0xFFFU``.
 
         If their place is fixed and in the lower half, the number has 32 bits. At a place that depends on the order
@@ -123,18 +123,18 @@ class BitReader:
             low = bits.low.constant
             width = bits.width.constant
             if (low, width) == (0, 32):
-                return self.lower(32)
+                return self.word_or_lower_half(32)
             mask = (1 << width) - 1
-            return masked(shifted_right(self.lower(low + width), low), mask)
+            return masked(shifted_right(self.word_or_lower_half(low + width), low), mask)
         if not bits.on_top:
-            low_and_width = (self.scope.expression_of(bits.low), self.scope.expression_of(bits.width))
+            low_and_width = (self.spelling.expression_of(bits.low), self.spelling.expression_of(bits.width))
             return CCall("cw_field", (self.word, *low_and_width))
         # No bits are above it: the length has been checked.
         if bits.low.is_constant:
-            return shifted_right(self.lower(self.word_size), bits.low.constant)
-        return CCall("cw_above", (self.word, self.scope.expression_of(bits.low)))
+            return shifted_right(self.word_or_lower_half(self.word_size), bits.low.constant)
+        return CCall("cw_above", (self.word, self.spelling.expression_of(bits.low)))
 
-    def flag(self, bits: FieldBits) -> CExpression:
+    def flag_bit(self, bits: FieldBits) -> CExpression:
         """Return the bit of a flag at its position: ``word & 0x80U``, or in a frame of bytes ``flags & 0x80U``.
 
         ``flags`` is the local for the byte. A flag at a place that depends on the order code is shifted to bit 0.
@@ -143,10 +143,10 @@ class BitReader:
             (bit_slice,) = bits.bit_slices
             return masked(CName("flags"), bit_slice.mask << bit_slice.low_in_byte)
         if not bits.are_fixed:
-            return self.in_word(bits)
-        return masked(self.lower(bits.low.constant + 1), 1 << bits.low.constant)
+            return self.bits_in_word(bits)
+        return masked(self.word_or_lower_half(bits.low.constant + 1), 1 << bits.low.constant)
 
-    def lower(self, high: int) -> CExpression:
+    def word_or_lower_half(self, high: int) -> CExpression:
         """Return the word, or its lower half ``(uint32_t)word`` if the bits below ``high`` are enough.
 
         Operations in 32 bits are faster on small processors. A word that has only 32 bits needs no cast.
@@ -164,7 +164,7 @@ class BitReader:
         """
         if joined_number.bits is None:
             return self.number_from_fields(joined_number, name_of)
-        number = self.in_word(joined_number.bits)
+        number = self.bits_in_word(joined_number.bits)
         return number if joined_number.widest > 32 else CCast(unsigned(joined_number.widest), number)
 
     def number_from_fields(self, joined_number: JoinedNumber, name_of: Callable[[Field], CExpression]) -> CExpression:
@@ -179,7 +179,7 @@ class BitReader:
         is_promoted = is_short and len(lower_fields) > 1
         number: CExpression = CCast("uint32_t" if is_promoted else type_, name_of(highest_field))
         for field in lower_fields:
-            shifted_number = shifted_left(number, self.scope.expression_of(field.width))
+            shifted_number = shifted_left(number, self.spelling.expression_of(field.width))
             number = COperation("|", (shifted_number, name_of(field)))
         return CCast(type_, number) if is_short and lower_fields else number
 
@@ -190,7 +190,7 @@ class BitReader:
 
     def bits_as_sent(self, field: Field) -> CExpression:
         """Return the bits of a field before any Gray code in the word is converted."""
-        _, bits = self.before_conversion.value(self.plan.bits_of(field.name))
+        _, bits = self.before_conversion.type_and_bits(self.plan.bits_of(field.name))
         return bits
 
     def parity_as_sent(self, fields: Sequence[Field], mask: int) -> CExpression:
@@ -201,7 +201,7 @@ class BitReader:
         places = [self.plan.bits_of(field.name) for field in fields]
         if not mask and all(bits.are_fixed for bits in places):
             mask_in_word = sum(((1 << bits.width.constant) - 1) << bits.low.constant for bits in places)
-            sent_word = self.before_conversion.lower(mask_in_word.bit_length())
+            sent_word = self.before_conversion.word_or_lower_half(mask_in_word.bit_length())
             return self.parity([(masked(sent_word, mask_in_word), mask_in_word.bit_length())], 0)
         return self.parity([(self.bits_as_sent(field), field.widest) for field in fields], mask)
 
@@ -260,7 +260,7 @@ class UnusedMember:
         return unsigned(self.width)
 
     @property
-    def depends(self) -> bool:
+    def depends_on_order_code(self) -> bool:
         """True if the encoder of the frame needs the order code for the unused bits."""
         return bool(self.separate_fields)
 
@@ -304,7 +304,7 @@ class UnusedMember:
     def _bits_of_group(self, group: ShiftedBits) -> CExpression:
         """Return a group of unused bits of the word, shifted to their places in the member."""
         # The mask is in the position of the member. Bit 0 of the member is bit ``shift`` of the word.
-        word = self.reader.lower(group.mask.bit_length() + group.shift)
+        word = self.reader.word_or_lower_half(group.mask.bit_length() + group.shift)
         if group.shift >= 0:
             return masked(shifted_right(word, group.shift), group.mask)
         left_shift = -group.shift
@@ -312,7 +312,7 @@ class UnusedMember:
 
     def _bits_of_separate_field(self, reserved: Reserved) -> CExpression:
         """Return the bits of one unused field that differ from the manual, shifted to their place in the member."""
-        _, bits = self.reader.value(reserved.bits)
+        _, bits = self.reader.type_and_bits(reserved.bits)
         documented = self._express_documented(reserved)
         if not reserved.lowest_bit_in_unused:
             return with_inverted(bits, documented)
@@ -342,7 +342,7 @@ class UnusedMember:
             return COperation("!=", (masked(_UNUSED_MEMBER, other_bits), CNumber(0)))
         masks: list[CExpression] = []
         for reserved in varying_fields:
-            mask_of_width = self.reader.scope.mask(reserved.bits.width)
+            mask_of_width = self.reader.spelling.mask(reserved.bits.width)
             masks.append(shifted_left(mask_of_width, reserved.lowest_bit_in_unused))
         if fixed_mask:
             masks.append(CNumber(fixed_mask, hexadecimal=True))
@@ -350,7 +350,7 @@ class UnusedMember:
         return COperation("!=", (unused_bits_of_member, _UNUSED_MEMBER))
 
     @property
-    def in_word(self) -> Iterator[CExpression]:
+    def terms_in_word(self) -> Iterator[CExpression]:
         """The terms of a word to send that are its unused bits, each shifted to its place.
 
         They are the bits that the manual states, inverted where the member has a 1.
@@ -367,11 +367,11 @@ class UnusedMember:
             else:
                 bits = self._bits_to_send(reserved)
             low = reserved.bits.low
-            distance = low.constant if low.is_constant else self.reader.scope.expression_of(low)
+            distance = low.constant if low.is_constant else self.reader.spelling.expression_of(low)
             yield shifted_left(CCast(self.reader.encoded_type, bits), distance)
 
     @property
-    def in_bytes(self) -> Iterator[tuple[int, CExpression]]:
+    def bits_by_byte(self) -> Iterator[tuple[int, CExpression]]:
         """The index of each byte to send that has unused bits, with these bits at their places in it."""
         for group in self.bit_groups:
             assert group.byte is not None
@@ -416,7 +416,7 @@ class UnusedMember:
         width = reserved.bits.width
         if value is None or width.is_constant:
             return value
-        return COperation("&", (value, self.reader.scope.mask(width)))
+        return COperation("&", (value, self.reader.spelling.mask(width)))
 
 
 def _express_documented_value(value: int) -> CExpression | None:

@@ -38,7 +38,7 @@ class StructCodec:
     ) -> None:
         self.struct = struct
         self.plan = struct.plan
-        self.scope = struct.scope
+        self.spelling = struct.spelling
         self.name = struct.name
         self.type = struct.type
         self.length_macro = struct.length_macro
@@ -159,7 +159,7 @@ class StructCodec:
         return f"{self.struct.number_type} word"
 
     @property
-    def may_be_longer(self) -> bool:
+    def word_may_be_longer(self) -> bool:
         """True if a word can have bits above the frame, because its type is wider than a frame of some order code."""
         bits = self.plan.layout.bits
         always_fills_word = bits.is_constant and bits.constant == self.struct.reader.word_size
@@ -243,13 +243,13 @@ class StructCodec:
         return alternatives_in(self.alternatives, *expressions)
 
     @property
-    def decoder_depends(self) -> bool:
+    def decoder_uses_variant(self) -> bool:
         """True if the decoder uses the variant, because places or lengths depend on the order code."""
-        checks_length = not self.plan.in_bytes and self.may_be_longer
+        checks_length = not self.plan.in_bytes and self.word_may_be_longer
         return self.plan.depends_on_order_code or checks_length
 
     @property
-    def encoder_depends(self) -> bool:
+    def encoder_uses_variant(self) -> bool:
         """True if the encoder uses the variant: for Gray code, fields, unused bits, limits or a CRC.
 
         A layout that depends only on the user's answer to an open question does not use the variant.
@@ -262,7 +262,7 @@ class StructCodec:
         fields_depend = any(term.depends_on_order_code for term in self.plan.encoded_fields)
         limits_depend = any(depends_on_order_code(refusal) for refusal in self.encoder.refusals)
         crcs_depend = any(map(self._crc_depends, self.plan.crcs))
-        return gray_depends or fields_depend or self.struct.unused.depends or limits_depend or crcs_depend
+        return gray_depends or fields_depend or self.struct.unused.depends_on_order_code or limits_depend or crcs_depend
 
     def _crc_depends(self, crc: FrameCrc) -> bool:
         """Return True if the order code decides whether the frame has the CRC, or how many bits the CRC covers."""
@@ -287,7 +287,7 @@ class StructCodec:
         return not isinstance(field.equals, Expression) or field.equals.is_constant
 
     @property
-    def expected_depends(self) -> bool:
+    def expected_values_depend_on_code(self) -> bool:
         """True if a value in the manual depends on the order code."""
         return not all(map(self.has_one_value, self.expected_fields))
 
@@ -328,7 +328,7 @@ class StructCodec:
                 for index in range(len(characters)):
                     yield COperation("==", (CName(f"{member}[{index}]"), CName(f"{macro}[{index}]")))
             case Expression() as equals if not equals.is_constant:
-                yield COperation("==", (CName(member), self.scope.expression_of(equals)))
+                yield COperation("==", (CName(member), self.spelling.expression_of(equals)))
             case _:
                 yield COperation("==", (CName(member), CName(macro)))
 

@@ -274,7 +274,7 @@ class HeaderContext:
         for alternative in self.alternatives:
             # All answers of an alternative set the same parameters.
             argument_by_parameter |= dict.fromkeys(alternative.alternative.answers[0].sets, alternative.argument)
-        self.scope = ParameterSpelling(
+        self.spelling = ParameterSpelling(
             prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
         )
         self.enumerations = Enumerations(device, self.prefix)
@@ -312,7 +312,7 @@ class HeaderContext:
 
     def member_type(self, parameter: Parameter) -> str:
         """Return the type of a parameter in the variant."""
-        return unsigned(self.scope.largest[parameter.name].bit_length())
+        return unsigned(self.spelling.largest[parameter.name].bit_length())
 
 
 def _largest_values(device: Device) -> dict[str, int]:

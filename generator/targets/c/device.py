@@ -94,7 +94,7 @@ class DeviceView:
         self.prefix = context.prefix
         self.PREFIX = context.PREFIX
         self.stem = context.stem
-        self.reports = Reports(device, self.prefix, context.choices, context.scope)
+        self.reports = Reports(device, self.prefix, context.choices, context.spelling)
         self.alternatives = context.alternatives
         self.variants = VariantCode(context)
         self.interface = _with_path_in_errors(
@@ -325,7 +325,7 @@ class DeviceView:
             ranges = tuple(functions for functions in ranges if _is_range_of(functions, layout))
         for functions in ranges:
             if not functions.never_wraps:
-                return f"{self.prefix}_{functions.scope}modulus({encoder})"
+                return f"{self.prefix}_{functions.frame_in_names}modulus({encoder})"
         return "0U"
 
     @property

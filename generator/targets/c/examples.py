@@ -183,7 +183,7 @@ class ExampleCode:
         reply_bits = self.frame.layout.place(parameters).bits
         return Session(
             request=request,
-            initial=request.initial(parameters),
+            initial=request.initializer(parameters),
             macro=f"{self.view.PREFIX}_REQUEST_{request_name}".upper(),
             # Bits to bytes, rounded up.
             data=self.frame.wire.to_bytes((reply_bits + 7) // 8, "big"),

@@ -292,7 +292,9 @@ class CFunction:
     uses_variant: bool
 
 
-def number_function(scope: ParameterSpelling, name: str, expression: Expression, largest: int, about: str) -> CFunction:
+def number_function(
+    spelling: ParameterSpelling, name: str, expression: Expression, largest: int, about: str
+) -> CFunction:
     """Return the function for an expression whose values are at most ``largest``.
 
     It has 32 bits if the values and all intermediate results fit, and otherwise 64. ``about`` is the comment on it.
@@ -302,15 +304,15 @@ def number_function(scope: ParameterSpelling, name: str, expression: Expression,
     subtracted = min(expression.constant, 0) if has_product else 0
     largest_intermediate = largest - subtracted
     bits = max(largest_intermediate.bit_length(), 32)
-    value = scope.expression_of(expression)
-    if bits == 32 and scope.has_64_bits(expression):
+    value = spelling.expression_of(expression)
+    if bits == 32 and spelling.has_64_bits(expression):
         value = CCast("uint32_t", value)
     return CFunction(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
 
 
-def wide_number_function(scope: ParameterSpelling, name: str, expression: Expression, about: str) -> CFunction:
+def wide_number_function(spelling: ParameterSpelling, name: str, expression: Expression, about: str) -> CFunction:
     """Return the function for an expression, with a 64-bit result. ``about`` is the comment on it."""
-    value = scope.expression_of(expression)
+    value = spelling.expression_of(expression)
     # A power of two is computed in 64 bits, and so is what follows it.
     begins_with_power = bool(expression.terms) and expression.terms[0].is_power
     is_wide_constant = expression.is_constant and expression.constant > 0xFFFFFFFF

@@ -196,7 +196,7 @@ class InterfaceCode:
         bytes_on_line = (exchanged.request.widest + reply.widest) // 8
         return ReplyRequest(
             codec=codec,
-            initial=codec.struct.initial(parameters, values),
+            initial=codec.struct.initializer(parameters, values),
             take_function=_take_function(exchanged),
             latest_reply_us=ANSWER_US + _time_on_line_us(ports[0], bytes_on_line),
             # C does not compare texts by !=.

@@ -19,13 +19,13 @@ from .variants import CodeRow, LengthCode
 class RangeFunctions:
     """The functions for one range of positions: the modulus, and the distance between two positions.
 
-    If frames have different ranges, ``scope`` is the name of a frame in the names of the functions. Otherwise it is
-    empty. ``modulus`` is the function for the counts after which a length wraps around. It is None for an angle, and
-    for a position that never wraps around.
+    If frames have different ranges, ``frame_in_names`` is the name of a frame in the names of the functions. Otherwise
+    it is empty. ``modulus`` is the function for the counts after which a length wraps around. It is None for an angle,
+    and for a position that never wraps around.
     """
 
     prefix: str
-    scope: str
+    frame_in_names: str
     is_signed: bool
     never_wraps: bool
     modulus: CFunction | None
@@ -37,8 +37,8 @@ class RangeFunctions:
     def names(self) -> Iterator[str]:
         """The functions, by the ends of their names."""
         if not self.never_wraps:
-            yield f"{self.scope}modulus"
-        yield f"{self.scope}position_difference"
+            yield f"{self.frame_in_names}modulus"
+        yield f"{self.frame_in_names}position_difference"
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,7 @@ def _angle_positions(context: HeaderContext, measurement: Measurement, counts_pe
     ranges = position_ranges(context.device, context.interface)
     where = f"[{cite(measurement.source)}]"
     per_turn = wide_number_function(
-        context.scope,
+        context.spelling,
         name=f"{context.prefix}_counts_per_turn",
         expression=counts_per_turn,
         about=f"Return the number of counts in one revolution {where}.",
@@ -141,11 +141,11 @@ def _length_positions(
         where=f"[{cite(measurement.source)}]",
         is_signed=any(position_range.signed_field is not None for position_range in ranges),
         ranges=tuple(_range_functions(context, ranges)),
-        step=_cast_to_signed(context.scope, step),
+        step=_cast_to_signed(context.spelling, step),
         step_varies=not all(expression.is_constant for expression in measurement.steps),
         unit=unit,
         per_mm=per_mm,
-        per_counts=_cast_to_signed(context.scope, per_counts) if per_counts is not None else None,
+        per_counts=_cast_to_signed(context.spelling, per_counts) if per_counts is not None else None,
     )
 
 
@@ -158,24 +158,27 @@ def _range_functions(context: HeaderContext, ranges: Sequence[PositionRange]) ->
         if not position_range.has_difference:
             continue
         if len(ranges) == 1:
-            yield _functions_of_range(context, position_range, scope="", layouts=position_range.layouts)
+            yield _functions_of_range(context, position_range, frame_in_names="", layouts=position_range.layouts)
             continue
         for layout in position_range.layouts:
-            yield _functions_of_range(context, position_range, scope=f"{layout.name}_", layouts=(layout,))
+            yield _functions_of_range(context, position_range, frame_in_names=f"{layout.name}_", layouts=(layout,))
 
 
 def _functions_of_range(
-    context: HeaderContext, position_range: PositionRange, *, scope: str, layouts: tuple[Layout, ...]
+    context: HeaderContext, position_range: PositionRange, *, frame_in_names: str, layouts: tuple[Layout, ...]
 ) -> RangeFunctions:
-    """Return the functions for one range. ``scope`` is a part of their names, as in ``acme_x_ssi_{scope}modulus``."""
+    """Return the functions for one range.
+
+    ``frame_in_names`` is a part of their names, such as ``reply_`` in ``acme_x_ssi_reply_modulus``, or empty.
+    """
     turns = position_range.measurement.turns
     return RangeFunctions(
         prefix=context.prefix,
-        scope=scope,
+        frame_in_names=frame_in_names,
         is_signed=position_range.signed_field is not None,
         never_wraps=position_range.never_wraps,
-        modulus=_build_modulus(context, position_range, f"{context.prefix}_{scope}modulus"),
-        turns=context.scope.expression_of(turns) if turns is not None else None,
+        modulus=_build_modulus(context, position_range, f"{context.prefix}_{frame_in_names}modulus"),
+        turns=context.spelling.expression_of(turns) if turns is not None else None,
         one_turn=turns == Expression(1),
         layouts=layouts,
     )
@@ -193,14 +196,14 @@ def _build_modulus(context: HeaderContext, position_range: PositionRange, name: 
         about += f" The highest position is {measurement.highest.render()}."
     elif measurement.highest is not None:
         about += f" An offset raises all positions, up to {measurement.highest.render()}."
-    return wide_number_function(context.scope, name=name, expression=measurement.modulus, about=about)
+    return wide_number_function(context.spelling, name=name, expression=measurement.modulus, about=about)
 
 
-def _cast_to_signed(scope: ParameterSpelling, expression: Expression) -> CExpression:
+def _cast_to_signed(spelling: ParameterSpelling, expression: Expression) -> CExpression:
     """Return an expression as a number with a sign, such as ``(int64_t)variant.step``."""
     if expression.is_constant:
         return CNumber(expression.constant, signed=True)
-    return CCast("int64_t", scope.expression_of(expression))
+    return CCast("int64_t", spelling.expression_of(expression))
 
 
 class ReadCode:
@@ -330,7 +333,7 @@ class ChannelCode:
         self.compared: list[tuple[str, CExpression]] = []
         for channel_field in frame.compared:
             member = f"{c_name(channel_field.layout.name)}.{c_name(channel_field.name)}"
-            self.compared.append((member, context.scope.expression_of(channel_field.width)))
+            self.compared.append((member, context.spelling.expression_of(channel_field.width)))
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names of the struct, its functions and its macros."""
@@ -357,7 +360,7 @@ class ChannelCode:
 
     @property
     def compared_bits(self) -> CExpression:
-        return self._context.scope.expression_of(self._frame.compared_bits)
+        return self._context.spelling.expression_of(self._frame.compared_bits)
 
     @property
     def tolerance(self) -> int:

@@ -101,7 +101,7 @@ class RegisterFunctions:
         return self._struct.is_none_of(self._byte_field, CName(name), self.values, is_raw)
 
     @property
-    def write_depends(self) -> bool:
+    def write_uses_variant(self) -> bool:
         """True if the function that writes uses the variant."""
         return bool(self.struct) or any(map(depends_on_order_code, self.limit_checks))
 
@@ -144,7 +144,7 @@ class RegisterCode:
     def __init__(self, context: HeaderContext, register: Register) -> None:
         self.context = context
         self.device = context.device
-        self.scope = context.scope
+        self.spelling = context.spelling
         self.register = register
         self.layout = register.layout
         self.name = f"{context.prefix}_reg_{register.name}"
@@ -314,13 +314,13 @@ class RegisterCode:
         fit, whatever the registers contain, or else ``uint64_t``.
         """
         if is_signed:
-            value = self.scope.signed(limit)
+            value = self.spelling.signed(limit)
             return CFunction(name, type="int64_t", value=value, about=about, uses_variant=True)
         unsigned_limits = [0]
         for variant in self.device.variants_over(self.register.interface):
             for parameters in parameters_at_run_time(self.device, variant):
                 unsigned_limits.append(limit.value(parameters))
-        return number_function(self.scope, name=name, expression=limit, largest=max(unsigned_limits), about=about)
+        return number_function(self.spelling, name=name, expression=limit, largest=max(unsigned_limits), about=about)
 
 
 def _is_byte(plan: LayoutPlan) -> bool:

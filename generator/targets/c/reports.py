@@ -105,10 +105,10 @@ class FrameReports:
 
     def _express_code_conditions(self, code_conditions: Sequence[CodeCondition]) -> list[CExpression]:
         """Return the conditions on the order code under which a flag exists or counts, as C. Often there are none."""
-        return [_express_code_condition(self.family.scope, condition) for condition in code_conditions]
+        return [_express_code_condition(self.family.spelling, condition) for condition in code_conditions]
 
     @property
-    def verdict_depends(self) -> bool:
+    def verdict_depends_on_variant(self) -> bool:
         """True if the verdict depends on the order code or on an answer of the user."""
         if self.may_be_unknown:
             return True
@@ -120,7 +120,7 @@ class FrameReports:
         return self.verdict_rules is not None and self.verdict_rules.may_be_unknown
 
     @property
-    def reports_depend(self) -> bool:
+    def reports_depend_on_code(self) -> bool:
         """True if the reports depend on the order code."""
         return any(report_cause.code_condition for report_cause in self.reporting.causes)
 
@@ -165,7 +165,7 @@ class FrameReports:
         causes_by_verdict = dict(self._causes_by_verdict)
         for verdict in Verdict:
             if verdict is Verdict.UNKNOWN and self.verdict_rules.may_be_unknown:
-                judging_bits = self.family.scope.expression_of(self.verdict_rules.judging_bits)
+                judging_bits = self.family.spelling.expression_of(self.verdict_rules.judging_bits)
                 yield COperation("==", (judging_bits, CNumber(0))), verdict
             else:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
@@ -214,11 +214,11 @@ class Reports:
     """
 
     def __init__(
-        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], CEnumeration], scope: ParameterSpelling
+        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], CEnumeration], spelling: ParameterSpelling
     ) -> None:
         self.all = reports_of(device)
         self._choices = choices
-        self.scope = scope
+        self.spelling = spelling
         bits_in_mask = 64
         if len(self.all) > bits_in_mask:
             problem = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
@@ -298,13 +298,13 @@ def _describe_report(device: Device, report: NumberedReport) -> str:
     return HEADER_STYLE.sentence(statement(title_of(field), unused, source=source))
 
 
-def _express_code_condition(scope: ParameterSpelling, condition: CodeCondition) -> CExpression:
+def _express_code_condition(spelling: ParameterSpelling, condition: CodeCondition) -> CExpression:
     """Return a condition on a parameter of the order code, such as ``variant.has_error != 0U``.
 
     The parameter must not be 0 if ``condition.holds`` is True, and must be 0 otherwise.
     """
     operator = "!=" if condition.holds else "=="
-    return COperation(operator, (scope.member(condition.parameter), CNumber(0)))
+    return COperation(operator, (spelling.member(condition.parameter), CNumber(0)))
 
 
 def _struct_member(part: FieldToDecode) -> str:

@@ -36,7 +36,7 @@ class LayoutStruct:
     ) -> None:
         self.context = context
         self.device = context.device
-        self.scope = context.scope
+        self.spelling = context.spelling
         self.layout = layout
         #: Stem of its functions, and name of its type.
         self.name = name
@@ -44,7 +44,7 @@ class LayoutStruct:
         self.length_macro = length_macro
         self.register = register
         self.plan: LayoutPlan = layout_plan_of(context.device, layout)
-        self.reader = BitReader(self.plan, context.scope, word_size(context, layout))
+        self.reader = BitReader(self.plan, context.spelling, word_size(context, layout))
         #: The numbers of the scales of its fields.
         self.scales: tuple[CMacro, ...] = tuple(scale_macros(layout, name))
         self.unused = UnusedMember(self.reader)
@@ -98,21 +98,21 @@ class LayoutStruct:
         """The C type of the frame as one number."""
         return unsigned(self.reader.word_size)
 
-    def covered(self, crc: FrameCrc) -> CExpression:
+    def covered_bits(self, crc: FrameCrc) -> CExpression:
         """Return the bits of the word that a CRC covers, as they are sent. Bit 0 is the last one.
 
         An example is ``(uint32_t)(word >> 6)``.
         """
-        # The bit above the covered bits. ``covered`` is their number.
+        # The bit above the covered bits. ``covered_bits`` is their number.
         end = crc.low + crc.covered.constant if covers_32_bits(crc) else self.reader.word_size
-        bits = shifted_right(self.reader.before_conversion.lower(end), crc.low)
+        bits = shifted_right(self.reader.before_conversion.word_or_lower_half(end), crc.low)
         is_across_halves = covers_32_bits(crc) and end > 32
         return CCast("uint32_t", bits) if is_across_halves else bits
 
-    def received(self, crc: FrameCrc) -> CExpression:
+    def received_crc(self, crc: FrameCrc) -> CExpression:
         """Return the CRC that a word contains in its lowest bits, as it is sent."""
         width = crc.crc.width
-        return masked(self.reader.before_conversion.lower(width), (1 << width) - 1)
+        return masked(self.reader.before_conversion.word_or_lower_half(width), (1 << width) - 1)
 
     # -- members
 
@@ -142,7 +142,7 @@ class LayoutStruct:
             case _:
                 return unsigned(widest_value(field))
 
-    def member(self, field: Field) -> str:
+    def member_declarator(self, field: Field) -> str:
         """Return the name of a member in its declaration, with the length of a string."""
         size = f"[{field.widest // 8}]" if isinstance(meaning_of(field), Latin1Text) else ""
         return f"{c_name(field.name)}{size}"
@@ -152,7 +152,7 @@ class LayoutStruct:
         joined_number = next((candidate for candidate in self.plan.joined_numbers if candidate.join.name == name), None)
         return unsigned(joined_number.widest) if joined_number is not None else self.type_of(self.layout.field(name))
 
-    def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
+    def initializer(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
         """Return the initializer of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
         ``values`` are numbers by the names of fields and joined numbers. A joined number is the number that several
@@ -213,7 +213,7 @@ class LayoutStruct:
         choice = self.choice(field)
         constants = choice.names if choice is not None else {}
         needs_cast = is_raw and self.enumeration(field) is not None
-        type_of_bits, _ = self.reader.value(self.plan.bits_of(field.name))
+        type_of_bits, _ = self.reader.type_and_bits(self.plan.bits_of(field.name))
         conditions: list[CExpression] = []
         for value in values:
             if value in constants:
