@@ -284,7 +284,7 @@ def _select(view: DeviceView, kind: str, function: str) -> str:
 
 def _procedure_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
     for procedure in view.procedures:
-        name = procedure.run.procedure.name
+        name = procedure.plan.procedure.name
         fetch = _steps_with_arguments(procedure) if procedure.arguments else _steps(procedure)
         yield "steps", name, f"static void steps_{name}({view.prefix} variant, char *text)\n{{\n{fetch}}}\n"
 

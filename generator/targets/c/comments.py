@@ -98,7 +98,9 @@ def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
     first_line, *further_lines = comment_with_marks.splitlines()
     if not further_lines:
         return f" * {first_line.removeprefix('/* ').removesuffix(' */')}"
-    return "\n".join(further_lines[:-1])
+    # The first and the last line of a longer comment are only its marks.
+    lines_without_marks = further_lines[:-1]
+    return "\n".join(lines_without_marks)
 
 
 def in_comment_lead(text: str) -> str:

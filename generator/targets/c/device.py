@@ -34,7 +34,7 @@ from .procedures import ProcedureCode
 from .registers import RegisterCode, identity_codes, state_registers
 from .reports import AlarmCode, Reports
 from .variants import LengthCode, VariantCode, VariantUpdater
-from .worked_examples import chosen_variant
+from .worked_examples import choose_variant
 
 _Built = TypeVar("_Built")
 
@@ -101,7 +101,7 @@ class DeviceView:
             partial(InterfaceCode, context, context.interface, self.reports), "interfaces", context.interface.name
         )
         #: The order code in all samples.
-        self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
+        self.row = self.variants.rows[device.variants.index(choose_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
         self.code_facts = CodeFacts(context, context.interface, self.variants.rows)
         self.channels = channel_code(context, self.interface.codecs)

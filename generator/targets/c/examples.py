@@ -42,14 +42,14 @@ from .reports import FrameReports
 from .structs import LayoutStruct
 from .variants import CodeRow
 from .worked_examples import (
-    Chosen,
+    ChosenExamples,
     ExampleFrame,
     Memory,
     NoFrame,
     ReceivedBytes,
     Session,
+    ShownProcedure,
     ShownRegister,
-    ShownRun,
     printed_members,
     printed_number,
 )
@@ -63,8 +63,8 @@ _FEWEST_REGISTER_BYTES = 128
 class ExampleCode:
     """The values for the template of an example program, which shows a frame, registers and a procedure.
 
-    ``run`` is the procedure or None, ``reads`` are the registers, and ``memory`` is the initial content of the
-    simulated registers.
+    ``shown_procedure`` is the procedure or None, ``shown_registers`` are the registers, and ``memory`` is the initial
+    content of the simulated registers.
 
     Raises:
         NoFrame: There is no frame to show.
@@ -76,12 +76,12 @@ class ExampleCode:
         #: Functions for the members that the program prints.
         self.printed = printed_members
         self.number = printed_number
-        self._chosen = chosen = Chosen(view.device, self.interface)
+        self._chosen = chosen = ChosenExamples(view.device, self.interface)
         self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
         self.frame: ExampleFrame = chosen.frame
-        self.run = self._shown_run()
-        self.reads = [self._show_register(register) for register, _ in chosen.registers.values()]
+        self.shown_procedure = self._choose_procedure()
+        self.shown_registers = [self._show_register(register) for register, _ in chosen.registers.values()]
         self.memory = list(self._yield_memory())
 
     # -- the frame
@@ -142,7 +142,7 @@ class ExampleCode:
         return tuple(VERDICT_CLAUSES[verdict] for verdict in Verdict)
 
     @property
-    def data(self) -> bytes:
+    def frame_bytes(self) -> bytes:
         """Bytes of the frame, none if it is a word."""
         layout = self.frame.layout
         if not layout.in_bytes:
@@ -150,7 +150,7 @@ class ExampleCode:
         return number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
 
     @property
-    def raw(self) -> ReceivedBytes | None:
+    def bytes_over_ssi(self) -> ReceivedBytes | None:
         """The bytes that SPI receives from the data line of SSI, or None for another interface.
 
         The line is high until the first clock has stored the position. Then come the word and a 0.
@@ -171,7 +171,7 @@ class ExampleCode:
         )
 
     @property
-    def session(self) -> Session | None:
+    def spi_request(self) -> Session | None:
         """The request for the position that the frame answers over SPI, or None."""
         request_name = self._request_over_spi()
         if not request_name:
@@ -222,7 +222,7 @@ class ExampleCode:
         """
         data_ids = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         for data_id in data_ids:
-            if self.data.startswith(bytes([data_id.control])):
+            if self.frame_bytes.startswith(bytes([data_id.control])):
                 return f"{self.view.PREFIX}_CONTROL_{data_id.name}".upper()
         return ""
 
@@ -239,7 +239,7 @@ class ExampleCode:
         For this, the frame must have a request, and the procedure must have at least one request, a reply to each of
         its requests, and no arguments or values to read.
         """
-        code = self.run.code if self.run is not None else None
+        code = self.shown_procedure.code if self.shown_procedure is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
         operations = [row.operation for row in code.rows if isinstance(row, StepRow)]
@@ -257,7 +257,7 @@ class ExampleCode:
         return self.view.modulus("ENCODER", self.frame.layout) if self.position is not None else "0U"
 
     @property
-    def counts(self) -> str:
+    def position_member(self) -> str:
         """The member with the position in counts, or an empty string."""
         measurement = self._chosen.measurement
         return c_name(measurement.of) if measurement is not None else ""
@@ -268,7 +268,7 @@ class ExampleCode:
 
         This requires a position that is never negative.
         """
-        return bool(self.counts) and not self.is_signed(self.counts) and not self.has_crc
+        return bool(self.position_member) and not self.is_signed(self.position_member) and not self.has_crc
 
     def is_signed(self, member: str) -> bool:
         """Return whether a member of the frame can be negative."""
@@ -281,9 +281,9 @@ class ExampleCode:
         part_names = set()
         if self.reports is not None and self.reports.reports:
             part_names.add("reports")
-        if self.reads:
+        if self.shown_registers:
             part_names.add("registers")
-        if self.run is not None:
+        if self.shown_procedure is not None:
             part_names.add("procedures")
         yield self.view.header
         yield from self.headers_of(part_names)
@@ -297,15 +297,15 @@ class ExampleCode:
     @property
     def has_registers(self) -> bool:
         """True if the program reads registers, or carries out a procedure that accesses registers."""
-        return bool(self.reads) or any(isinstance(step, RegisterStep) for step in self._procedure_steps)
+        return bool(self.shown_registers) or any(isinstance(step, RegisterStep) for step in self._procedure_steps)
 
     @property
-    def sends(self) -> bool:
+    def sends_request(self) -> bool:
         """True if the program carries out a procedure that sends a request."""
         return any(isinstance(step, SendStep) for step in self._procedure_steps)
 
     @property
-    def size(self) -> int:
+    def simulated_bytes(self) -> int:
         """The size of the simulated registers in bytes."""
         sizes_needed = [register.last_address + 1 for register in self.view.device.registers]
         return max((_FEWEST_REGISTER_BYTES, *sizes_needed))
@@ -313,9 +313,9 @@ class ExampleCode:
     @property
     def _procedure_steps(self) -> tuple[object, ...]:
         """The steps of the procedure, none without a procedure."""
-        return self.run.code.run.procedure.steps if self.run is not None else ()
+        return self.shown_procedure.code.plan.procedure.steps if self.shown_procedure is not None else ()
 
-    def _shown_run(self) -> ShownRun | None:
+    def _choose_procedure(self) -> ShownProcedure | None:
         """Return the procedure that the program carries out, with the arguments of its worked example.
 
         The result is None if there is no procedure to show.
@@ -323,7 +323,7 @@ class ExampleCode:
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
-        candidates = (code for code in self.view.procedures if code.run.procedure is procedure)
+        candidates = (code for code in self.view.procedures if code.plan.procedure is procedure)
         code = first_or_raise(candidates, f"code for the procedure '{procedure.name}'")
         argument_values: dict[str, int] = {}
         if example is not None:
@@ -331,7 +331,7 @@ class ExampleCode:
         heading = ascii_text(procedure.title)
         if argument_values:
             heading += ": " + ", ".join(f"{name} {value}" for name, value in argument_values.items())
-        return ShownRun(
+        return ShownProcedure(
             title=heading,
             about=f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder.",
             code=code,
@@ -393,8 +393,8 @@ class ReceiverCode:
         self.sketch = f"{view.stem}_arduino"
         self.struct = example.struct
         self.verdict = example.reports.verdict if example.reports is not None else ""
-        self.member = example.counts
-        self.is_signed = example.is_signed(example.counts)
+        self.member = example.position_member
+        self.is_signed = example.is_signed(example.position_member)
         #: The size of the longest frame. The program is for its order code.
         self.longest = max(example.received, key=lambda frame: frame.bits)
         variant = self.longest.variant
@@ -413,7 +413,7 @@ def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
     """Yield a program that receives by DMA for each example over BiSS with one frame, whose position has a verdict."""
     for example in examples:
         has_verdict = example.reports is not None and bool(example.reports.verdict)
-        has_position = bool(example.counts) and example.position is not None
+        has_position = bool(example.position_member) and example.position is not None
         has_one_frame = len(example.view.lengths.layouts) == 1
         if isinstance(example.interface, Biss) and has_verdict and has_position and has_one_frame:
             yield ReceiverCode(example)

@@ -64,14 +64,14 @@ from .package import (
 )
 from .positions import Positions
 from .procedures import FilledRows
-from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
+from .selftest import AllTests, Expectation, FamilyTest, SelfTest, own_test, selftest_files
 from .single import TEMPLATE as SINGLE_TEMPLATE
 from .single import SingleHeader, single_header, single_path, single_views
 
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
     *(Expression, Check, Refusal, JoinedNumber, steps.PlannedStep, steps.ArgumentRefusal),
-    *(ConstantByte, FlagByte, UnusedBitsOfByte, AllUnusedBits, FoldOperation, FilledRows, Positions, Work),
+    *(ConstantByte, FlagByte, UnusedBitsOfByte, AllUnusedBits, FoldOperation, FilledRows, Positions, Expectation),
 )
 
 

@@ -33,7 +33,7 @@ from .device import DeviceView, manual_title
 from .examples import ExampleCode, ReceiverCode, example_codes, receiver_codes
 from .names import FOLDER, c_name, errata_page_name
 from .procedures import ProcedureCode
-from .worked_examples import ShownRegister, ShownRun
+from .worked_examples import ShownProcedure, ShownRegister
 
 ERRATA_TEMPLATE = "ERRATA.md.jinja"
 Rows = tuple[tuple[str, str], ...]
@@ -211,8 +211,8 @@ def _frames_with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position that have a parity bit and, at least with some order codes, no CRC."""
     for device in devices:
         for interface, layout in device.layouts():
-            has_only_parity = layout.has_parity and not layout.always_has_crc
-            if has_only_parity and device.sends_position(interface.name, layout):
+            may_lack_crc = not layout.always_has_crc
+            if layout.has_parity and may_lack_crc and device.sends_position(interface.name, layout):
                 yield _frame_name(device, interface=interface.title, layout=layout) + _of_some_codes(layout)
 
 
@@ -366,7 +366,7 @@ class Guide:
 
     example: ExampleCode
     shown_register: ShownRegister | None
-    shown_run: ShownRun | None
+    shown_procedure: ShownProcedure | None
     #: The programs of the same family, one for each interface, the example first.
     programs_of_family: tuple[ExampleCode, ...]
 
@@ -385,20 +385,20 @@ class Guide:
         return first_or_raise(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property
-    def number(self) -> str:
+    def shown_number(self) -> str:
         """The name in the spec of the position, or else of the first number of the frame, or else ``no_data``."""
         plan = self.example.struct.plan
         number_names = [joined_number.join.name for joined_number in plan.joined_numbers]
         number_names += [part.field.name for part in plan.decoded_fields]
         for name in number_names:
-            if c_name(name) == self.example.counts:
+            if c_name(name) == self.example.position_member:
                 return name
         return number_names[0] if number_names else "no_data"
 
     @property
     def member(self) -> str:
         """The member that holds this number."""
-        return c_name(self.number)
+        return c_name(self.shown_number)
 
     @property
     def is_signed(self) -> bool:
@@ -406,9 +406,9 @@ class Guide:
         return self.example.is_signed(self.member)
 
     @property
-    def result(self) -> object:
+    def shown_value(self) -> object:
         """The value of this number in the example, or None if it has no value for it or a frame in bytes."""
-        return self.example.frame.values.get(self.number) if not self.example.data else None
+        return self.example.frame.values.get(self.shown_number) if not self.example.frame_bytes else None
 
 
 def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
@@ -422,19 +422,19 @@ def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     programs_by_family = Counter(program.view.device.name for program in examples)
 
     def preference(program: ExampleCode) -> tuple[int, int]:
-        number_of_steps = program.run.code.count if program.run else 0
+        number_of_steps = program.shown_procedure.code.count if program.shown_procedure else 0
         return programs_by_family[program.view.device.name], number_of_steps
 
     example = max(examples, key=preference)
     family = example.view.device.name
     # A register that is one plain byte has no struct.
-    registers_with_struct = [register for register in example.reads if register.access.struct]
-    only_writes = example.run is not None and not example.run.code.reads
+    registers_with_struct = [register for register in example.shown_registers if register.access.struct]
+    only_writes = example.shown_procedure is not None and not example.shown_procedure.code.reads
     example_first = sorted(examples, key=lambda program: program is not example)
     return Guide(
         example=example,
         shown_register=max(registers_with_struct, key=lambda register: register.members, default=None),
-        shown_run=example.run if only_writes else None,
+        shown_procedure=example.shown_procedure if only_writes else None,
         programs_of_family=tuple(program for program in example_first if program.view.device.name == family),
     )
 

@@ -30,7 +30,7 @@ class RangeFunctions:
     never_wraps: bool
     modulus: CFunction | None
     turns: CExpression | None
-    one_turn: bool
+    is_one_turn: bool
     layouts: tuple[Layout, ...]
 
     @property
@@ -43,12 +43,12 @@ class RangeFunctions:
 
 @dataclass(frozen=True, slots=True)
 class AnglePositions:
-    """The functions for positions of a rotary encoder. ``where`` cites the manual."""
+    """The functions for positions of a rotary encoder. ``citation`` cites the manual."""
 
     prefix: str
-    where: str
+    citation: str
     is_signed: bool
-    per_turn: CFunction
+    counts_per_turn: CFunction
     ranges: tuple[RangeFunctions, ...]
 
     @property
@@ -65,19 +65,20 @@ class AnglePositions:
 
 @dataclass(frozen=True, slots=True)
 class LengthPositions:
-    """The functions for positions of a linear encoder. ``where`` cites the manual.
+    """The functions for positions of a linear encoder. ``citation`` cites the manual.
 
-    A count is ``step`` in ``unit``, or ``step`` per ``per_counts`` counts. ``per_mm`` units are a millimeter.
+    A count is ``step`` in ``unit``, or ``step`` per ``per_counts`` counts. A millimeter has
+    ``units_per_millimetre`` units.
     """
 
     prefix: str
-    where: str
+    citation: str
     is_signed: bool
     ranges: tuple[RangeFunctions, ...]
     step: CExpression
     step_varies: bool
     unit: str
-    per_mm: int
+    units_per_millimetre: int
     per_counts: CExpression | None
 
     @property
@@ -123,9 +124,9 @@ def _angle_positions(context: HeaderContext, measurement: Measurement, counts_pe
     )
     return AnglePositions(
         prefix=context.prefix,
-        where=where,
+        citation=where,
         is_signed=any(position_range.signed_field is not None for position_range in ranges),
-        per_turn=per_turn,
+        counts_per_turn=per_turn,
         ranges=tuple(_range_functions(context, ranges)),
     )
 
@@ -138,13 +139,13 @@ def _length_positions(
     per_counts = measurement.per_counts
     return LengthPositions(
         prefix=context.prefix,
-        where=f"[{cite(measurement.source)}]",
+        citation=f"[{cite(measurement.source)}]",
         is_signed=any(position_range.signed_field is not None for position_range in ranges),
         ranges=tuple(_range_functions(context, ranges)),
         step=_cast_to_signed(context.spelling, step),
         step_varies=not all(expression.is_constant for expression in measurement.steps),
         unit=unit,
-        per_mm=per_mm,
+        units_per_millimetre=per_mm,
         per_counts=_cast_to_signed(context.spelling, per_counts) if per_counts is not None else None,
     )
 
@@ -179,7 +180,7 @@ def _functions_of_range(
         never_wraps=position_range.never_wraps,
         modulus=_build_modulus(context, position_range, f"{context.prefix}_{frame_in_names}modulus"),
         turns=context.spelling.expression_of(turns) if turns is not None else None,
-        one_turn=turns == Expression(1),
+        is_one_turn=turns == Expression(1),
         layouts=layouts,
     )
 

@@ -111,7 +111,7 @@ class ProcedureCode:
     ) -> None:
         self.context = context
         self.registers = registers
-        self.run = run = plan_procedure(context.device, procedure)
+        self.plan = run = plan_procedure(context.device, procedure)
         self.function = f"{context.prefix}_{procedure.name}"
         self.steps = f"{self.function}_steps"
         self.count_macro = f"{self.steps}_count".upper()
@@ -184,7 +184,9 @@ class ProcedureCode:
             return True
         for argument in self.arguments:
             for refusal in argument.refusals:
-                if isinstance(refusal, Undecodable) or _has_variable_limits(refusal):
+                # The decoder of a register takes the order code.
+                is_checked_by_decoder = isinstance(refusal, Undecodable)
+                if is_checked_by_decoder or _has_variable_limits(refusal):
                     return True
         return False
 
@@ -192,7 +194,7 @@ class ProcedureCode:
         """Yield the names at file scope, each with the path of the procedure in the spec."""
         for name in (self.steps, self.count_macro, self.function, self.read_type):
             if name:
-                yield name, ("procedures", self.run.procedure.name)
+                yield name, ("procedures", self.plan.procedure.name)
 
     def _document_parameters(self) -> Iterator[Paragraph]:
         """Yield the comment on each parameter of ``function``, or nothing if the procedure has no arguments."""
@@ -250,7 +252,7 @@ class ProcedureCode:
 
         A register has a struct unless it is one plain byte.
         """
-        for parameter in self.run.arguments:
+        for parameter in self.plan.arguments:
             argument = parameter.argument.name
             member_by_register: dict[str, str] = {}
             for write in parameter.writes:
@@ -274,7 +276,7 @@ class ProcedureCode:
 
         A register is included only if its decoder can reject the number, or if a later limit depends on the register.
         """
-        for parameter in self.run.arguments:
+        for parameter in self.plan.arguments:
             argument = parameter.argument.name
             undecodable = [refusal for refusal in parameter.refusals if isinstance(refusal, Undecodable)]
             checked_registers = {refusal.register.name for refusal in undecodable}
@@ -295,7 +297,7 @@ class ProcedureCode:
     def _yield_rows(self) -> Iterator[StepRow | FilledRows]:
         """Yield the rows of the list of steps. A step on several bytes of a register has a row for each byte."""
         index = 0
-        for step in self.run.operations:
+        for step in self.plan.operations:
             note = note_of_step(self.context.device, step)
             if isinstance(step, (WaitTime, SendRequest)):
                 yield StepRow(index=index, operation=step, note=note)
@@ -397,7 +399,7 @@ class ProcedureCode:
         """
         used_names: set[str] = set()
         first_byte = 0
-        for read in self.run.reads:
+        for read in self.plan.reads:
             length = len(read.bit_slices)
             stem = read.register.name
             if length != read.register.length and read.field is not None:

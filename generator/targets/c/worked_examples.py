@@ -61,7 +61,7 @@ class NoFrame(Exception):
     """The manual shows no frame of an interface, and none could be made up."""
 
 
-def chosen_variant(device: Device, interface: Interface) -> Variant:
+def choose_variant(device: Device, interface: Interface) -> Variant:
     """Return the order code of an interface that has the most worked examples in the manual.
 
     Examples with an erratum, whose printed bytes are not used, do not count. With equal numbers, the order code with
@@ -108,8 +108,8 @@ class WorkedRegister(NamedTuple):
     example: RegisterExample
 
 
-class Chosen:
-    """The worked examples of the manual for one order code of an interface, chosen by ``chosen_variant``.
+class ChosenExamples:
+    """The worked examples of the manual for one order code of an interface, chosen by ``choose_variant``.
 
     Raises:
         NoFrame: There is no frame to show.
@@ -119,7 +119,7 @@ class Chosen:
         self.device = device
         self.interface = interface
         self.measurement = device.measurement_of(interface.name)
-        self.variant = chosen_variant(device, interface)
+        self.variant = choose_variant(device, interface)
         examples = (example for example in device.examples if _is_shown_over(device, interface, example))
         #: The examples for the chosen order code. An example without an order code applies to the first code of the
         #: family.
@@ -309,7 +309,7 @@ class ShownRegister:
 
 
 @dataclass(frozen=True, slots=True)
-class ShownRun:
+class ShownProcedure:
     """A procedure that the program carries out, with its arguments."""
 
     title: str
