@@ -225,7 +225,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
             field=field,
             bits=bits,
             covered=first_covered.low + first_covered.width - last_covered.low,
-            low=last_covered.low.constant,
+            lowest_covered_bit=last_covered.low.constant,
             covers_part_only=True,
             is_checked_by_division=False,
             steps=(),  # Only a CRC of the whole frame has steps.
@@ -236,7 +236,7 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
         field=field,
         bits=bits,
         covered=layout.bits - Expression(crc.width),
-        low=crc.width,
+        lowest_covered_bit=crc.width,
         covers_part_only=False,
         is_checked_by_division=is_of_whole_words and is_checked_by_division(crc, layout),
         steps=fold_steps(crc, layout.widest) if is_of_whole_words else (),

@@ -335,7 +335,7 @@ def _describe_join(joined_number: JoinedNumber) -> Join:
 
     The second member of each pair is the position of the field's lowest bit in the number.
     """
-    fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.from_low)
+    fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.fields_from_low)
     return Join(name=Name(joined_number.join.name), fields=fields_from_low)
 
 

@@ -54,7 +54,7 @@ def locate_bits(
     """
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
-    return FieldBits(low, width, widest=widest, on_top=on_top, bit_slices=bit_slices)
+    return FieldBits(low, width, widest=widest, has_no_bits_above=on_top, bit_slices=bit_slices)
 
 
 def checks_of_layout(device: Device, layout: Layout, by_word: bool) -> Iterator[Check]:

@@ -25,14 +25,14 @@ from .values import (
 class FieldBits:
     """``width`` bits of the word, starting at ``low``.
 
-    ``bit_slices`` describe the same bits in bytes, lowest bits first. ``on_top`` is true if there are no
+    ``bit_slices`` describe the same bits in bytes, lowest bits first. ``has_no_bits_above`` is true if there are no
     bits above them, so a shift is enough to extract them. ``widest`` is the largest width of any order code.
     """
 
     low: Expression
     width: Expression
     widest: int
-    on_top: bool
+    has_no_bits_above: bool
     bit_slices: tuple[BitSlice, ...]
 
     @property
@@ -196,17 +196,17 @@ def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
 class FrameCrc:
     """A CRC at the end of a frame.
 
-    It covers ``covered`` bits, starting at bit ``low``, which is everything before the CRC unless ``covers_part_only``
-    is true. ``is_checked_by_division`` is true if the polynomial divides every valid word once the final XOR is
-    removed. ``steps``, if any, then reduce the word without a table. If only some order codes have it, ``bits`` is its
-    place in their frames.
+    It covers ``covered`` bits from ``lowest_covered_bit`` on, which is everything before the CRC unless
+    ``covers_part_only`` is true. ``is_checked_by_division`` is true if the polynomial divides every valid word once the
+    final XOR is removed. ``steps``, if any, then reduce the word without a table. If only some order codes have it,
+    ``bits`` is its place in their frames.
     """
 
     crc: Crc
     field: Field
     bits: FieldBits
     covered: Expression
-    low: int
+    lowest_covered_bit: int
     covers_part_only: bool
     is_checked_by_division: bool
     steps: tuple[FoldStep, ...]
@@ -220,7 +220,7 @@ class FrameCrc:
     def bits_between(self) -> int:
         """Number of bits between the CRC and the lowest bit that it covers."""
         # The CRC is at bit 0, below the bits that it covers.
-        return self.low - self.crc.width
+        return self.lowest_covered_bit - self.crc.width
 
     @property
     def inverted_mask(self) -> int:
@@ -303,27 +303,27 @@ class JoinedNumber:
         return self.join.name
 
     @property
-    def from_low(self) -> Iterator[tuple[Field, Expression]]:
+    def fields_from_low(self) -> Iterator[tuple[Field, Expression]]:
         """Yield its fields, lowest first, each with the position of its lowest bit in the number."""
         low = Expression(0)
         for field in reversed(self.fields):
             yield field, low
             low += field.width
 
-    def joined(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
+    def number_of(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
         """Return the number that the fields form together, for an order code with these parameters.
 
         ``numbers`` has the number in each field, by the name of the field.
         """
-        return sum(numbers[field.name] << low.value(parameters) for field, low in self.from_low)
+        return sum(numbers[field.name] << low.value(parameters) for field, low in self.fields_from_low)
 
-    def parts(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
+    def field_numbers(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
         """Split ``number`` into the numbers of the fields that form it, and return them by the names of the fields.
 
-        This is the inverse of ``joined``. ``parameters`` are those of an order code.
+        This is the inverse of ``number_of``. ``parameters`` are those of an order code.
         """
         field_numbers: dict[str, int] = {}
-        for field, low in self.from_low:
+        for field, low in self.fields_from_low:
             mask = (1 << field.width.value(parameters)) - 1
             field_numbers[field.name] = (number >> low.value(parameters)) & mask
         return field_numbers
@@ -331,7 +331,7 @@ class JoinedNumber:
     @property
     def depends_on_order_code(self) -> bool:
         """True if the position of any of its fields depends on the order code."""
-        return not all(low.is_constant for _, low in self.from_low)
+        return not all(low.is_constant for _, low in self.fields_from_low)
 
 
 @dataclass(frozen=True, slots=True)

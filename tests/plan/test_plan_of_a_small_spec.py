@@ -280,18 +280,19 @@ def test_crcs_of_frames(small: Device, by_hand: Device) -> None:
     whole, other = plan(small, "word").crc_of_all_order_codes, plan(small, "padded_word").crc_of_all_order_codes
     assert whole is not None
     assert other is not None
-    assert (whole.covered.value({"position_bits": 12}), whole.low, whole.covers_part_only) == (12 + 2, 6, False)
+    assert whole.covered.value({"position_bits": 12}) == 12 + 2
+    assert (whole.lowest_covered_bit, whole.covers_part_only) == (6, False)
     assert (whole.bits_between, whole.inverted_mask) == (0, 0x3F)
     # The start value 55h makes the remainder of a valid frame depend on its length.
     assert (whole.is_checked_by_division, other.is_checked_by_division) == (True, False)
     part = plan(by_hand, "part_word").crc_of_all_order_codes
     assert part is not None
     # Three bits are between the 8 covered bits and the CRC of 4 bits.
-    assert (part.covered.constant, part.low, part.bits_between, part.covers_part_only) == (8, 7, 3, True)
+    assert (part.covered.constant, part.lowest_covered_bit, part.bits_between, part.covers_part_only) == (8, 7, 3, True)
     assert (part.is_checked_by_division, part.steps) == (False, ())
     crc = plan(by_hand, "crc_word").crc_of_all_order_codes
     assert crc is not None
-    assert (crc.covered.constant, crc.low, crc.bits_between) == (8, 4, 0)
+    assert (crc.covered.constant, crc.lowest_covered_bit, crc.bits_between) == (8, 4, 0)
     assert (crc.covers_part_only, crc.is_checked_by_division) == (False, False)
     assert plan(by_hand, "text_word").crc_of_all_order_codes is None
 
@@ -328,7 +329,8 @@ def test_reasons_to_refuse_values(by_hand: Device) -> None:
 
 def test_places_of_bits(by_hand: Device) -> None:
     codec = plan(by_hand, "number_word")
-    places = [(part.bits.low.constant, part.bits.width.constant, part.bits.on_top) for part in codec.decoded_fields]
+    bits_of_parts = [part.bits for part in codec.decoded_fields]
+    places = [(bits.low.constant, bits.width.constant, bits.has_no_bits_above) for bits in bits_of_parts]
     assert places == [(8, 4, True), (4, 4, False), (0, 4, False)]
     assert (codec.by_word, codec.depends_on_order_code, codec.length) == (True, False, 1)
     reply = plan(by_hand, "low_reply")
@@ -358,8 +360,8 @@ def test_numbers_of_several_fields(by_hand: Device) -> None:
     codec = plan(by_hand, "gray_word")
     (position,) = codec.joined_numbers
     parameters = dict(by_hand.variant("HABG").parameters)
-    assert position.joined({"turns": 5, "angle": 10}, parameters) == 5 * 32 + 10
-    assert position.parts(5 * 32 + 10, parameters) == {"turns": 5, "angle": 10}
+    assert position.number_of({"turns": 5, "angle": 10}, parameters) == 5 * 32 + 10
+    assert position.field_numbers(5 * 32 + 10, parameters) == {"turns": 5, "angle": 10}
     assert position.width.value(parameters) == 3 + 5
     assert position.depends_on_order_code
     assert position.bits is not None

@@ -126,7 +126,7 @@ class BitReader:
                 return self.word_or_lower_half(32)
             mask = (1 << width) - 1
             return masked(shifted_right(self.word_or_lower_half(low + width), low), mask)
-        if not bits.on_top:
+        if not bits.has_no_bits_above:
             low_and_width = (self.spelling.expression_of(bits.low), self.spelling.expression_of(bits.width))
             return CCall("cw_field", (self.word, *low_and_width))
         # No bits are above it: the length has been checked.

@@ -211,7 +211,7 @@ class ExampleCode:
                 numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
         for joined_number in self.struct.plan.joined_numbers:
             if all(field.name in numbers for field in joined_number.fields):
-                numbers[joined_number.name] = joined_number.joined(numbers, parameters)
+                numbers[joined_number.name] = joined_number.number_of(numbers, parameters)
         return self.view.interface.request_for_reply(self.frame.layout, numbers)
 
     @property

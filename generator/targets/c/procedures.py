@@ -73,7 +73,7 @@ class FilledRows:
 class ArgumentCode:
     """An argument of a procedure, with its C type and name, its comment, and the reasons to reject its value."""
 
-    checked: CheckedArgument
+    checked_argument: CheckedArgument
     type: str
     name: str
     about: str
@@ -82,10 +82,10 @@ class ArgumentCode:
 
 @dataclass(frozen=True, slots=True)
 class ReadMember:
-    """A member of the struct with the bytes read: ``length`` of these bytes, from index ``first`` on."""
+    """A member of the struct with the bytes read: ``length`` of these bytes, from index ``first_byte`` on."""
 
     name: str
-    first: int
+    first_byte: int
     length: int
     note: str
 
@@ -155,7 +155,7 @@ class ProcedureCode:
 
     def whole_register(self, argument: ArgumentCode, register: Register) -> WholeRegister:
         """Return the register that an argument sets as one number."""
-        return self._whole_registers[argument.checked.argument.name, register.name]
+        return self._whole_registers[argument.checked_argument.argument.name, register.name]
 
     @property
     def variant(self) -> str:
@@ -221,7 +221,7 @@ class ProcedureCode:
             if refusal not in refusals and not _is_excluded_by_type(refusal):
                 refusals.append(refusal)
         return ArgumentCode(
-            checked=parameter,
+            checked_argument=parameter,
             type=self._argument_type(parameter.writes[0]),
             name=self._names[parameter.argument.name],
             about=about_argument(self.context.device, parameter.argument),
@@ -266,8 +266,8 @@ class ProcedureCode:
                     code=self.registers[register],
                     argument=self._names[argument],
                     member=member,
-                    local=c_name(f"{stem}_register", self._names),
-                    bytes=c_name(f"{stem}_bytes", self._names),
+                    struct_local=c_name(f"{stem}_register", self._names),
+                    bytes_local=c_name(f"{stem}_bytes", self._names),
                 )
                 yield (argument, register), filled_register
 
@@ -286,8 +286,8 @@ class ProcedureCode:
                 if isinstance(write.value, AsNumber) and is_checked:
                     whole_register = WholeRegister(
                         code=self.registers[register],
-                        local=c_name(f"{argument}_{register}_held", self._names),
-                        bytes=c_name(f"{argument}_{register}_sent", self._names),
+                        struct_local=c_name(f"{argument}_{register}_held", self._names),
+                        bytes_local=c_name(f"{argument}_{register}_sent", self._names),
                         values=tuple(self._byte_value(write, bit_slice) for bit_slice in write.bit_slices),
                     )
                     yield (argument, register), whole_register
@@ -358,7 +358,7 @@ class ProcedureCode:
             yield FilledRows(first_index, kind="verify", register=filled_register, note=note)
             return
         for index, bit_slice in enumerate(step.bit_slices):
-            written_byte = CName(f"{filled_register.bytes}[{bit_slice.byte}]")
+            written_byte = CName(f"{filled_register.bytes_local}[{bit_slice.byte}]")
             # A mask of 0 is a byte of reserved bits, which is read but not compared.
             expected = masked(written_byte, bit_slice.mask) if bit_slice.mask else ZERO
             note_of_row = note if index == 0 else ""
@@ -407,7 +407,7 @@ class ProcedureCode:
             member_name = unused_name(c_name(stem), used_names)
             used_names.add(member_name)
             note = note_of_read(self.context.device, read)
-            yield ReadMember(name=member_name, first=first_byte, length=length, note=note)
+            yield ReadMember(name=member_name, first_byte=first_byte, length=length, note=note)
             first_byte += length
 
 

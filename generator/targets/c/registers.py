@@ -65,7 +65,7 @@ class RegisterFunctions:
         self.read_about = self._build_comment(writes=False)
         self.write_about = self._build_comment(writes=True)
         #: The macro of the address that selects its bank, empty if it is in no bank, and the byte to write there.
-        self.bank_address, self.bank = "", 0
+        self.bank_address, self.bank_byte = "", 0
         selector_name = context.device.bank_selector(register)
         if selector_name:
             self._set_bank(context.device.register(selector_name))
@@ -91,7 +91,7 @@ class RegisterFunctions:
             raise TargetError(f"'{selector.name}' selects banks with {selector.length} bytes; the C target writes one")
         self.bank_address = f"{self._struct.context.PREFIX}_REG_{selector.name}_ADDRESS".upper()
         # One byte, as checked above.
-        (self.bank,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
+        (self.bank_byte,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
 
     def is_unknown(self, name: str, is_raw: bool) -> CExpression:
         """Return the condition that a byte has none of the named values, such as ``kind != 1U && kind != 2U``.
@@ -373,14 +373,14 @@ def identity_codes(context: HeaderContext, codes: Mapping[str, RegisterCode]) ->
 class FilledRegister:
     """A register whose struct the function fills with an argument of the procedure.
 
-    ``local`` and ``bytes`` are the local variables for the struct and for the bytes that it encodes to.
+    ``struct_local`` and ``bytes_local`` are the local variables for the struct and for the bytes that it encodes to.
     """
 
     code: RegisterCode
     argument: str
     member: str
-    local: str
-    bytes: str
+    struct_local: str
+    bytes_local: str
 
     @property
     def needs_setter(self) -> bool:
@@ -392,11 +392,11 @@ class FilledRegister:
 class WholeRegister:
     """A register that an argument of the procedure sets as one number.
 
-    ``values`` are its bytes as C expressions. ``bytes`` and ``local`` are the local variables for the bytes and for the
-    struct that they decode to.
+    ``values`` are its bytes as C expressions. ``bytes_local`` and ``struct_local`` are the local variables for the bytes
+    and for the struct that they decode to.
     """
 
     code: RegisterCode
-    local: str
-    bytes: str
+    struct_local: str
+    bytes_local: str
     values: tuple[CExpression, ...]

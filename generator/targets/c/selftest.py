@@ -192,7 +192,7 @@ class SelfTest:
         """Return the check that a procedure writes the bytes of its worked example."""
         code_by_procedure = {code.plan.procedure.name: code for code in self.view.procedures}
         code = code_by_procedure[example.procedure]
-        argument_names = [argument.checked.argument.name for argument in code.arguments]
+        argument_names = [argument.checked_argument.argument.name for argument in code.arguments]
         written_bytes: list[tuple[str, str]] = []
         for write in example.writes:
             written_bytes += self._written_bytes(write)

@@ -104,8 +104,8 @@ class LayoutStruct:
         An example is ``(uint32_t)(word >> 6)``.
         """
         # The bit above the covered bits. ``covered_bits`` is their number.
-        end = crc.low + crc.covered.constant if covers_32_bits(crc) else self.reader.word_size
-        bits = shifted_right(self.reader.before_conversion.word_or_lower_half(end), crc.low)
+        end = crc.lowest_covered_bit + crc.covered.constant if covers_32_bits(crc) else self.reader.word_size
+        bits = shifted_right(self.reader.before_conversion.word_or_lower_half(end), crc.lowest_covered_bit)
         is_across_halves = covers_32_bits(crc) and end > 32
         return CCast("uint32_t", bits) if is_across_halves else bits
 
@@ -165,7 +165,7 @@ class LayoutStruct:
         for joined_number in self.plan.joined_numbers:
             if joined_number.name in values:
                 # The numbers of its fields.
-                number_by_field |= joined_number.parts(values[joined_number.name], parameters)
+                number_by_field |= joined_number.field_numbers(values[joined_number.name], parameters)
         # C sets all members after the first one to 0.
         if not any(number_by_field.values()):
             return "0U"
@@ -173,7 +173,7 @@ class LayoutStruct:
         for field in fields:
             initial_values += self._initial_values(field, number_by_field[field.name])
         for joined_number in self.plan.joined_numbers:
-            number = joined_number.joined(number_by_field, parameters)
+            number = joined_number.number_of(number_by_field, parameters)
             initial_values.append(c_number(number, hexadecimal=True))
         if self.unused:
             initial_values.append("0U")

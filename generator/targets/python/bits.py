@@ -103,7 +103,7 @@ class BitsEncoder:
         """
         shifted_attributes = []
         # ``low`` is the position of the field's lowest bit in the joined number.
-        for field, low in joined_number.from_low:
+        for field, low in joined_number.fields_from_low:
             attribute = Atom(expression_of(self.names.attribute(field.name)))
             shifted_attributes.append(shift_left(attribute, scope.expression_of(low)))
         # The highest field comes first.
@@ -118,7 +118,7 @@ class BitsEncoder:
         highest_field = joined_number.fields[0]
         fields_and_bits: list[tuple[Field, PythonExpression]] = []
         # ``low`` is the position of the field's lowest bit in the joined number.
-        for field, low in joined_number.from_low:
+        for field, low in joined_number.fields_from_low:
             bits = shift_right(variable, self.scope.expression_of(low))
             # No bits are above the highest field, so it needs no mask.
             if field is not highest_field:
@@ -130,7 +130,7 @@ class BitsEncoder:
     def parameters_of_join(joined_number: JoinedNumber) -> frozenset[str]:
         """Return the names of the parameters that the expression of a joined number uses in shifts and checks."""
         parameters: set[str] = set()
-        for field, low in joined_number.from_low:
+        for field, low in joined_number.fields_from_low:
             parameters.update(low.parameters)
             if _has_width_check(field):
                 parameters.update(field.width.parameters)

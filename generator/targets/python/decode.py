@@ -261,7 +261,7 @@ class Decoder:
         if whole.bits is not None:
             return self.bit_reader.bits(whole.bits)
         shifted_fields = []
-        for field, low in whole.from_low:
+        for field, low in whole.fields_from_low:
             shifted_fields.append(shift_left(Atom(self.local(field)), self.number(low)))
         # The highest field comes first.
         return join_operands("|", reversed(shifted_fields))
