@@ -264,7 +264,7 @@ def _codec_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
         yield "crc", crc, code
     for teller in view.interface.frame_selectors:
         kind = {"encoder": "reply", "master": "request"}[teller.dispatch.sender]
-        yield "select", kind, _select(view, kind, teller.by_bytes)
+        yield "select", kind, _select(view, kind, teller.function_of_bytes)
 
 
 def _select(view: DeviceView, kind: str, function: str) -> str:

@@ -196,7 +196,7 @@ class CodeFacts:
 
     def _function_name(self, ending: str, row: CodeRow) -> str:
         """Return the name of a function, which contains the first order code that uses it: ``acme_x_24_timeout_ns``."""
-        return f"{self._context.prefix}_{row.code.lower()}_{ending}"
+        return f"{self._context.prefix}_{row.name_in_macros.lower()}_{ending}"
 
 
 def _repeated_times(times: Sequence[Timing]) -> list[Timing]:

@@ -211,7 +211,7 @@ class StructCodec:
         about = about_word_crc(self.struct.device, crc.crc, is_folded=bool(fold_steps))
         return WordCrc(
             name=f"{self.name}_crc",
-            function=self.struct.crc_function(crc),
+            general_function=self.struct.crc_function(crc),
             crc=crc.crc,
             bits=bits,
             folds=fold_steps,
@@ -233,7 +233,7 @@ class StructCodec:
         return BitsCrc(
             name=f"{self.name}_{crc.field.name}_crc" if crc.is_optional else f"{self.name}_crc",
             crc=crc.crc,
-            covered=crc.covered.constant,
+            covered_width=crc.covered.constant,
             type=unsigned(crc.crc.width),
             about=tuple(about_bits_crc(self.struct.device, crc.crc)),
         )

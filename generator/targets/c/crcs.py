@@ -103,11 +103,11 @@ class ByteInHalf:
 
 @dataclass(frozen=True)
 class BitsCrc:
-    """The function that computes the CRC over the first ``covered`` bits of a frame in bytes."""
+    """The function that computes the CRC over the first ``covered_width`` bits of a frame in bytes."""
 
     name: str
     crc: Crc
-    covered: int
+    covered_width: int
     type: str
     about: tuple[Paragraph, ...]
 
@@ -116,12 +116,12 @@ class BitsCrc:
 class WordCrc:
     """The function ``name`` that computes the CRC of a whole word of ``bits`` bits.
 
-    ``function`` is the general function for this CRC, whose table is also used here. ``folds`` are the operations that
-    reduce the word without a table, empty if there are none.
+    ``general_function`` is the function for this CRC over any number of bits, whose table is also used here. ``folds``
+    are the operations that reduce the word without a table, empty if there are none.
     """
 
     name: str
-    function: str
+    general_function: str
     crc: Crc
     bits: int
     folds: tuple[FoldOperation, ...]

@@ -203,7 +203,7 @@ class DeviceView:
         for part in self.parts:
             yield from (name.removeprefix(f"{FOLDER}/") for name in part.includes if name.startswith(f"{FOLDER}/"))
         if self.lengths.macros:
-            yield "receive_frame.h" if self.lengths.length else "receive.h"
+            yield "receive_frame.h" if self.lengths.length_macro else "receive.h"
         if self.channels is not None:
             yield "channels.h"
         if isinstance(interface, Spi):

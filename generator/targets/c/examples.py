@@ -404,7 +404,7 @@ class ReceiverCode:
         self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
         reading = view.reading
         #: The call that reads the position from the buffer.
-        self.read = f"{reading.macro}({reading.arguments_of(self.row.code)}, rx, &position)"
+        self.read = f"{reading.macro}({reading.arguments_of(self.row.name_in_macros)}, rx, &position)"
         self.position_type = reading.frame.struct.member_type(reading.frame.position_member) if reading.frame else ""
         self.modulus = view.modulus(self.row.macro, example.frame.layout)
 

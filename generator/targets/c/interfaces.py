@@ -56,14 +56,14 @@ _FRAME_KIND_BY_SENDER = {"encoder": "reply", "master": "request"}
 class FrameSelector:
     """The functions that say which frame of a sender was received.
 
-    ``by_bytes`` is the function that takes its bytes, and ``by_value`` the one that takes the value of the field by
+    ``function_of_bytes`` is the function that takes its bytes. ``function_of_value`` takes the value of the field by
     which frames differ.
     """
 
     def __init__(self, context: HeaderContext, prefix: str, dispatch: FrameDispatch) -> None:
         self.dispatch = dispatch
-        self.by_bytes = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_frame"
-        self.by_value = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_for"
+        self.function_of_bytes = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_frame"
+        self.function_of_value = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_for"
         choice = context.choices.get((dispatch.branches[0].layout.name, dispatch.selector.name))
         self._names = choice.names if choice is not None else {}
 
@@ -73,7 +73,7 @@ class FrameSelector:
         _, bits = type_and_bits_in(self.dispatch.bits.bit_slices)
         return bits
 
-    def values(self, branch: SelectedFrame) -> list[str]:
+    def constants_of(self, branch: SelectedFrame) -> list[str]:
         """Return the values that a frame has in this field, as constants of an enumeration or as numbers."""
         return [self._names.get(value, c_number(value, hexadecimal=True)) for value in branch.values]
 
@@ -133,8 +133,8 @@ class InterfaceCode:
             yield f"{self.prefix}_frame", path
             yield f"{self.prefix}_frame_length", path
         for frame_selector in self.frame_selectors:
-            yield frame_selector.by_bytes, path
-            yield frame_selector.by_value, path
+            yield frame_selector.function_of_bytes, path
+            yield frame_selector.function_of_value, path
         for name in function_names(self.clock_limits, self.timeouts):
             yield name, path
         for codec in self.codecs:

@@ -310,7 +310,7 @@ class ReadCode:
         for question in self.questions:
             first_answer = question.alternative.answers[0].name.upper()
             buffer_size = buffer_size.replace(f"##{question.argument}##", first_answer)
-        return buffer_size.replace("##code##", row.code)
+        return buffer_size.replace("##code##", row.name_in_macros)
 
     def arguments_of(self, order_code: str) -> str:
         """Return the first arguments of a macro for an order code and the first answers, such as ``X24, WIDE``."""

@@ -392,8 +392,8 @@ class FilledRegister:
 class WholeRegister:
     """A register that an argument of the procedure sets as one number.
 
-    ``values`` are its bytes as C expressions. ``bytes_local`` and ``struct_local`` are the local variables for the bytes
-    and for the struct that they decode to.
+    ``values`` are its bytes as C expressions. ``bytes_local`` and ``struct_local`` are the local variables for the
+    bytes and for the struct that they decode to.
     """
 
     code: RegisterCode

@@ -245,13 +245,13 @@ _LONGEST_EXPLANATION = 40
 
 @dataclass(frozen=True, slots=True)
 class PrintedMember:
-    """A member as the program prints it: its name, the ``form`` and arguments for ``printf``.
+    """A member as the program prints it: its name, the ``printf_format`` and arguments for ``printf``.
 
     ``value_names`` explains its named values, or is empty.
     """
 
     name: str
-    form: str
+    printf_format: str
     arguments: str
     value_names: str = ""
 
@@ -265,11 +265,11 @@ def printed_members(part: FieldToDecode, variable: str) -> Iterator[PrintedMembe
     member = f"{variable}.{c_name(name)}"
     match part.meaning:
         case Latin1Text():
-            yield PrintedMember(name, form="%.*s", arguments=f"(int)sizeof({member}), {member}")
+            yield PrintedMember(name, printf_format="%.*s", arguments=f"(int)sizeof({member}), {member}")
         case ActiveFlag():
-            yield PrintedMember(name, form="%s", arguments=f'{member} ? "yes" : "no"')
+            yield PrintedMember(name, printf_format="%s", arguments=f'{member} ? "yes" : "no"')
         case TwosComplement():
-            yield PrintedMember(name, form="%lld", arguments=f"(long long){member}")
+            yield PrintedMember(name, printf_format="%lld", arguments=f"(long long){member}")
         case NamedChoice(values):
             yield replace(printed_number(name, variable), value_names=_value_meanings(values))
         case DecimalDigits(digit_runs):
@@ -282,7 +282,7 @@ def printed_members(part: FieldToDecode, variable: str) -> Iterator[PrintedMembe
 
 def printed_number(name: str, variable: str) -> PrintedMember:
     """Return an unsigned member of the struct ``variable``, as ``printf`` prints it."""
-    return PrintedMember(name, form="%llu", arguments=f"(unsigned long long){variable}.{c_name(name)}")
+    return PrintedMember(name, printf_format="%llu", arguments=f"(unsigned long long){variable}.{c_name(name)}")
 
 
 def _value_meanings(values: Iterable[Value]) -> str:
