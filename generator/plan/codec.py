@@ -60,15 +60,15 @@ class LayoutPlan:
     crcs: tuple[FrameCrc, ...]
     gray: Gray | None
     digit_codings: tuple[DigitCoding, ...]
-    parts: tuple[FieldToDecode, ...]
+    decoded_fields: tuple[FieldToDecode, ...]
     joined_numbers: tuple[JoinedNumber, ...]
     alternatives: tuple[Alternative, ...]
     reserved: tuple[Reserved, ...]
     checks: tuple[Check, ...]
-    terms: tuple[FieldToEncode, ...]
+    encoded_fields: tuple[FieldToEncode, ...]
 
     @property
-    def keeps_others(self) -> bool:
+    def keeps_undefined_bits(self) -> bool:
         """True if bits outside all fields are kept: register bits that the manual does not define."""
         return self.layout.gaps == "unspecified" and not self.layout.sender
 
@@ -77,7 +77,7 @@ class LayoutPlan:
         return self.layout.in_bytes
 
     @property
-    def only_crc(self) -> FrameCrc | None:
+    def crc_of_all_order_codes(self) -> FrameCrc | None:
         """The CRC of all order codes. None without a CRC, or if only some order codes have it."""
         return next((crc for crc in self.crcs if not crc.is_optional), None)
 
@@ -101,7 +101,7 @@ class LayoutPlan:
         covered_fields: list[Field] = []
         for check in self.checks:
             if isinstance(check, ParityIs):
-                covered_fields += check.of
+                covered_fields += check.covered_fields
         return any(field.name in gray_names or field.kind.digit_code for field in covered_fields)
 
     @cached_property
@@ -111,7 +111,7 @@ class LayoutPlan:
         return constants | {check.padding.name: 0 for check in self.checks if isinstance(check, ZerosAbove)}
 
     @cached_property
-    def depends(self) -> bool:
+    def depends_on_order_code(self) -> bool:
         """True if generated code needs parameters of the order code to decode or encode this layout.
 
         This is the case if a position, a width, the Gray code, or the range of the position depends on the order code.
@@ -136,7 +136,7 @@ class LayoutPlan:
         return any(not answered_names.issuperset(expression.parameters) for expression in expressions)
 
     @property
-    def from_low(self) -> Sequence[int]:
+    def bytes_from_low(self) -> Sequence[int]:
         """Indices of the bytes in the frame, least significant byte first: 0, 1, 2 if the low byte is sent first.
 
         A field with a byte order of its own has its bytes in reverse order.
@@ -171,12 +171,12 @@ def layout_plan_of(device: Device, layout: Layout) -> LayoutPlan:
         crcs=tuple(_plan_crc(device, layout, field) for field in layout.crc_fields),
         gray=_find_gray(layout),
         digit_codings=tuple(_yield_digit_codings(layout)),
-        parts=tuple(_yield_parts(layout)),
+        decoded_fields=tuple(_yield_parts(layout)),
         joined_numbers=joined_numbers,
         alternatives=device.alternatives_of(layout),
         reserved=tuple(_yield_reserved(layout)),
         checks=checks,
-        terms=tuple(_yield_terms(layout)),
+        encoded_fields=tuple(_yield_terms(layout)),
     )
 
 
@@ -202,7 +202,7 @@ def _yield_reserved(layout: Layout) -> Iterator[Reserved]:
     """Yield the unused fields, each with the position of its lowest bit in the decoder's number ``unused``."""
     for field, bit_in_unused in layout.unused:
         documented_value = field.kind.value if isinstance(field.kind, Unused) else 0
-        yield Reserved(field, bits_of(layout, field), value=documented_value, place=bit_in_unused)
+        yield Reserved(field, bits_of(layout, field), value=documented_value, lowest_bit_in_unused=bit_in_unused)
 
 
 def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
@@ -225,9 +225,9 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
             field=field,
             bits=bits,
             covered=first_covered.low + first_covered.width - last_covered.low,
-            low=last_covered.low.constant,
-            is_part=True,
-            divides=False,
+            lowest_covered_bit=last_covered.low.constant,
+            covers_part_only=True,
+            is_checked_by_division=False,
             steps=(),  # Only a CRC of the whole frame has steps.
         )
     is_of_whole_words = checks_whole_words(device, crc)
@@ -236,9 +236,9 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
         field=field,
         bits=bits,
         covered=layout.bits - Expression(crc.width),
-        low=crc.width,
-        is_part=False,
-        divides=is_of_whole_words and is_checked_by_division(crc, layout),
+        lowest_covered_bit=crc.width,
+        covers_part_only=False,
+        is_checked_by_division=is_of_whole_words and is_checked_by_division(crc, layout),
         steps=fold_steps(crc, layout.widest) if is_of_whole_words else (),
     )
 
@@ -246,22 +246,20 @@ def _plan_crc(device: Device, layout: Layout, field: Field) -> FrameCrc:
 def _bits_at_end(layout: Layout, width: int) -> FieldBits:
     """Return the position of the last ``width`` bits of a frame: those of a CRC that only some order codes have.
 
-    In a layout of bytes, also return the byte of each slice.
+    In a layout of bytes, the result also says which bits of which byte they are.
     """
     low_byte_first = layout.byte_order == "low_byte_first"
     low = layout.bits - Expression(width) if low_byte_first else Expression(0)
-    byte_count = layout.widest // 8
+    last_byte_of_frame = layout.widest // 8 - 1
+    bytes_of_crc = (width + 7) // 8 if layout.in_bytes else 0  # rounded up
     bit_slices = []
-    starts_of_bytes = range(0, width, 8) if layout.in_bytes else ()
-    for low_in_crc in starts_of_bytes:
-        if low_byte_first:
-            bytes_to_end = (width - low_in_crc) // 8
-        else:
-            bytes_to_end = 1 + low_in_crc // 8
-        byte = byte_count - bytes_to_end
-        bits_in_byte = min(8, width - low_in_crc)
-        mask = (1 << bits_in_byte) - 1
-        bit_slices.append(BitSlice(byte=byte, low_in_byte=0, mask=mask, low_in_number=low_in_crc))
+    for byte_of_crc in range(bytes_of_crc):  # The byte 0 has the lowest bits of the CRC.
+        bytes_after = bytes_of_crc - 1 - byte_of_crc if low_byte_first else byte_of_crc
+        bits_below = 8 * byte_of_crc
+        mask = (1 << min(8, width - bits_below)) - 1
+        bit_slices.append(
+            BitSlice(byte=last_byte_of_frame - bytes_after, low_in_byte=0, mask=mask, low_in_number=bits_below)
+        )
     return locate_bits(layout, low, Expression(width), widest=width, bit_slices=tuple(bit_slices))
 
 
@@ -385,7 +383,7 @@ class ShiftedBits:
     value: int
 
 
-def moved_bits(layout_plan: LayoutPlan) -> tuple[ShiftedBits, ...]:
+def group_reserved_bits_by_shift(layout_plan: LayoutPlan) -> tuple[ShiftedBits, ...]:
     """Return the shifts that collect the reserved bits of a frame in one number, ``unused``.
 
     Fields of the same byte or word that need the same shift are combined. Fields whose position depends on the order
@@ -395,7 +393,7 @@ def moved_bits(layout_plan: LayoutPlan) -> tuple[ShiftedBits, ...]:
     for reserved in layout_plan.reserved:
         if not reserved.bits.are_fixed:
             continue
-        for bits in _shifted_bits(reserved, layout_plan.by_word):
+        for bits in _shifts_of_reserved_bits(reserved, layout_plan.by_word):
             byte_and_shift = (bits.byte, bits.shift)
             earlier_bits = bits_by_shift.get(byte_and_shift, bits)
             mask = earlier_bits.mask | bits.mask
@@ -404,19 +402,19 @@ def moved_bits(layout_plan: LayoutPlan) -> tuple[ShiftedBits, ...]:
     return tuple(bits_by_shift.values())
 
 
-def _shifted_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
+def _shifts_of_reserved_bits(reserved: Reserved, by_word: bool) -> Iterator[ShiftedBits]:
     """Yield the shifts that move reserved bits to their place in the number ``unused``.
 
     If the frame is processed as one word, a single shift moves them. Otherwise, each byte needs its own shift.
     """
-    value = reserved.value << reserved.place
+    value = reserved.value << reserved.lowest_bit_in_unused
     if by_word:
-        shift = reserved.bits.low.constant - reserved.place
+        shift = reserved.bits.low.constant - reserved.lowest_bit_in_unused
         yield ShiftedBits(byte=None, shift=shift, mask=reserved.mask, value=value)
         return
     for bit_slice in reserved.bits.bit_slices:
         # Position of the byte's lowest bit in ``unused``. A negative shift moves the bits up.
-        bit_in_unused = reserved.place + bit_slice.low_in_number
+        bit_in_unused = reserved.lowest_bit_in_unused + bit_slice.low_in_number
         shift = bit_slice.low_in_byte - bit_in_unused
         mask = bit_slice.mask << bit_in_unused
         yield ShiftedBits(byte=bit_slice.byte, shift=shift, mask=mask, value=value & mask)

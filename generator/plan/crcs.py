@@ -13,7 +13,12 @@ from functools import cache
 from itertools import combinations
 from math import comb
 
-from ..model import Crc, Device, Layout
+from ..model import (
+    Crc,
+    Device,
+    Layout,
+    answer_combinations,
+)
 from ..model.kinds import CrcValue
 from ..model.record import dataclass
 
@@ -35,7 +40,7 @@ class UndetectedErrors:
         return comb(self.bits, self.distance)
 
 
-def residual_of(crc: Crc, bits: int) -> UndetectedErrors:
+def undetected_errors_of(crc: Crc, bits: int) -> UndetectedErrors:
     """Return how many wrong bits ``crc`` always detects in a frame of ``bits`` bits, and how many errors it misses.
 
     ``bits`` includes the bits of the CRC. Start value, final XOR and bit order do not matter, because they are the same
@@ -182,20 +187,20 @@ class CoveredData(Enum):
 class CrcFunction:
     """Function that computes ``crc``.
 
-    ``carrier`` is the kind of data that it covers, and ``form`` its method. ``alone`` is true if the CRC needs no other
-    function. ``in_words`` is true if the CRC ends frames that are words: received as one number rather than as bytes.
+    ``is_only_function`` is true if the CRC needs no second function, over another kind of data. ``ends_words`` is true
+    if the CRC ends frames that are words: received as one number rather than as bytes.
     """
 
     crc: Crc
-    carrier: CoveredData
-    form: CrcMethod
-    alone: bool
-    in_words: bool
+    covered_data: CoveredData
+    method: CrcMethod
+    is_only_function: bool
+    ends_words: bool
 
     @property
     def steps(self) -> tuple[FoldStep, ...]:
         """Steps that reduce any 64-bit word to its remainder. Empty if the CRC cannot be folded."""
-        return fold_plan(self.crc.width, self.crc.poly, _LONGEST_WORD_BITS) if self.form is CrcMethod.FOLD else ()
+        return fold_plan(self.crc.width, self.crc.poly, _LONGEST_WORD_BITS) if self.method is CrcMethod.FOLD else ()
 
 
 def kinds_of_covered_data(device: Device, crc: Crc) -> tuple[CoveredData, ...]:
@@ -233,14 +238,20 @@ def crc_functions(device: Device) -> Iterator[CrcFunction]:
             # Folding needs a frame in which the CRC covers all other bits.
             if covered_data is CoveredData.BITS and not checks_whole_words(device, crc):
                 method = CrcMethod.TABLE
-            yield CrcFunction(crc=crc, carrier=covered_data, form=method, alone=is_only_function, in_words=ends_words)
+            yield CrcFunction(
+                crc=crc,
+                covered_data=covered_data,
+                method=method,
+                is_only_function=is_only_function,
+                ends_words=ends_words,
+            )
 
 
 def function_of(device: Device, layout: Layout, crc: Crc) -> CrcFunction:
     """Return the function that computes ``crc``, a CRC of the family, at the end of a layout."""
     covered_data = covered_data_of(layout)
     for function in crc_functions(device):
-        if function.carrier is covered_data and function.crc == crc:
+        if function.covered_data is covered_data and function.crc == crc:
             return function
     raise AssertionError(f"'{crc.name}' is not a CRC of '{layout.name}'")
 
@@ -337,7 +348,7 @@ _CRC_4 = (PublicVector("data byte 40h", 0x40, 8, _TI), PublicVector("data byte 0
 CONTROL_FIELDS = {0: 0x02, 1: 0x8A, 2: 0x92, 3: 0x1A, 6: 0x32, 7: 0xBA, 8: 0xC2, 12: 0x62, 13: 0xEA, 5: 0x2A, 10: 0x52}
 
 
-def vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
+def public_vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
     """Return the published words with their CRC if ``crc`` is one of the two BiSS CRCs: 6 or 4 bits, sent inverted.
 
     The tuple is empty for any other CRC.
@@ -346,3 +357,20 @@ def vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
         return ()
     vectors_by_width_and_poly = {(6, 0x03): _CRC_6, (4, 0x03): _CRC_4}
     return vectors_by_width_and_poly.get((crc.width, crc.poly), ())
+
+
+def crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
+    """Yield each CRC of a frame with each length in bits that the frame can have. A pair can come several times.
+
+    The lengths are those for each order code and each answer to an open question. If all frames have the CRC, the
+    longest frame that registers of the encoder can select is included.
+    """
+    if layout.always_has_crc:
+        for crc in device.crcs_of(layout):
+            yield crc, layout.widest
+    for variant in device.variants_over(interface):
+        for _, parameters_of_answers in answer_combinations(device.alternatives):
+            placed = layout.place({**variant.parameters, **parameters_of_answers})
+            placed_crc = device.crc_of(placed)
+            if placed_crc is not None:
+                yield placed_crc, placed.bits

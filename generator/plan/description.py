@@ -243,7 +243,7 @@ def describe(layout_plan: LayoutPlan, reporting: verdicts.ReportsAndVerdict | No
 def _describe_reserved_bits(reserved: Reserved) -> Unused:
     """Return reserved bits as data: their position, the value in the manual, and their place in ``unused``."""
     field = reserved.field
-    return Unused(field.low, field.width, value=reserved.value, place=reserved.place)
+    return Unused(field.low, field.width, value=reserved.value, place=reserved.lowest_bit_in_unused)
 
 
 def _byte_order(layout_plan: LayoutPlan) -> str:
@@ -258,7 +258,7 @@ def _computed_parities(layout_plan: LayoutPlan) -> Iterator[Check]:
 
     A parity bit that is the same in every frame of this layout is omitted, because it is encoded as a constant.
     """
-    for term in layout_plan.terms:
+    for term in layout_plan.encoded_fields:
         if isinstance(term.value, ParityOf):
             yield _describe_parity(term.field, term.value)
 
@@ -268,7 +268,7 @@ def _constant_ones(layout_plan: LayoutPlan) -> Iterator[tuple[BitSpan, int]]:
 
     Encoding starts from a frame of zeros, so constants of 0 need no operation.
     """
-    for term in layout_plan.terms:
+    for term in layout_plan.encoded_fields:
         if isinstance(term.value, ConstantNumber) and term.value.number != 0:
             bits = BitSpan(term.field.low, term.field.width)
             yield bits, term.value.number
@@ -312,7 +312,7 @@ def _describe_check(check: PlannedCheck) -> Check:
             return replace(check_of_field, values=(value,))
         case ZerosAbove(padding=padding):
             return replace(check_of_field, low=padding.low, width=padding.width, values=(0,))
-        case ParityIs(of=covered_fields, odd=odd, mask=mask):
+        case ParityIs(covered_fields=covered_fields, odd=odd, mask=mask):
             return replace(check_of_field, parity_of=_list_places(covered_fields), odd=odd, mask=mask)
         case IsOneOf(values=values):
             return replace(check_of_field, values=values)
@@ -322,7 +322,7 @@ def _describe_check(check: PlannedCheck) -> Check:
             return replace(check_of_field, limit=highest)
         case IsBetween(lowest=lowest, highest=highest):
             return replace(check_of_field, limit=highest, lowest=lowest)
-        case JoinNotAbove(whole=whole, highest=highest):
+        case JoinNotAbove(joined_number=whole, highest=highest):
             places = _list_places(whole.fields)
             return replace(check_of_field, low=whole.fields[-1].low, width=whole.width, limit=highest, joined=places)
         case _:
@@ -334,7 +334,7 @@ def _describe_join(joined_number: JoinedNumber) -> Join:
 
     The second member of each pair is the position of the field's lowest bit in the number.
     """
-    fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.from_low)
+    fields_from_low = tuple((Name(field.name), low) for field, low in joined_number.fields_from_low)
     return Join(name=Name(joined_number.join.name), fields=fields_from_low)
 
 
@@ -344,7 +344,7 @@ def _describe_parity(parity_bit: Field, parity: ParityOf) -> Check:
         low=parity_bit.low,
         width=parity_bit.width,
         fault=Fault.CONSTANT,
-        parity_of=_list_places(parity.of),
+        parity_of=_list_places(parity.covered_fields),
         odd=parity.odd,
         mask=parity.mask,
     )
@@ -359,28 +359,28 @@ def _describe_verdict_causes(verdict_rules: verdicts.VerdictRules) -> Iterator[D
     """Yield the causes of the verdict as data, with the causes of the worst verdict first."""
     for verdict, verdict_causes in verdict_rules.worst_first:
         for verdict_cause in verdict_causes:
-            cause = verdict_cause.by
+            cause = verdict_cause.cause
             yield DescribedVerdictCause(
                 verdict=verdict,
                 flag=Name(cause.field.name),
                 unless=tuple(Name(flag.field.name) for flag in verdict_cause.unless),
                 mask=_find_reserved_mask(cause),
-                only=verdict_cause.only,
+                only=verdict_cause.code_condition,
                 when=_list_conditions(cause),
-                chosen=verdict_cause.chosen,
+                chosen=verdict_cause.answer_condition,
             )
 
 
 def _describe_report_cause(report_cause: verdicts.ReportCause) -> DescribedReportCause:
     """Return the cause of a report as data: a flag, reserved bits, or the values of several fields."""
-    cause = report_cause.by
+    cause = report_cause.cause
     return DescribedReportCause(
         report=report_cause.report.name,
         flag=Name(cause.field.name),
         mask=_find_reserved_mask(cause),
-        only=report_cause.only,
+        only=report_cause.code_condition,
         when=_list_conditions(cause),
-        answered=_verdict_by_answer(report_cause.made_of),
+        answered=_verdict_by_answer(report_cause.described_field),
     )
 
 

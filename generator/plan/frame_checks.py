@@ -54,7 +54,7 @@ def locate_bits(
     """
     bits_above = layout.bits - low - width
     on_top = not layout.in_bytes and bits_above == Expression(0)
-    return FieldBits(low, width, widest=widest, on_top=on_top, bit_slices=bit_slices)
+    return FieldBits(low, width, widest=widest, has_no_bits_above=on_top, bit_slices=bit_slices)
 
 
 def checks_of_layout(device: Device, layout: Layout, by_word: bool) -> Iterator[Check]:
@@ -101,8 +101,8 @@ def _parity_check(layout: Layout, parity_bit: Field, parity_kind: Parity) -> Par
     return ParityIs(
         field=parity_bit,
         bits=bits_of(layout, parity_bit),
-        of=covered_fields,
-        of_bits=covered_bits,
+        covered_fields=covered_fields,
+        covered_bits=covered_bits,
         odd=parity_kind.odd,
         mask=parity_mask(parity_kind, covered_fields),
         known_parity=known_parity(layout, parity_bit, covered_fields, parity_kind),

@@ -43,13 +43,13 @@ class SelectedFrame:
 class FrameDispatch:
     """The frames of one sender, identified by ``selector``. ``fallback`` is the frame for all other values, or None.
 
-    The selector has the same position in all of them. ``needs`` is the number of bytes needed to read it.
+    The selector has the same position in all of them. ``bytes_needed`` is the number of bytes needed to read it.
     """
 
     sender: str
     selector: Field
     bits: FieldBits
-    needs: int
+    bytes_needed: int
     branches: tuple[SelectedFrame, ...]
     fallback: Layout | None
 
@@ -89,7 +89,7 @@ def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> FrameDispatch:
         sender=sender,
         selector=selector,
         bits=bits_of(first_layout, selector),
-        needs=last_byte + 1,
+        bytes_needed=last_byte + 1,
         branches=tuple(branches),
         fallback=fallback,
     )
@@ -142,13 +142,13 @@ def reply_to_data_id(interface: Rs485, data_id: int) -> Layout | None:
 class RequestAndReply:
     """A request with its reply, or None if the encoder does not answer.
 
-    ``repeats_first`` is true if the reply begins with the first byte of the request.
+    ``repeats_first_byte`` is true if the reply begins with the first byte of the request.
     """
 
     exchange: Exchange
     request: Layout
     reply: Layout | None
-    repeats_first: bool
+    repeats_first_byte: bool
 
     @property
     def defaults(self) -> dict[str, int]:
@@ -181,7 +181,7 @@ def _exchange_with_frames(exchange: Exchange, request: Layout, reply: Layout | N
     first_byte_of_request = _contents_of_first_byte(request)
     first_byte_of_reply = _contents_of_first_byte(reply) if reply is not None else frozenset()
     repeats_first = bool(first_byte_of_request) and first_byte_of_request == first_byte_of_reply
-    return RequestAndReply(exchange=exchange, request=request, reply=reply, repeats_first=repeats_first)
+    return RequestAndReply(exchange=exchange, request=request, reply=reply, repeats_first_byte=repeats_first)
 
 
 @dataclass(frozen=True, slots=True)
@@ -324,11 +324,11 @@ class IdentityRegister:
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """Identifying registers of one interface. ``alone`` is true if no other interface has such registers."""
+    """Identifying registers of one interface. ``is_only_interface`` is true if no other interface has any."""
 
     interface: str
     compared: tuple[IdentityRegister, ...]
-    alone: bool
+    is_only_interface: bool
 
 
 def identities(device: Device) -> Iterator[Identity]:
@@ -342,7 +342,7 @@ def identities(device: Device) -> Iterator[Identity]:
         for register_name, fields in fields_by_register.items():
             compared_registers.append(IdentityRegister(device.register(register_name), tuple(fields)))
         is_alone = len(fields_by_interface) == 1
-        yield Identity(interface=interface, compared=tuple(compared_registers), alone=is_alone)
+        yield Identity(interface=interface, compared=tuple(compared_registers), is_only_interface=is_alone)
 
 
 @dataclass(frozen=True, slots=True)

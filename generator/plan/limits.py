@@ -19,9 +19,9 @@ class NumberLimits:
     """The limits of a register, or of one of its meanings.
 
     ``member`` is the limited field or join, or empty if the limits apply to the whole register. ``low`` and ``high``
-    are None if the manual gives no limit. ``binds_low`` and ``binds_high`` are true if a value of ``width`` bits,
-    signed or unsigned, can be outside the limit. ``stands_for`` is the number that the value 0 encodes, if that is too
-    large for the bits of every order code, such as 256 in 8 bits. Otherwise it is 0.
+    are None if the manual gives no limit. ``can_be_below`` and ``can_be_above`` are true if a value of ``width`` bits,
+    signed or unsigned, can be outside the limit. ``number_for_zero`` is the number that the value 0 encodes, if that is
+    too large for the bits of every order code, such as 256 in 8 bits. Otherwise it is 0.
     """
 
     member: str
@@ -29,17 +29,17 @@ class NumberLimits:
     width: Expression
     low: Expression | None
     high: Expression | None
-    binds_low: bool
-    binds_high: bool
-    stands_for: int
+    can_be_below: bool
+    can_be_above: bool
+    number_for_zero: int
 
     @property
-    def binding(self) -> tuple[tuple[str, Expression], ...]:
+    def bounds_to_check(self) -> tuple[tuple[str, Expression], ...]:
         """``("min", low)`` and ``("max", high)``, each only if a value that fits can be outside it."""
         binding_limits = []
-        if self.low is not None and self.binds_low:
+        if self.low is not None and self.can_be_below:
             binding_limits.append(("min", self.low))
-        if self.high is not None and self.binds_high:
+        if self.high is not None and self.can_be_above:
             binding_limits.append(("max", self.high))
         return tuple(binding_limits)
 
@@ -73,9 +73,9 @@ def limits_of(device: Device, register: Register, meaning: RegisterMeaning | Non
         width=width,
         low=low,
         high=high,
-        binds_low=low is not None and _binds_low(device, low, representable_ranges),
-        binds_high=high is not None and _binds_high(device, high, representable_ranges),
-        stands_for=zero_means if is_above_range else 0,
+        can_be_below=low is not None and _can_be_below(device, low, representable_ranges),
+        can_be_above=high is not None and _can_be_above(device, high, representable_ranges),
+        number_for_zero=zero_means if is_above_range else 0,
     )
 
 
@@ -95,7 +95,7 @@ def _representable_range(width: Expression, signed: bool, parameters: Mapping[st
     return _RepresentableRange(parameters, lowest=0, highest=(1 << bits) - 1)
 
 
-def _binds_low(device: Device, low: Expression, representable_ranges: list[_RepresentableRange]) -> bool:
+def _can_be_below(device: Device, low: Expression, representable_ranges: list[_RepresentableRange]) -> bool:
     """Return whether the bits can represent a number below the limit ``low``, for any order code.
 
     Return true if the limit depends on the content of other registers.
@@ -105,7 +105,7 @@ def _binds_low(device: Device, low: Expression, representable_ranges: list[_Repr
     return any(low.value(representable.parameters) > representable.lowest for representable in representable_ranges)
 
 
-def _binds_high(device: Device, high: Expression, representable_ranges: list[_RepresentableRange]) -> bool:
+def _can_be_above(device: Device, high: Expression, representable_ranges: list[_RepresentableRange]) -> bool:
     """Return whether the bits can represent a number above the limit ``high``, for any order code.
 
     Return true if the limit depends on the content of other registers.
@@ -166,7 +166,7 @@ class NotZeroFor:
     """The number is 0, or it is above the maximum and is not the value that 0 encodes."""
 
     field: Field
-    stands_for: int
+    number_for_zero: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,14 +221,14 @@ class DigitsDisagree:
 class JoinDisagrees:
     """The fields of a join do not match its number, in languages that keep both."""
 
-    whole: JoinedNumber
+    joined_number: JoinedNumber
 
 
 @dataclass(frozen=True, slots=True)
 class JoinTooHigh:
     """The number of a join is above the highest one, which its fields could hold."""
 
-    whole: JoinedNumber
+    joined_number: JoinedNumber
     highest: Expression
 
 
@@ -262,7 +262,7 @@ def refusals(layout_plan: LayoutPlan) -> Iterator[Refusal]:
     The range of a position replaces all other checks of its field. Limits of a register are not included.
     """
     range_checks = {check.field.name: check for check in layout_plan.checks if isinstance(check, (NotAbove, IsBetween))}
-    for decoded_field in layout_plan.parts:
+    for decoded_field in layout_plan.decoded_fields:
         field = decoded_field.field
         match range_checks.get(field.name):
             case NotAbove(highest=highest):
@@ -275,7 +275,7 @@ def refusals(layout_plan: LayoutPlan) -> Iterator[Refusal]:
         yield JoinDisagrees(joined_number)
     for check in layout_plan.checks:
         if isinstance(check, JoinNotAbove):
-            yield JoinTooHigh(check.whole, check.highest)
+            yield JoinTooHigh(check.joined_number, check.highest)
 
 
 def powers_of_two(layout_plan: LayoutPlan) -> frozenset[str]:
@@ -283,7 +283,7 @@ def powers_of_two(layout_plan: LayoutPlan) -> frozenset[str]:
     return frozenset(refusal.field.name for refusal in refusals(layout_plan) if isinstance(refusal, NoPowerOfTwo))
 
 
-def outside(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLimits | None:
+def limits_check_of(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLimits | None:
     """Return the check that a field or joined number is within the limits of its register.
 
     Return None if the limits apply to the whole register, or if the bits cannot represent a number outside the limits.
@@ -292,9 +292,9 @@ def outside(layout_plan: LayoutPlan, limits: NumberLimits) -> OutsideLimits | No
     """
     if not limits.member:
         return None
-    bounds = limits.binding
+    bounds = limits.bounds_to_check
     minimum_of_1 = ("min", Expression(1))
-    for decoded_field in layout_plan.parts:
+    for decoded_field in layout_plan.decoded_fields:
         number = decoded_field.field.number
         rejects_zero = bool(number.zero_means) or number.power_of_two
         if rejects_zero and decoded_field.field.name == limits.member:
@@ -314,7 +314,7 @@ def depends_on_order_code(refusal: Refusal) -> bool:
         case NotBetween(lowest=lowest, highest=highest):
             return not (lowest.is_constant and highest.is_constant)
         case JoinDisagrees(whole):
-            return whole.depends
+            return whole.depends_on_order_code
         case OutsideLimits(bounds=bounds):
             return not all(limit.is_constant for _, limit in bounds)
         case NotOneOf() | NoPowerOfTwo() | DigitTooHigh() | DigitsDisagree():

@@ -25,14 +25,14 @@ from .values import (
 class FieldBits:
     """``width`` bits of the word, starting at ``low``.
 
-    ``bit_slices`` describe the same bits in bytes, lowest bits first. ``on_top`` is true if there are no
+    ``bit_slices`` describe the same bits in bytes, lowest bits first. ``has_no_bits_above`` is true if there are no
     bits above them, so a shift is enough to extract them. ``widest`` is the largest width of any order code.
     """
 
     low: Expression
     width: Expression
     widest: int
-    on_top: bool
+    has_no_bits_above: bool
     bit_slices: tuple[BitSlice, ...]
 
     @property
@@ -59,19 +59,19 @@ class ZerosAbove:
     """All bits above ``field`` in its container are 0. In the spec, these bits are the constant ``padding``.
 
     The container is the number of whole bytes in which the field is sent. ``bits`` are the bits of the field, in the
-    bytes that it can occupy. ``beyond`` are the bytes of the container that it never occupies.
+    bytes that it can occupy. ``bytes_beyond_field`` are the bytes of the container that it never occupies.
     """
 
     field: Field
     padding: Field
     bits: FieldBits
-    beyond: tuple[BitSlice, ...]
+    bytes_beyond_field: tuple[BitSlice, ...]
     fault = Fault.CONSTANT
 
     @property
-    def may_reach(self) -> bool:
+    def shares_bytes_with_field(self) -> bool:
         """True if the bytes that the field occupies also contain bits above it, for at least one order code."""
-        bits_of_occupied_bytes = self.field.container - 8 * len(self.beyond)
+        bits_of_occupied_bytes = self.field.container - 8 * len(self.bytes_beyond_field)
         # If the width depends on the order code, none of the bits belongs to the field for every order code.
         # A family reduced to one order code keeps ``widest``, so the constant width can be smaller.
         bits_always_in_field = self.bits.width.constant if self.bits.width.is_constant else 0
@@ -80,16 +80,16 @@ class ZerosAbove:
 
 @dataclass(frozen=True, slots=True)
 class ParityIs:
-    """The bit is the parity of the fields ``of``: 1 for an odd number of ones or, with ``odd``, for an even number.
+    """The bit is the parity of ``covered_fields``: 1 for an odd number of ones or, with ``odd``, for an even number.
 
     ``mask`` is the mask of the bits of each field that count, or 0 if all of them count. ``known_parity`` is the only
-    valid value of the bit in this frame if ``of`` is a single field with a single value, or else None.
+    valid value of the bit in this frame if it covers a single field with a single value, or else None.
     """
 
     field: Field
     bits: FieldBits
-    of: tuple[Field, ...]
-    of_bits: tuple[FieldBits, ...]
+    covered_fields: tuple[Field, ...]
+    covered_bits: tuple[FieldBits, ...]
     odd: bool
     mask: int
     known_parity: int | None
@@ -98,7 +98,7 @@ class ParityIs:
     @property
     def selector(self) -> Field:
         """The single field that the parity bit covers. Only for checks with a ``known_parity``."""
-        (field,) = self.of
+        (field,) = self.covered_fields
         return field
 
 
@@ -160,7 +160,7 @@ class JoinNotAbove:
     ``bits`` are those of ``field``, its most significant field.
     """
 
-    whole: JoinedNumber
+    joined_number: JoinedNumber
     bits: FieldBits
     highest: Expression
     fault = Fault.RANGE
@@ -168,7 +168,7 @@ class JoinNotAbove:
     @property
     def field(self) -> Field:
         """Most significant field of the number."""
-        return self.whole.fields[0]
+        return self.joined_number.fields[0]
 
 
 Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetween | JoinNotAbove
@@ -196,18 +196,19 @@ def checks_of_meaning(field: Field, bits: FieldBits) -> Iterator[Check]:
 class FrameCrc:
     """A CRC at the end of a frame.
 
-    It covers ``covered`` bits, starting at bit ``low``, which is everything before the CRC unless ``is_part`` is true.
-    ``divides`` is true if the polynomial divides every valid word once the final XOR is removed. ``steps``, if any,
-    then reduce the word without a table. If only some order codes have it, ``bits`` is its place in their frames.
+    It covers ``covered`` bits from ``lowest_covered_bit`` on, which is everything before the CRC unless
+    ``covers_part_only`` is true. ``is_checked_by_division`` is true if the polynomial divides every valid word once the
+    final XOR is removed. ``steps``, if any, then reduce the word without a table. If only some order codes have it,
+    ``bits`` is its place in their frames.
     """
 
     crc: Crc
     field: Field
     bits: FieldBits
     covered: Expression
-    low: int
-    is_part: bool
-    divides: bool
+    lowest_covered_bit: int
+    covers_part_only: bool
+    is_checked_by_division: bool
     steps: tuple[FoldStep, ...]
 
     @property
@@ -216,13 +217,13 @@ class FrameCrc:
         return not self.field.width.is_constant
 
     @property
-    def gap(self) -> int:
+    def bits_between(self) -> int:
         """Number of bits between the CRC and the lowest bit that it covers."""
         # The CRC is at bit 0, below the bits that it covers.
-        return self.low - self.crc.width
+        return self.lowest_covered_bit - self.crc.width
 
     @property
-    def inverted(self) -> int:
+    def inverted_mask(self) -> int:
         """Mask of the CRC bits that are sent inverted."""
         return self.crc.xorout
 
@@ -240,7 +241,7 @@ class Gray:
     excess: Expression = Expression(0)
 
     @property
-    def depends(self) -> bool:
+    def depends_on_order_code(self) -> bool:
         """True if the code, or the position of its bits, depends on the order code."""
         return bool(self.when) or not all(number.is_constant for number in (self.low, self.width, self.excess))
 
@@ -302,54 +303,54 @@ class JoinedNumber:
         return self.join.name
 
     @property
-    def from_low(self) -> Iterator[tuple[Field, Expression]]:
+    def fields_from_low(self) -> Iterator[tuple[Field, Expression]]:
         """Yield its fields, lowest first, each with the position of its lowest bit in the number."""
         low = Expression(0)
         for field in reversed(self.fields):
             yield field, low
             low += field.width
 
-    def joined(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
+    def number_of(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
         """Return the number that the fields form together, for an order code with these parameters.
 
         ``numbers`` has the number in each field, by the name of the field.
         """
-        return sum(numbers[field.name] << low.value(parameters) for field, low in self.from_low)
+        return sum(numbers[field.name] << low.value(parameters) for field, low in self.fields_from_low)
 
-    def parts(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
+    def field_numbers(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
         """Split ``number`` into the numbers of the fields that form it, and return them by the names of the fields.
 
-        This is the inverse of ``joined``. ``parameters`` are those of an order code.
+        This is the inverse of ``number_of``. ``parameters`` are those of an order code.
         """
         field_numbers: dict[str, int] = {}
-        for field, low in self.from_low:
+        for field, low in self.fields_from_low:
             mask = (1 << field.width.value(parameters)) - 1
             field_numbers[field.name] = (number >> low.value(parameters)) & mask
         return field_numbers
 
     @property
-    def depends(self) -> bool:
+    def depends_on_order_code(self) -> bool:
         """True if the position of any of its fields depends on the order code."""
-        return not all(low.is_constant for _, low in self.from_low)
+        return not all(low.is_constant for _, low in self.fields_from_low)
 
 
 @dataclass(frozen=True, slots=True)
 class Reserved:
     """Reserved bits. A decoder reports unexpected values but does not reject them.
 
-    A decoded frame contains one number for all reserved bits, ``unused``. Its bits starting at ``place`` are 1 where
-    this field differs from ``value``.
+    A decoded frame contains one number for all reserved bits, ``unused``. Its bits from ``lowest_bit_in_unused`` on are
+    1 where this field differs from ``value``.
     """
 
     field: Field
     bits: FieldBits
     value: int
-    place: int
+    lowest_bit_in_unused: int
 
     @property
     def mask(self) -> int:
         """Mask of its bits in ``unused``."""
-        return ((1 << self.bits.widest) - 1) << self.place
+        return ((1 << self.bits.widest) - 1) << self.lowest_bit_in_unused
 
 
 @dataclass(frozen=True, slots=True)
@@ -375,17 +376,17 @@ class ValueOfField:
 class ParityOf:
     """The parity bit over several fields. ``mask`` is the mask of the bits of each that count, or 0 for all bits."""
 
-    of: tuple[Field, ...]
+    covered_fields: tuple[Field, ...]
     odd: bool
     mask: int
 
 
 @dataclass(frozen=True, slots=True)
 class ReservedBits:
-    """Reserved bits: ``value``, with those bits inverted that are 1 in ``unused``, starting at ``place``."""
+    """Reserved bits: ``value``, with those bits inverted that are 1 in ``unused``, from ``lowest_bit_in_unused`` on."""
 
     value: int
-    place: int
+    lowest_bit_in_unused: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -397,7 +398,7 @@ class FieldToEncode:
     value: ConstantNumber | ValueOfField | ParityOf | ReservedBits
 
     @property
-    def depends(self) -> bool:
+    def depends_on_order_code(self) -> bool:
         """True if the code that encodes the field needs parameters of the order code.
 
         This is the case if its position depends on the order code. It is also the case if its width does, and the bits

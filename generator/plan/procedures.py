@@ -41,8 +41,8 @@ from .steps import (
     WaitTime,
     WriteRegister,
     argument_of_source,
+    bits_by_byte,
     checked_argument,
-    pieces_of,
 )
 
 
@@ -57,7 +57,7 @@ def plan_procedure(device: Device, procedure: Procedure) -> ProcedurePlan:
     for index, step in enumerate(procedure.steps):
         operation = _operation_of_step(device, procedure, step)
         if index in indices_that_lock_again and isinstance(operation, WriteRegister):
-            operation = replace(operation, closes=True)
+            operation = replace(operation, locks_again=True)
         operations.append(operation)
     operations_with_limits = _note_changed_limits(device, operations)
     verified_operations = tuple(_add_verification(operations_with_limits))
@@ -148,7 +148,7 @@ def _makes_writes_effective(write: WriteRegister) -> bool:
 
     This is a write to a register that cannot be read, such as a command register, or one that locks a register again.
     """
-    return write.closes or not write.register.readable
+    return write.locks_again or not write.register.readable
 
 
 def _writes_same_place(write: WriteRegister, earlier_write: WriteRegister) -> bool:
@@ -168,7 +168,7 @@ def _can_be_read_back(write: WriteRegister) -> bool:
     unused_fields = [field for field in register.layout.fields if isinstance(field.kind, Unused)]
     has_fixed_unused_bits = all(field.is_fixed for field in unused_fields)
     keeps_value = register.readable and not register.clears_itself
-    return keeps_value and not write.closes and has_fixed_unused_bits
+    return keeps_value and not write.locks_again and has_fixed_unused_bits
 
 
 def _slices_to_verify(write: WriteRegister) -> Iterator[BitSlice]:
@@ -201,22 +201,22 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Plan
         case PollStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)
-            return PollRegister(step, register, field, bit_slices=pieces_of(register, field))
+            return PollRegister(step, register, field, bit_slices=bits_by_byte(register, field))
         case ReadStep():
             register = device.register(step.register)
             read_field = register.layout.field(step.field) if step.field else None
-            return ReadRegister(step, register, read_field, bit_slices=pieces_of(register, read_field))
+            return ReadRegister(step, register, read_field, bit_slices=bits_by_byte(register, read_field))
         case ModifyStep():
             register = device.register(step.register)
             field = register.layout.field(step.field)
             argument = _argument_of_step(procedure, step)
             value = InField(argument, field) if argument is not None else FixedNumber(step.value or 0)
-            return WriteRegister(step, register, field, bit_slices=pieces_of(register, field), value=value)
+            return WriteRegister(step, register, field, bit_slices=bits_by_byte(register, field), value=value)
         case WriteStep():
             register = device.register(step.register)
             argument = _argument_of_step(procedure, step)
             source = _written_value(register, step, argument)
-            return WriteRegister(step, register, field=None, bit_slices=pieces_of(register), value=source)
+            return WriteRegister(step, register, field=None, bit_slices=bits_by_byte(register), value=source)
         case _:
             assert_never(step)
 

@@ -84,8 +84,8 @@ class WriteRegister:
 
     ``bit_slices`` are the affected bytes, or empty if the position of the field depends on the order code. In each, the
     bits ``mask << low_in_byte`` become ``(number >> low_in_number) & mask``. If an argument is written to the whole
-    register, ``determines_limits`` are the parameters in it on which limits of later steps depend. ``closes`` is true
-    if the write locks a register that an earlier step unlocked. It is made even if a step in between fails.
+    register, ``determines_limits`` are the parameters in it on which limits of later steps depend. ``locks_again`` is
+    true if the write locks a register that an earlier step unlocked. It is made even if a step in between fails.
     """
 
     step: WriteStep | ModifyStep
@@ -94,7 +94,7 @@ class WriteRegister:
     bit_slices: tuple[BitSlice, ...]
     value: ValueSource
     determines_limits: tuple[Parameter, ...] = ()
-    closes: bool = False
+    locks_again: bool = False
 
     @property
     def calls(self) -> tuple[MasterCall, ...]:
@@ -201,7 +201,7 @@ class CheckedArgument:
     """
 
     argument: Argument
-    written: tuple[WriteRegister, ...]
+    writes: tuple[WriteRegister, ...]
     refusals: tuple[ArgumentRefusal, ...]
 
 
@@ -226,7 +226,7 @@ class ProcedurePlan:
         return tuple(call for call in MasterCall if call in needed_calls)
 
 
-def pieces_of(register: Register, field: Field | None = None) -> tuple[BitSlice, ...]:
+def bits_by_byte(register: Register, field: Field | None = None) -> tuple[BitSlice, ...]:
     """Return the bits of a field, or of a whole register, byte by byte in ascending order of address.
 
     If the register can only be accessed as a whole, bytes outside the field are included with the mask 0. The tuple is
@@ -258,7 +258,7 @@ def checked_argument(device: Device, argument: Argument, writes: Sequence[WriteR
         # An argument that is written to the same register twice is checked only once.
         new_refusals = _argument_refusals(device, write, argument)
         refusals += [refusal for refusal in new_refusals if refusal not in refusals]
-    return CheckedArgument(argument=argument, written=writes_of_argument, refusals=tuple(refusals))
+    return CheckedArgument(argument=argument, writes=writes_of_argument, refusals=tuple(refusals))
 
 
 def _argument_refusals(device: Device, write: WriteRegister, argument: Argument) -> Iterator[ArgumentRefusal]:

@@ -23,11 +23,11 @@ T = TypeVar("T")
 class ByInterface(Generic[T]):
     """Each different value with the names of the interfaces that have it. The value with the most interfaces is last.
 
-    ``everywhere`` is true if every interface of the encoder has a value.
+    ``every_interface_has_value`` is true if every interface of the encoder has a value.
     """
 
-    cases: tuple[tuple[T, tuple[str, ...]], ...]
-    everywhere: bool
+    values_with_interfaces: tuple[tuple[T, tuple[str, ...]], ...]
+    every_interface_has_value: bool
 
 
 def by_interface(device: Device, find_value: Callable[[Interface], T | None]) -> ByInterface[T]:
@@ -44,7 +44,10 @@ def by_interface(device: Device, find_value: Callable[[Interface], T | None]) ->
             number_of_values += 1
     values_with_names = [(value, tuple(names)) for value, names in names_by_value.items()]
     values_with_names.sort(key=_number_of_names)
-    return ByInterface(cases=tuple(values_with_names), everywhere=number_of_values == len(device.interfaces))
+    return ByInterface(
+        values_with_interfaces=tuple(values_with_names),
+        every_interface_has_value=number_of_values == len(device.interfaces),
+    )
 
 
 def _number_of_names(value_with_names: tuple[object, tuple[str, ...]]) -> int:

@@ -54,23 +54,23 @@ Cause = FieldToDecode | Reserved | MatchingValues
 
 @dataclass(frozen=True, slots=True)
 class VerdictCause:
-    """Cause of a verdict: ``by`` a flag, reserved bits, or a combination of values.
+    """Cause of a verdict: ``cause`` a flag, reserved bits, or a combination of values.
 
     A flag that combines several others has no effect while one of the flags ``unless`` is active. ``unless`` omits
-    flags that lead to the same verdict or a worse one, since they make no difference. ``only`` selects the order codes
-    to which the cause applies, or is None for all of them. If an answer of the user to an open question decides the
-    verdict, ``chosen`` is the condition on the parameter that the answer sets.
+    flags that lead to the same verdict or a worse one, since they make no difference. ``code_condition`` selects the
+    order codes to which the cause applies, or is None for all of them. If an answer of the user to an open question
+    decides the verdict, ``answer_condition`` is the condition on the parameter that the answer sets.
     """
 
-    by: Cause
+    cause: Cause
     unless: tuple[FieldToDecode, ...]
-    only: CodeCondition | None = None
-    chosen: CodeCondition | None = None
+    code_condition: CodeCondition | None = None
+    answer_condition: CodeCondition | None = None
 
     @property
     def conditions(self) -> tuple[CodeCondition, ...]:
         """Conditions on parameters, all of which must be met for the cause to apply."""
-        return tuple(condition for condition in (self.only, self.chosen) if condition is not None)
+        return tuple(condition for condition in (self.code_condition, self.answer_condition) if condition is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,11 +98,11 @@ class VerdictRules:
         If no bit of its frames says whether the position is usable, ``otherwise`` is UNKNOWN. The causes of warnings
         are then omitted, since UNKNOWN is worse than a warning.
         """
-        not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
+        not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.cause, parameters))
         judges_position = self.judging_bits.value(parameters) > 0
         if not judges_position:
             return VerdictRules(not_usable, with_warning=(), otherwise=Verdict.UNKNOWN, judging_bits=Expression(0))
-        with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.by, parameters))
+        with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.cause, parameters))
         return VerdictRules(not_usable, with_warning, otherwise=self.otherwise, judging_bits=Expression(1))
 
     @property
@@ -154,7 +154,7 @@ def verdict_rules_of(layout_plan: LayoutPlan) -> VerdictRules:
 
 def _decoded_fields(layout_plan: LayoutPlan) -> dict[str, FieldToDecode]:
     """Return the fields of a frame that carry data, by name."""
-    return {decoded_field.field.name: decoded_field for decoded_field in layout_plan.parts}
+    return {decoded_field.field.name: decoded_field for decoded_field in layout_plan.decoded_fields}
 
 
 def _verdicts_of_flag(cause: Cause, fields: Mapping[str, FieldToDecode]) -> Iterator[tuple[Verdict, VerdictCause]]:
@@ -168,7 +168,7 @@ def _verdicts_of_flag(cause: Cause, fields: Mapping[str, FieldToDecode]) -> Iter
         for verdict, chosen in _verdict_by_answer(flag):
             # A combined flag that leads to the same verdict or a worse one makes no difference.
             milder = tuple(combined for combined in combined_flags if not _always_leads_to(combined, verdict, fields))
-            yield verdict, VerdictCause(by=cause, unless=milder, only=only, chosen=chosen)
+            yield verdict, VerdictCause(cause=cause, unless=milder, code_condition=only, answer_condition=chosen)
 
 
 def _flag_by_order_code(field: Field) -> Iterator[tuple[Flag, CodeCondition | None]]:
@@ -283,23 +283,23 @@ class NumberedReport:
 class ReportCause:
     """Cause of a report: an active flag, reserved bits that differ from the manual, or a combination of values.
 
-    ``only`` selects the order codes to which the report applies, or is None for all of them.
+    ``code_condition`` selects the order codes to which the report applies, or is None for all of them.
     """
 
     report: NumberedReport
-    by: Cause
-    only: CodeCondition | None = None
+    cause: Cause
+    code_condition: CodeCondition | None = None
 
     @property
     def conditions(self) -> tuple[CodeCondition, ...]:
         """The condition on the order code as a tuple, which is empty if the report applies to all order codes."""
-        return (self.only,) if self.only is not None else ()
+        return (self.code_condition,) if self.code_condition is not None else ()
 
     @property
-    def made_of(self) -> Field:
+    def described_field(self) -> Field:
         """The field of the cause, as the manual describes it for these order codes: explained or not."""
-        is_explained = self.only is None or self.only.holds
-        return self.by.field if is_explained else unexplained_flag(self.by.field)
+        is_explained = self.code_condition is None or self.code_condition.holds
+        return self.cause.field if is_explained else unexplained_flag(self.cause.field)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -307,7 +307,7 @@ class ReportsAndVerdict:
     """Reports and verdict of one layout. ``verdict_rules`` is None if the layout does not contain the position."""
 
     interface: Interface
-    codec: LayoutPlan
+    layout_plan: LayoutPlan
     causes: tuple[ReportCause, ...]
     verdict_rules: VerdictRules | None
 
@@ -334,7 +334,7 @@ def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
         for cause in verdict_causes(codec):
             for field, only in by_order_code(cause.field):
                 if _is_reported(field):
-                    causes.append(ReportCause(reports[layout.name, field.name], by=cause, only=only))
+                    causes.append(ReportCause(reports[layout.name, field.name], cause=cause, code_condition=only))
         verdict_rules = verdict_rules_of(codec) if device.has_verdict(interface.name, layout) else None
         if causes or verdict_rules is not None:
             reporting_by_frame[layout.name] = ReportsAndVerdict(interface, codec, tuple(causes), verdict_rules)

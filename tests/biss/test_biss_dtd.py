@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.targets import Library
-from codewheel.targets.biss.dtd import DtdError, validation_errors
-from codewheel.targets.biss.files import generate
+from codewheel.targets.biss.files import DtdError, generate, validation_errors
 
 # Document types do not depend on wording or rules.
 pytestmark = pytest.mark.slow

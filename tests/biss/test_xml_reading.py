@@ -36,7 +36,7 @@ MODULES = ("lxml", "xml", "defusedxml", "html5lib", "bs4", "xmltodict")
 EXPECTED = {
     # The document is our own, and requests of its document type are answered by the class above,
     # which knows only one file.
-    "generator/targets/biss/dtd.py": [
+    "generator/targets/biss/files.py": [
         (
             "fromstring",
             {

@@ -203,7 +203,7 @@ def codecs(view: DeviceView) -> list[StructCodec]:
 
 def members(codec: StructCodec) -> list[Member]:
     struct_members = []
-    for field in (part.field for part in codec.plan.parts):
+    for field in (part.field for part in codec.plan.decoded_fields):
         if isinstance(field.kind, Text):
             struct_members.append(Member("char", c_name(field.name), field.widest // 8))
             continue
@@ -264,7 +264,7 @@ def _codec_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
         yield "crc", crc, code
     for teller in view.interface.frame_selectors:
         kind = {"encoder": "reply", "master": "request"}[teller.dispatch.sender]
-        yield "select", kind, _select(view, kind, teller.by_bytes)
+        yield "select", kind, _select(view, kind, teller.function_of_bytes)
 
 
 def _select(view: DeviceView, kind: str, function: str) -> str:
@@ -284,7 +284,7 @@ def _select(view: DeviceView, kind: str, function: str) -> str:
 
 def _procedure_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
     for procedure in view.procedures:
-        name = procedure.run.procedure.name
+        name = procedure.plan.procedure.name
         fetch = _steps_with_arguments(procedure) if procedure.arguments else _steps(procedure)
         yield "steps", name, f"static void steps_{name}({view.prefix} variant, char *text)\n{{\n{fetch}}}\n"
 
@@ -381,7 +381,7 @@ def functions(view: DeviceView) -> list[Numeric]:
     of_positions = []
     for position_range in positions.ranges if positions is not None else ():
         for name in position_range.names:
-            kind = _OF_POSITIONS[name.removeprefix(position_range.scope)]
+            kind = _OF_POSITIONS[name.removeprefix(position_range.frame_in_names)]
             of_positions.append(Numeric(f"{view.prefix}_{name}", *_types(kind, position_range.is_signed)))
     if positions is not None:
         names = [name for name in positions.names if name in _OF_POSITIONS]
@@ -481,7 +481,7 @@ def _wrong_length(codec: StructCodec) -> str:
         return "b, 0U"
     if codec.word_has_length:
         return "cw_word_of(~(uint64_t)0U, 64U)"
-    return f"({codec.struct.number_type})~(uint64_t)0U" if codec.may_be_longer else ""
+    return f"({codec.struct.number_type})~(uint64_t)0U" if codec.word_may_be_longer else ""
 
 
 def _position(view: DeviceView, codec: StructCodec) -> str:

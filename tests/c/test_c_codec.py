@@ -547,7 +547,7 @@ def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
             expected = compute_bits(crc, int.from_bytes(data, "big"), 8 * length) if bits else compute_bytes(crc, data)
             pairs.append((f"{'WASC' if bits else 'WAJP'} crc {crc.name} {data.hex()}", f"0 {expected}"))
     check(run_words, pairs)
-    assert {function.crc.name: function.form.value for function in crc_functions(words)} == {
+    assert {function.crc.name: function.method.value for function in crc_functions(words)} == {
         "dense_16": "table",
         "started_5": "table",
         "ccitt": "table",

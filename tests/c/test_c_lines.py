@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from codewheel.model.expressions import Expression
 from codewheel.targets.c.comments import break_lines, end_comment
-from codewheel.targets.c.names import (
+from codewheel.targets.c.expressions import (
     CCall,
     CCast,
     CExpression,

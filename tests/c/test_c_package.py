@@ -15,8 +15,8 @@ import yaml
 from c_harness import RUNTIME, WARNINGS
 from codewheel.model import Device
 from codewheel.targets import Library
+from codewheel.targets.c.comments import without_special_characters
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.package import without_special_characters
 from working_tools import require
 
 HOSTILE = "x */ \" ' \\ ${HOME} $(shell) #{} ; ]] %s {{ 1 }}: - @a@\n\t é ??/"

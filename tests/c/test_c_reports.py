@@ -51,7 +51,7 @@ def by_interface(device: Device) -> list[Device]:
 
 def report_key(device: Device, cause: ReportCause) -> tuple[str, str]:
     """Return the field and the text of a report. A flag can have another meaning for other order codes."""
-    return cause.by.field.name, meaning(cause.made_of, alarm_of(device, cause.made_of))
+    return cause.cause.field.name, meaning(cause.described_field, alarm_of(device, cause.described_field))
 
 
 class ExpectedReports:

@@ -21,8 +21,7 @@ from codewheel.targets import Library
 from codewheel.targets.c.comments import break_lines
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.runtime_texts import runtime_headers
-from codewheel.targets.c.single_cuts import WordLength, cut_biss_receiver
+from codewheel.targets.c.header_text import WordLength, cut_biss_receiver, runtime_headers
 from exhaustive import mostly_exhaustive
 from rust_frames import numbers
 from test_c_codec import encoded_sample, samples, with_crc

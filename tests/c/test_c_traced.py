@@ -9,7 +9,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.runtime_texts import runtime_version
+from codewheel.targets.c.header_text import runtime_version
 
 SPECS = Path(__file__).resolve().parents[1] / "specs"
 TRACED = re.compile(r"Runtime (\d+)\.(\d+)\. Spec (\w+), content hash ([0-9a-f]{8})\.")

@@ -194,7 +194,7 @@ def test_patterns_of_refused_codes_are_looked_up(tmp_path: Path) -> None:
         '{name: part, meaning: Part, open: "[0-9]{3}", values: '
         '{100: {}, 101: {only_with: {resolution: ["12"]}}, 102: {only_with: {resolution: ["16"]}}}}'
     )
-    rows = [(row.pattern, row.code is None) for row in open_codes(codes_of(tmp_path, part))]
+    rows = [(row.pattern, row.order_code_index is None) for row in open_codes(codes_of(tmp_path, part))]
     refused = {pattern for pattern, is_refused in rows if is_refused}
     assert refused == {"MIN16101SC", "MIN12102SC"}
     assert [pattern for pattern, is_refused in rows if not is_refused] == ["MIN12###SC", "MIN16###SC"]

@@ -100,7 +100,7 @@ def frame(device: Device, code: str, layout: str, bits: str) -> codec.DecodedFra
 
 def test_what_the_language_carries_that_no_other_family_needs(device: Device) -> None:
     crc = device.crc("position_16")
-    forms = {function.crc.name: function.form.value for function in crc_functions(device)}
+    forms = {function.crc.name: function.method.value for function in crc_functions(device)}
     assert (crc.poly_with_top_bit, crc.init, forms["position_16"], forms["temperature_5"]) == (
         POSITION,
         0x5A3C,

@@ -169,7 +169,7 @@ def test_the_highest_position_of_equal_widths_depends_on_the_order_code(tmp_path
     (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
     (ring,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
     assert not report
-    assert layout_plan_of(ring, ring.layout("word")).depends
+    assert layout_plan_of(ring, ring.layout("word")).depends_on_order_code
 
 
 def test_the_lowest_position_depends_on_the_order_code_even_if_the_highest_does_not(tmp_path: Path) -> None:
@@ -180,7 +180,7 @@ def test_the_lowest_position_depends_on_the_order_code_even_if_the_highest_does_
     (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
     (ring,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
     assert not report
-    assert layout_plan_of(ring, ring.layout("word")).depends
+    assert layout_plan_of(ring, ring.layout("word")).depends_on_order_code
 
 
 @pytest.mark.parametrize(("bits", "accepted"), [(12, False), (13, True), (16, True)])

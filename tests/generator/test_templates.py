@@ -132,9 +132,9 @@ def test_a_folder_without_templates_is_told(place: Path, capsys: pytest.CaptureF
 
 @pytest.mark.slow
 def test_a_template_of_theirs_that_theirs_uses_is_fine(place: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    ours = (ROOT / "templates/c/crcs.h.jinja").read_text(encoding="utf-8")
+    ours = (ROOT / "templates/c/general_crcs.h.jinja").read_text(encoding="utf-8")
     shutil.copy(ROOT / "templates/c/parts.h.jinja", place / "t/c/mine.jinja")
-    (place / "t/c/crcs.h.jinja").write_text(ours.replace('"parts.h.jinja"', '"mine.jinja"'), encoding="utf-8")
+    (place / "t/c/general_crcs.h.jinja").write_text(ours.replace('"parts.h.jinja"', '"mine.jinja"'), encoding="utf-8")
     assert generate(capsys, "--target", "c") == (0, "")
     assert generate(capsys, "--target", "docs") == (0, ""), "the templates of other targets are not judged"
 

@@ -7,7 +7,7 @@ from math import comb
 
 import pytest
 from codewheel.model import Crc
-from codewheel.plan.crcs import residual_of
+from codewheel.plan.crcs import undetected_errors_of
 
 
 def crc(poly: int) -> Crc:
@@ -42,29 +42,29 @@ def crc(poly: int) -> Crc:
 def test_the_longest_data_for_a_distance(poly: int, data: int, distance: int) -> None:
     tested = crc(poly)
     if data < 1000:
-        assert residual_of(tested, data + tested.width).distance == distance
-        assert residual_of(tested, data + tested.width + 1).distance < distance
+        assert undetected_errors_of(tested, data + tested.width).distance == distance
+        assert undetected_errors_of(tested, data + tested.width + 1).distance < distance
     else:
-        assert residual_of(tested, 200).distance == distance
+        assert undetected_errors_of(tested, 200).distance == distance
 
 
 def test_words_of_hamming_codes() -> None:
     """The code (63, 57) of x^6 + x + 1 has 651 words of weight 3, and the codes of 7 and 15 bits have 7 and 35."""
-    assert residual_of(crc(0x43), 63).missed == 651 == 63 * 62 // 6
-    assert residual_of(crc(0xB), 7).missed == 7
-    assert residual_of(crc(0x13), 15).missed == 35
+    assert undetected_errors_of(crc(0x43), 63).missed == 651 == 63 * 62 // 6
+    assert undetected_errors_of(crc(0xB), 7).missed == 7
+    assert undetected_errors_of(crc(0x13), 15).missed == 35
 
 
 def test_the_exclusive_or_of_bytes() -> None:
     """Two wrong bits at the same position in two of the bytes: 8 positions for each pair."""
     for count in (3, 7, 11):
-        undetected = residual_of(crc(0x101), 8 * count)
+        undetected = undetected_errors_of(crc(0x101), 8 * count)
         assert (undetected.distance, undetected.missed) == (2, 8 * comb(count, 2))
 
 
 def test_a_distance_beyond_what_is_counted() -> None:
     """x^16 + x^12 + x^5 + 1 has only even weights, and a distance of 4. A CRC-32 of Ethernet detects more."""
-    undetected = residual_of(crc(0x104C11DB7), 60)
+    undetected = undetected_errors_of(crc(0x104C11DB7), 60)
     assert (undetected.distance, undetected.missed) == (5, 0)
 
 
@@ -85,5 +85,5 @@ def test_every_error_of_a_short_frame(poly: int, bits: int) -> None:
     for error_bits in range(1, 5):
         counts[error_bits] = sum(divides(error_at(places)) for places in combinations(range(bits), error_bits))
     distance = next((error_bits for error_bits, count in counts.items() if count), 5)
-    undetected = residual_of(crc(poly), bits)
+    undetected = undetected_errors_of(crc(poly), bits)
     assert (undetected.distance, undetected.missed) == (distance, counts.get(distance, 0))

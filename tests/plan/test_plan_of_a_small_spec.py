@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import BitSlice, Device, Fault, Rs485
-from codewheel.plan.codec import LayoutPlan, ShiftedBits, layout_plan_of, moved_bits
+from codewheel.plan.codec import LayoutPlan, ShiftedBits, group_reserved_bits_by_shift, layout_plan_of
 from codewheel.plan.frames import (
     Reply,
     dispatches,
@@ -20,7 +20,7 @@ from codewheel.plan.frames import (
     reply_to,
     reply_to_data_id,
 )
-from codewheel.plan.limits import limits_of, outside, powers_of_two, refusals
+from codewheel.plan.limits import limits_check_of, limits_of, powers_of_two, refusals
 from codewheel.plan.operations import (
     AlwaysIs,
     AtMost,
@@ -116,7 +116,7 @@ def test_values_that_a_procedure_writes(run: ProcedurePlan) -> None:
     values = [write.value for write in writes]
     position = run.procedure.arguments[0]
     assert values == [FixedNumber(0x5A), AsMember(position, "preset"), FixedNumber(1), FixedNumber(1), FixedNumber(0)]
-    assert [write.closes for write in writes] == [False, False, False, False, True]
+    assert [write.locks_again for write in writes] == [False, False, False, False, True]
     verified = [operation.write for operation in run.operations if isinstance(operation, VerifyWrite)]
     assert verified == writes[:3]
 
@@ -145,7 +145,7 @@ def test_which_procedure_changes_frames(small: Device, run: ProcedurePlan) -> No
     assert isinstance(write, WriteRegister)
     assert isinstance(write.value, InField)
     (argument,) = set_level.arguments
-    assert argument.written == (write,)
+    assert argument.writes == (write,)
     assert [type(refusal).__name__ for refusal in argument.refusals] == ["TooWide"]
 
 
@@ -178,11 +178,11 @@ def test_limits_of_registers(
 ) -> None:
     limits = limits_of(small, small.register(register))
     codec = layout_plan_of(small, small.register(register).layout)
-    assert (limits.member, limits.signed, limits.stands_for) == (member, signed, stands_for)
-    assert (limits.binds_low, limits.binds_high) == binds
+    assert (limits.member, limits.signed, limits.number_for_zero) == (member, signed, stands_for)
+    assert (limits.can_be_below, limits.can_be_above) == binds
     # The speed has a name for both values, so none is refused.
     assert [type(refusal).__name__ for refusal in refusals(codec)] == reasons
-    check = outside(codec, limits)
+    check = limits_check_of(codec, limits)
     assert [side for side, _ in (check.bounds if check is not None else ())] == checked
 
 
@@ -225,7 +225,7 @@ def test_sizes_of_received_frames(small: Device, by_hand: Device) -> None:
 def test_replies_by_their_first_byte(by_hand: Device) -> None:
     rs485 = rs485_of(by_hand)
     dispatch = next(dispatch for dispatch in dispatches(rs485.layouts) if dispatch.sender == "encoder")
-    assert (dispatch.selector.name, dispatch.needs, dispatch.fallback) == ("id", 1, None)
+    assert (dispatch.selector.name, dispatch.bytes_needed, dispatch.fallback) == ("id", 1, None)
     branches = [(branch.layout.name, branch.values) for branch in dispatch.branches]
     assert branches == [("low_reply", (1,)), ("high_reply", (3,)), ("modbus_reply", (2,))]
     names = [
@@ -247,11 +247,11 @@ def test_requests_with_their_replies(by_hand: Device) -> None:
     low_first, _ = load_library([TESTS / "specs" / "lowfirst.yaml", TESTS / "specs" / "manufacturer.yaml"])
     (asked,) = exchanges(spare[0].interface("rs485"))
     assert asked.reply is not None
-    assert (asked.request.name, asked.reply.name, asked.repeats_first) == ("ask", "answer", True)
+    assert (asked.request.name, asked.reply.name, asked.repeats_first_byte) == ("ask", "answer", True)
     assert asked.defaults == {}
     (over_spi,) = exchanges(low_first[0].interface("spi"))
     assert over_spi.reply is not None
-    assert (over_spi.request.name, over_spi.reply.name, over_spi.repeats_first) == ("ask", "position", False)
+    assert (over_spi.request.name, over_spi.reply.name, over_spi.repeats_first_byte) == ("ask", "position", False)
     assert exchanges(by_hand.interface("rs485")) == ()
     assert exchanges(by_hand.interface("ssi")) == ()
 
@@ -261,12 +261,12 @@ def test_unused_bits_of_bytes() -> None:
     valid_specs = TESTS / "check" / "ok_model"
     devices, _ = load_library([valid_specs / "spare.yaml", valid_specs / "manufacturer.yaml"])
     codec = plan(devices[0], "answer")
-    assert [(op.field.name, op.place, op.mask) for op in codec.reserved] == [
+    assert [(op.field.name, op.lowest_bit_in_unused, op.mask) for op in codec.reserved] == [
         ("rest", 0, 0xFF),
         ("more", 8, 0xFF00),
         ("odd", 16, 0xF0000),
     ]
-    assert moved_bits(codec) == (
+    assert group_reserved_bits_by_shift(codec) == (
         ShiftedBits(3, 0, 0xFF, 0),
         ShiftedBits(4, -8, 0xFF00, 0x1200),
         ShiftedBits(5, -16, 0xF0000, 0),
@@ -277,22 +277,24 @@ def test_unused_bits_of_bytes() -> None:
 
 
 def test_crcs_of_frames(small: Device, by_hand: Device) -> None:
-    whole, other = plan(small, "word").only_crc, plan(small, "padded_word").only_crc
+    whole, other = plan(small, "word").crc_of_all_order_codes, plan(small, "padded_word").crc_of_all_order_codes
     assert whole is not None
     assert other is not None
-    assert (whole.covered.value({"position_bits": 12}), whole.low, whole.is_part) == (12 + 2, 6, False)
-    assert (whole.gap, whole.inverted) == (0, 0x3F)
+    assert whole.covered.value({"position_bits": 12}) == 12 + 2
+    assert (whole.lowest_covered_bit, whole.covers_part_only) == (6, False)
+    assert (whole.bits_between, whole.inverted_mask) == (0, 0x3F)
     # The start value 55h makes the remainder of a valid frame depend on its length.
-    assert (whole.divides, other.divides) == (True, False)
-    part = plan(by_hand, "part_word").only_crc
+    assert (whole.is_checked_by_division, other.is_checked_by_division) == (True, False)
+    part = plan(by_hand, "part_word").crc_of_all_order_codes
     assert part is not None
     # Three bits are between the 8 covered bits and the CRC of 4 bits.
-    assert (part.covered.constant, part.low, part.gap, part.is_part) == (8, 7, 3, True)
-    assert (part.divides, part.steps) == (False, ())
-    crc = plan(by_hand, "crc_word").only_crc
+    assert (part.covered.constant, part.lowest_covered_bit, part.bits_between, part.covers_part_only) == (8, 7, 3, True)
+    assert (part.is_checked_by_division, part.steps) == (False, ())
+    crc = plan(by_hand, "crc_word").crc_of_all_order_codes
     assert crc is not None
-    assert (crc.covered.constant, crc.low, crc.gap, crc.is_part, crc.divides) == (8, 4, 0, False, False)
-    assert plan(by_hand, "text_word").only_crc is None
+    assert (crc.covered.constant, crc.lowest_covered_bit, crc.bits_between) == (8, 4, 0)
+    assert (crc.covers_part_only, crc.is_checked_by_division) == (False, False)
+    assert plan(by_hand, "text_word").crc_of_all_order_codes is None
 
 
 def test_checks_of_frames(by_hand: Device) -> None:
@@ -309,8 +311,8 @@ def test_checks_of_frames(by_hand: Device) -> None:
     even, odd = plan(by_hand, "parity_word").checks
     assert isinstance(even, ParityIs)
     assert isinstance(odd, ParityIs)
-    assert [field.name for field in even.of] == ["a", "b"]
-    assert [field.name for field in odd.of] == ["b"]
+    assert [field.name for field in even.covered_fields] == ["a", "b"]
+    assert [field.name for field in odd.covered_fields] == ["b"]
     assert (even.odd, even.mask, even.known_parity) == (False, 0, None)
     assert (odd.odd, odd.mask, odd.known_parity) == (True, 0, None)
 
@@ -318,7 +320,7 @@ def test_checks_of_frames(by_hand: Device) -> None:
 def test_reasons_to_refuse_values(by_hand: Device) -> None:
     reasons = [(type(refusal).__name__, refusal) for refusal in refusals(plan(by_hand, "number_word"))]
     assert [name for name, _ in reasons] == ["NotSigned", "NotZeroFor", "TooWide", "NoPowerOfTwo"]
-    assert getattr(reasons[1][1], "stands_for", 0) == 16
+    assert getattr(reasons[1][1], "number_for_zero", 0) == 16
     assert powers_of_two(plan(by_hand, "number_word")) == {"power"}
     names = [type(refusal).__name__ for refusal in refusals(plan(by_hand, "digit_word"))]
     assert names == ["DigitTooHigh", "DigitTooHigh", "DigitsDisagree"]
@@ -327,23 +329,30 @@ def test_reasons_to_refuse_values(by_hand: Device) -> None:
 
 def test_places_of_bits(by_hand: Device) -> None:
     codec = plan(by_hand, "number_word")
-    places = [(part.bits.low.constant, part.bits.width.constant, part.bits.on_top) for part in codec.parts]
+    bits_of_parts = [part.bits for part in codec.decoded_fields]
+    places = [(bits.low.constant, bits.width.constant, bits.has_no_bits_above) for bits in bits_of_parts]
     assert places == [(8, 4, True), (4, 4, False), (0, 4, False)]
-    assert (codec.by_word, codec.depends, codec.length) == (True, False, 1)
+    assert (codec.by_word, codec.depends_on_order_code, codec.length) == (True, False, 1)
     reply = plan(by_hand, "low_reply")
     assert (reply.by_word, reply.length) == (False, 4)
-    assert [list(plan(by_hand, name).from_low) for name in ("low_reply", "high_reply")] == [[0, 1, 2, 3], [3, 2, 1, 0]]
-    assert [part.bits.bit_slices for part in reply.parts] == [(BitSlice(1, 0, 0xFF, 0), BitSlice(2, 0, 0xFF, 8))]
-    assert [part.shared for part in plan(by_hand, "parity_word").parts] == [True, True]
-    assert [part.shared for part in plan(by_hand, "gray_word").parts] == [True, True, False]
+    byte_indices = [list(plan(by_hand, name).bytes_from_low) for name in ("low_reply", "high_reply")]
+    assert byte_indices == [[0, 1, 2, 3], [3, 2, 1, 0]]
+    assert [part.bits.bit_slices for part in reply.decoded_fields] == [
+        (BitSlice(1, 0, 0xFF, 0), BitSlice(2, 0, 0xFF, 8))
+    ]
+    assert [part.shared for part in plan(by_hand, "parity_word").decoded_fields] == [True, True]
+    assert [part.shared for part in plan(by_hand, "gray_word").decoded_fields] == [True, True, False]
 
 
 def test_reserved_bits(by_hand: Device) -> None:
     """The field sent last has the lowest bits of the number. The other reserved bit is at bit 6 of the word."""
     codec = plan(by_hand, "spare_word")
-    reserved = [(op.field.name, op.value, op.place, op.mask) for op in codec.reserved]
+    reserved = [(op.field.name, op.value, op.lowest_bit_in_unused, op.mask) for op in codec.reserved]
     assert reserved == [("second_spare", 1, 0, 0b111), ("first_spare", 2, 3, 0b11_000)]
-    assert moved_bits(codec) == (ShiftedBits(None, 0, 0b111, 1), ShiftedBits(None, 3, 0b11_000, 0b10_000))
+    assert group_reserved_bits_by_shift(codec) == (
+        ShiftedBits(None, 0, 0b111, 1),
+        ShiftedBits(None, 3, 0b11_000, 0b10_000),
+    )
 
 
 def test_numbers_of_several_fields(by_hand: Device) -> None:
@@ -351,21 +360,21 @@ def test_numbers_of_several_fields(by_hand: Device) -> None:
     codec = plan(by_hand, "gray_word")
     (position,) = codec.joined_numbers
     parameters = dict(by_hand.variant("HABG").parameters)
-    assert position.joined({"turns": 5, "angle": 10}, parameters) == 5 * 32 + 10
-    assert position.parts(5 * 32 + 10, parameters) == {"turns": 5, "angle": 10}
+    assert position.number_of({"turns": 5, "angle": 10}, parameters) == 5 * 32 + 10
+    assert position.field_numbers(5 * 32 + 10, parameters) == {"turns": 5, "angle": 10}
     assert position.width.value(parameters) == 3 + 5
-    assert position.depends
+    assert position.depends_on_order_code
     assert position.bits is not None
     assert position.bits.low.constant == 1
     assert codec.gray is not None
     assert (codec.gray.low.constant, codec.gray.width.value(parameters), codec.gray.when) == (1, 8, "")
-    assert codec.gray.depends
-    assert codec.depends
+    assert codec.gray.depends_on_order_code
+    assert codec.depends_on_order_code
 
 
 def test_terms_of_an_encoder(by_hand: Device) -> None:
     def values(layout: str) -> list[object]:
-        return [term.value for term in plan(by_hand, layout).terms]
+        return [term.value for term in plan(by_hand, layout).encoded_fields]
 
     low, high, mode, mark = values("flag_word")
     assert [type(value) for value in (low, high, mode)] == [ValueOfField] * 3

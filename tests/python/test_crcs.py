@@ -46,7 +46,7 @@ def test_each_is_the_one_of_the_model(crcs: tuple[Device, Any]) -> None:
     assert {crc.name for crc in device.crcs} - used >= {"usb", "g_704"}
     for function_plan in crc_functions(device):
         function = getattr(module, f"crc_{function_plan.crc.name}")
-        if function_plan.carrier is CoveredData.BYTES:
+        if function_plan.covered_data is CoveredData.BYTES:
             assert function(b"\x12\x34\x56") == compute_bytes(function_plan.crc, b"\x12\x34\x56"), (
                 function_plan.crc.name
             )

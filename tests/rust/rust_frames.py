@@ -95,7 +95,7 @@ class Case:
     def _row(self, decoded: DecodedFrame, changed_values: Mapping[str, int], mark: str = "") -> str:
         """Return the members. In an answer, also return the runs of digits and the joins."""
         fields = {decoded_field.name: decoded_field for decoded_field in decoded.fields}
-        members = [part.field for part in self.struct.codec.parts]
+        members = [part.field for part in self.struct.codec.decoded_fields]
         words = []
         for member in members:
             is_changed = member.name in changed_values

@@ -209,9 +209,9 @@ def _path(struct: Struct) -> str:
 
 
 def _crc_arguments(crc: CrcFunction) -> str:
-    if crc.carrier is CoveredData.BYTES:
+    if crc.covered_data is CoveredData.BYTES:
         return "&bytes(words.next().unwrap())"
-    bits = "" if crc.form is CrcMethod.FOLD else ", number(words) as u32"
+    bits = "" if crc.method is CrcMethod.FOLD else ", number(words) as u32"
     return f"word(words.next().unwrap()){bits}"
 
 
@@ -226,7 +226,7 @@ def _constants(struct: Struct) -> str:
 
 def masks(struct: Struct) -> dict[str, int]:
     """Return the masks of the fields of a register whose place in a word never changes."""
-    fields = [part.field for part in struct.codec.parts]
+    fields = [part.field for part in struct.codec.decoded_fields]
     fixed = [field for field in fields if field.low.is_constant and field.width.is_constant]
     if struct.layout.widest > 64:
         return {}
@@ -236,7 +236,7 @@ def masks(struct: Struct) -> dict[str, int]:
 def _implementation(struct: Struct) -> str:
     """Return code that reads and prints the members of a frame or register."""
     printed, parsed = [], []
-    for field in (part.field for part in struct.codec.parts):
+    for field in (part.field for part in struct.codec.decoded_fields):
         name = snake(field.name)
         match field.kind:
             case Flag():

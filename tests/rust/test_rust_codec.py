@@ -117,7 +117,7 @@ def test_what_does_not_fit_is_refused(program: Program) -> None:
         for case in cases(program, index):
             pairs.append((case.set, ""))
             sound = next(numbers(case, 1, random_))
-            for part in struct.codec.parts:
+            for part in struct.codec.decoded_fields:
                 placed_field = case.placed.find_field(part.field.name)
                 if placed_field is not None and not isinstance(part.field.kind, (Flag, Text)):
                     for value in _values(placed_field, struct.type_of(part.field), random_):
@@ -187,13 +187,13 @@ def test_crcs(program: Program) -> None:
     pairs = []
     for index, function in enumerate(program.family.crcs):
         for length in range(33):
-            if function.carrier is CoveredData.BYTES:
+            if function.covered_data is CoveredData.BYTES:
                 data = random_.randbytes(length)
                 pairs.append((f"c {index} x{data.hex()}", f"{compute_bytes(function.crc, data):X}"))
             else:
                 bits = min(2 * length, 64)
                 number = random_.getrandbits(bits)
-                expected = compute_bits(function.crc, number, 64 if function.form is CrcMethod.FOLD else bits)
+                expected = compute_bits(function.crc, number, 64 if function.method is CrcMethod.FOLD else bits)
                 pairs.append((f"c {index} {number:X} {bits}", f"{expected:X}"))
     check(program, pairs)
 

@@ -79,7 +79,7 @@ def _reports(codec: Codec) -> str:
     names = {}
     for cause in frame.causes:
         is_unexplained = cause.report.name.endswith("_unexplained")
-        names[cause.by.field.name, is_unexplained] = f"{codec.prefix}_report_{cause.report.name}".upper()
+        names[cause.cause.field.name, is_unexplained] = f"{codec.prefix}_report_{cause.report.name}".upper()
     terms = []
     for field, effect in _speaking(codec):
         cases = [case for case in _by_code(field) if case[0] or effect is not Verdict.USABLE]

@@ -150,7 +150,7 @@ class Peer:
         Python also keeps the bits of a register that belong to no field. C writes 0 there. A copy does not keep the
         bytes of a register with limits, so it is checked as in C.
         """
-        value = value._replace(unused=0) if codec.view.plan.keeps_others else value._replace()
+        value = value._replace(unused=0) if codec.view.plan.keeps_undefined_bits else value._replace()
         try:
             again = value.encode()
         except self.error as reason:

@@ -51,18 +51,20 @@ class Struct:
     @property
     def bits_to_decode(self) -> dict[str, FieldBits]:
         """Return the fields whose bits the decoder needs, by name. Constants in bytes are checked byte by byte."""
-        bits_by_name = {part.field.name: part.bits for part in self.codec.parts if not characters(part.field)}
+        bits_by_name = {part.field.name: part.bits for part in self.codec.decoded_fields if not characters(part.field)}
         for check in self.codec.checks:
             if not isinstance(check, AlwaysIs) or self.codec.by_word:
                 bits_by_name[check.field.name] = check.bits
             if isinstance(check, ParityIs):
-                bits_by_name |= {covered.name: bits for covered, bits in zip(check.of, check.of_bits, strict=True)}
+                covered_names = [covered.name for covered in check.covered_fields]
+                bits_by_name |= dict(zip(covered_names, check.covered_bits, strict=True))
         return bits_by_name
 
     @property
     def encoded_terms(self) -> list[FieldToEncode]:
         """Return the fields encoded as numbers, without zeros, the CRC and copied texts. Parity bits are last."""
-        terms = [term for term in self.codec.terms if term.value != ConstantNumber(0) and not characters(term.field)]
+        nonzero_terms = [term for term in self.codec.encoded_fields if term.value != ConstantNumber(0)]
+        terms = [term for term in nonzero_terms if not characters(term.field)]
         return sorted(terms, key=lambda term: isinstance(term.value, ParityOf))
 
     def type_of(self, field: Field) -> str:
@@ -187,6 +189,6 @@ class Family:
         return struct
 
 
-def crc_name(crc_function: CrcFunction) -> str:
+def crc_name(function: CrcFunction) -> str:
     """Return the name of the function for a CRC."""
-    return f"crc_{crc_function.crc.name}" + ("" if crc_function.alone else f"_{crc_function.carrier.value}")
+    return f"crc_{function.crc.name}" + ("" if function.is_only_function else f"_{function.covered_data.value}")

@@ -40,12 +40,12 @@ def conditions(struct: Struct, scope: Scope) -> Iterator[tuple[str, Verdict]]:
 def _active(struct: Struct, causes: Sequence[VerdictCause], scope: Scope) -> Iterator[str]:
     """Yield the condition that each cause is active. Unused bits are checked together."""
     for cause in causes:
-        if not isinstance(cause.by, Reserved):
+        if not isinstance(cause.cause, Reserved):
             terms = [_selects(condition, scope) for condition in cause.conditions]
-            terms += _terms(struct, cause.by)
+            terms += _terms(struct, cause.cause)
             terms += [f"!self.{snake(part.field.name)}" for part in cause.unless]
             yield " && ".join(terms)
-    mask = reduce(or_, (cause.by.mask for cause in causes if isinstance(cause.by, Reserved)), 0)
+    mask = reduce(or_, (cause.cause.mask for cause in causes if isinstance(cause.cause, Reserved)), 0)
     if mask:
         yield f"self.unused & {hexadecimal(mask)} != 0"
 

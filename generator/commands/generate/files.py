@@ -121,7 +121,7 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     Raises:
         CommandError: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
     """
-    from ...targets.biss.dtd import DtdError, read_dtd, validation_errors
+    from ...targets.biss.files import DtdError, read_dtd, validation_errors
 
     idbiss_texts: dict[str, str] = {}
     for path, text in files.items():

@@ -206,10 +206,10 @@ def master_settings(
 
 def _length_line(length: DataLength) -> str:
     """Return a data length as text, such as ``X-24: position 24 = 24 bits, with status bits 26, with CRC 32``."""
-    widths = " + ".join(f"{name} {width}" for name, width in length.parts.items())
+    widths = " + ".join(f"{name} {width}" for name, width in length.width_by_field.items())
     return (
         f"{_codes_and_answers_text(length)}: {widths} = {length.data_bits} bits, "
-        f"with status bits {length.with_status}, with CRC {length.total}"
+        f"with status bits {length.bits_with_status}, with CRC {length.bits_with_crc}"
     )
 
 

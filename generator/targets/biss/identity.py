@@ -58,8 +58,8 @@ class IdBits:
 class DataLength:
     """The length of the single cycle data of some order codes.
 
-    ``parts`` are the widths of the data fields in transmission order. ``answers`` are the answers to open questions
-    that the length applies to.
+    ``width_by_field`` are the widths of the data fields in transmission order. ``answers`` are the answers to open
+    questions that the length applies to.
     """
 
     codes: tuple[str, ...]
@@ -67,17 +67,17 @@ class DataLength:
     data_bits: int
     status_bits: int
     crc: Crc | None
-    parts: Mapping[str, int]
+    width_by_field: Mapping[str, int]
 
     @property
-    def with_status(self) -> int:
+    def bits_with_status(self) -> int:
         """The number of data and status bits."""
         return self.data_bits + self.status_bits
 
     @property
-    def total(self) -> int:
+    def bits_with_crc(self) -> int:
         """The number of bits with the CRC."""
-        return self.with_status + (self.crc.width if self.crc is not None else 0)
+        return self.bits_with_status + (self.crc.width if self.crc is not None else 0)
 
 
 def manufacturer_bits(biss_id: int) -> IdBits:
@@ -247,5 +247,5 @@ def _data_length(device: Device, placed_layout: PlacedLayout) -> DataLength:
         data_bits=sum(data_widths.values()),
         status_bits=sum(field.width for field in placed_layout.fields if field.name in status_names),
         crc=device.crc_of(placed_layout),
-        parts=data_widths,
+        width_by_field=data_widths,
     )

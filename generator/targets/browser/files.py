@@ -70,8 +70,7 @@ from ...why.other_order_codes import MOST_CUT_BITS, MOST_STATES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistakes, line_name
 from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
-from ..palette import palette_css
-from ..registry import licence_in, our_runtime
+from ..registry import licence_in, our_runtime, palette_css
 from .example_link import LinkedFrame, linked_frame
 from .layouts import (
     Data,
@@ -301,7 +300,7 @@ def _dispatch_data(interface: Interface, dispatch: FrameDispatch) -> Data:
             [bit_slice.byte, bit_slice.low_in_byte, bit_slice.mask, bit_slice.low_in_number]
             for bit_slice in dispatch.bits.bit_slices
         ],
-        needs=dispatch.needs,
+        needs=dispatch.bytes_needed,
         frames=[[indexes[branch.layout.name], *map(json_number, branch.values)] for branch in dispatch.branches],
     ) | {"fallback": indexes[dispatch.fallback.name] if dispatch.fallback is not None else -1}
 

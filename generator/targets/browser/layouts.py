@@ -231,7 +231,7 @@ def register_data(device: Device, register: Register) -> Data:
 def _report_data(device: Device, described_cause: DescribedReportCause, cause: ReportCause) -> Data:
     """Return a report of a frame, such as an error, with its texts."""
     data: Data = plain_data(described_cause)
-    return data | _report_texts(cause.made_of, alarm_of(device, cause.made_of))
+    return data | _report_texts(cause.described_field, alarm_of(device, cause.described_field))
 
 
 def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
@@ -258,7 +258,7 @@ def _layout_data(device: Device, layout_plan: LayoutPlan, description: Descripti
         "judging_bits": description.judging_bits,
     }
     checks = zip(description.checks, layout_plan.checks, strict=True)
-    crc = layout_plan.only_crc
+    crc = layout_plan.crc_of_all_order_codes
     optional_crcs = {
         frame_crc.field.name: frame_crc.crc.name for frame_crc in layout_plan.crcs if frame_crc.is_optional
     }
@@ -274,7 +274,7 @@ def _layout_data(device: Device, layout_plan: LayoutPlan, description: Descripti
         states=[[*map(dict, states)] for states in states_of_widths(device, layout_plan.layout)],
         crcs=optional_crcs,
         # If the CRC covers only a part of the frame: the lowest bit, and the number of bits.
-        crc_of=[crc.low, crc.covered.constant] if crc is not None and crc.is_part else [],
+        crc_of=[crc.lowest_covered_bit, crc.covered.constant] if crc is not None and crc.covers_part_only else [],
         asks=[alternative.name for alternative in layout_plan.alternatives],
         offers=[alternative.name for alternative in device.verdict_alternatives(layout_plan.layout)],
         held=_parameters_in_registers(device, layout_plan.layout, layout_plan),
@@ -302,7 +302,7 @@ def _field_data(layout_plan: LayoutPlan, description: Description) -> Iterator[D
 
     Users do not provide constants, parity bits and CRCs.
     """
-    encoded_values = {term.field.name: term.value for term in layout_plan.terms}
+    encoded_values = {term.field.name: term.value for term in layout_plan.encoded_fields}
     for column, field in zip(description.columns, layout_plan.layout.fields, strict=True):
         when_active, when_inactive = flag_state_meanings(field)
         # The condition on the order code under which the manual explains the field.
@@ -398,7 +398,7 @@ def _check_message(layout: Layout, check: Check) -> Data:
         case ParityIs():
             message = "parity"
             always = True
-            covered_names = [field.name for field in check.of]
+            covered_names = [field.name for field in check.covered_fields]
         case IsOneOf(field=field):
             always = field.name == layout.selector
             message = "of_other_frame" if always else "no_value"
@@ -409,7 +409,7 @@ def _check_message(layout: Layout, check: Check) -> Data:
             message = "not_in_code" if code else "too_high"
         case IsBetween():
             message = "outside"
-        case JoinNotAbove(whole=whole):
+        case JoinNotAbove(joined_number=whole):
             message = "too_high"
             field_name = whole.join.name
         case _:

@@ -111,10 +111,10 @@ def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
     """Return the comment on the function of a CRC: its argument, the facts of the CRC, and a special form."""
     facts = list(map(HEADER_STYLE.sentence, say_layout.describe_crc(device, function.crc)))
-    if function.carrier is CoveredData.BITS:
+    if function.covered_data is CoveredData.BITS:
         return ["Return the CRC of bits. Bit 0 is the last one sent.", *facts]
     paragraphs: list[Paragraph] = ["Return the CRC of bytes in the order sent.", *facts]
-    if function.form is CrcMethod.XOR and not any("XOR of the bytes" in fact for fact in facts):
+    if function.method is CrcMethod.XOR and not any("XOR of the bytes" in fact for fact in facts):
         paragraphs.append("With this polynomial, the CRC of whole bytes is their XOR.")
     return paragraphs
 
@@ -346,7 +346,7 @@ def note_of_step(device: Device, operation: PlannedStep) -> str:
             return "; ".join(filter(None, (step.data_id, succession, meaning)))
         case WriteRegister(step):
             purpose = meaning or f"{_register_place(device, operation)}: {step.value_name}"
-            return f"{purpose}, also done if an earlier step fails" if operation.closes else purpose
+            return f"{purpose}, also done if an earlier step fails" if operation.locks_again else purpose
         case VerifyWrite():
             return f"{_register_place(device, operation)}: read back, in addition to the steps in the manual"
         case ReadRegister() | PollRegister():

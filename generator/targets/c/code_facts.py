@@ -6,12 +6,37 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 
 from ...language.problems import join_words
-from ...model import Biss, CableLength, Clock, Clocked, Interface, Ssi, Timeout, Timing, cite
+from ...model import (
+    Biss,
+    CableLength,
+    Clock,
+    Clocked,
+    Interface,
+    Ssi,
+    Timeout,
+    Timing,
+    cite,
+)
 from ...model.order_codes import facts_for_code, repeated_names
 from ...model.record import dataclass
-from .context import CMacro, HeaderContext, timing_macros
-from .names import DeclaredName, c_number
+from ...say.order_code import describe_timing as say_timing
+from .comments import HEADER_STYLE
+from .context import HeaderContext
+from .names import CMacro, DeclaredName, c_number
 from .variants import CodeRow
+
+
+def timing_macros(timing: Timing, stem: str) -> Iterator[CMacro]:
+    """Yield a macro for each bound of a time that the manual gives, in microseconds: ``ACME_X_STARTUP_AT_MOST_US``.
+
+    The comment on the first macro describes the time, and the comments on the others refer to it.
+    """
+    note = HEADER_STYLE.sentence(say_timing(timing))
+    bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
+    for bound, value in bounds.items():
+        if value is not None:
+            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), value=c_number(value), note=note)
+            note = f"see {timing.name} above"
 
 
 def clock_limits(clock: Clock) -> Iterator[tuple[str, int, str]]:
@@ -171,7 +196,7 @@ class CodeFacts:
 
     def _function_name(self, ending: str, row: CodeRow) -> str:
         """Return the name of a function, which contains the first order code that uses it: ``acme_x_24_timeout_ns``."""
-        return f"{self._context.prefix}_{row.code.lower()}_{ending}"
+        return f"{self._context.prefix}_{row.name_in_macros.lower()}_{ending}"
 
 
 def _repeated_times(times: Sequence[Timing]) -> list[Timing]:

@@ -1,4 +1,4 @@
-"""The struct of a frame or register in C, with the names and the types that its decoder and encoder use."""
+"""The struct of a frame or register in C with its decoder and encoder, and the CRC functions that they call."""
 
 from __future__ import annotations
 
@@ -7,48 +7,44 @@ from functools import cached_property
 
 from ...model import Biss, ChannelFrame, Field, Spi, Ssi, channel_frame
 from ...model.expressions import Expression
+from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, byte_table, covered_data_of, word_table
 from ...plan.limits import OutsideLimits, depends_on_order_code
 from ...plan.operations import FrameCrc
-from .about import about_bits_crc, about_member, about_unused, about_word_crc
+from .about import about_bits_crc, about_crc, about_member, about_unused, about_word_crc
 from .comments import Paragraph
-from .crc_functions import BitsCrc, WordCrc, fold_operations
+from .context import AlternativeCode, HeaderContext, alternatives_in
+from .crcs import BitsCrc, CrcCode, WordCrc, fold_operations
 from .decode import CDecoder
 from .encode import CEncoder
-from .enumerations import AlternativeCode, alternatives_in
-from .names import (
-    CExpression,
-    CName,
-    CNumber,
-    COperation,
-    DeclaredName,
-    c_name,
-    c_number,
-    join_operands,
-    string,
-    unsigned,
-)
-from .structs import LayoutStruct
+from .expressions import CExpression, CName, CNumber, COperation, join_operands
+from .names import DeclaredName, c_name, c_number, string, unsigned
+from .reports import Reports
+from .structs import LayoutStruct, covers_32_bits
 
 
 class StructCodec:
     """The values that the templates print for the struct of a frame or register, its decoder and its encoder.
 
-    ``about`` is the comment on a frame, and is empty for a register. ``outside`` are the limits of a register that its
-    encoder checks.
+    ``about`` is the comment on a frame, and is empty for a register. The encoder of a register makes ``limit_checks``.
+    ``family_reports`` are the reports of the family, and None for a register.
     """
 
     def __init__(
-        self, struct: LayoutStruct, about: Sequence[Paragraph] = (), outside: Sequence[OutsideLimits] = ()
+        self,
+        struct: LayoutStruct,
+        about: Sequence[Paragraph] = (),
+        limit_checks: Sequence[OutsideLimits] = (),
+        family_reports: Reports | None = None,
     ) -> None:
         self.struct = struct
         self.plan = struct.plan
-        self.scope = struct.scope
+        self.spelling = struct.spelling
         self.name = struct.name
         self.type = struct.type
         self.length_macro = struct.length_macro
         self.about = tuple(about)
         self.decoder = CDecoder(struct)
-        self.encoder = CEncoder(struct, outside)
+        self.encoder = CEncoder(struct, limit_checks)
         alternatives = struct.context.alternatives
         self.alternatives = tuple(code for code in alternatives if code.alternative in self.plan.alternatives)
         #: Whether a program that reads an encoder decodes the struct, and encodes it. A simulator does the opposite.
@@ -56,8 +52,8 @@ class StructCodec:
         self.encodes = struct.register is not None or not self.decodes
         #: The reports of a frame, None for a register.
         self.reports = None
-        if struct.register is None:
-            self.reports = struct.context.reports.of(struct.layout, self.name, self.type)
+        if family_reports is not None:
+            self.reports = family_reports.of(struct.layout, self.name, self.type)
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with the path of the layout in the spec."""
@@ -163,7 +159,7 @@ class StructCodec:
         return f"{self.struct.number_type} word"
 
     @property
-    def may_be_longer(self) -> bool:
+    def word_may_be_longer(self) -> bool:
         """True if a word can have bits above the frame, because its type is wider than a frame of some order code."""
         bits = self.plan.layout.bits
         always_fills_word = bits.is_constant and bits.constant == self.struct.reader.word_size
@@ -198,15 +194,15 @@ class StructCodec:
         They are numbers joined from several fields, and numbers whose decimal digits are members, too.
         """
         join_names = (joined_number.join.name for joined_number in self.plan.joined_numbers)
-        decimal_names = (part.field.name for part in self.plan.parts if part.field.runs)
+        decimal_names = (part.field.name for part in self.plan.decoded_fields if part.field.runs)
         return (*join_names, *decimal_names)
 
     @cached_property
     def word_crc(self) -> WordCrc | None:
         """The function that computes the CRC of a whole word, or None if the layout has no such CRC."""
-        crc = self.plan.only_crc
+        crc = self.plan.crc_of_all_order_codes
         bits = self.plan.layout.widest
-        if crc is None or not crc.divides:
+        if crc is None or not crc.is_checked_by_division:
             return None
         is_wider_than_shift_register = crc.crc.width > 32
         if is_wider_than_shift_register:
@@ -215,7 +211,7 @@ class StructCodec:
         about = about_word_crc(self.struct.device, crc.crc, is_folded=bool(fold_steps))
         return WordCrc(
             name=f"{self.name}_crc",
-            function=self.struct.crc_function(crc),
+            general_function=self.struct.crc_function(crc),
             crc=crc.crc,
             bits=bits,
             folds=fold_steps,
@@ -237,7 +233,7 @@ class StructCodec:
         return BitsCrc(
             name=f"{self.name}_{crc.field.name}_crc" if crc.is_optional else f"{self.name}_crc",
             crc=crc.crc,
-            covered=crc.covered.constant,
+            covered_width=crc.covered.constant,
             type=unsigned(crc.crc.width),
             about=tuple(about_bits_crc(self.struct.device, crc.crc)),
         )
@@ -247,26 +243,26 @@ class StructCodec:
         return alternatives_in(self.alternatives, *expressions)
 
     @property
-    def decoder_depends(self) -> bool:
+    def decoder_uses_variant(self) -> bool:
         """True if the decoder uses the variant, because places or lengths depend on the order code."""
-        checks_length = not self.plan.in_bytes and self.may_be_longer
-        return self.plan.depends or checks_length
+        checks_length = not self.plan.in_bytes and self.word_may_be_longer
+        return self.plan.depends_on_order_code or checks_length
 
     @property
-    def encoder_depends(self) -> bool:
+    def encoder_uses_variant(self) -> bool:
         """True if the encoder uses the variant: for Gray code, fields, unused bits, limits or a CRC.
 
         A layout that depends only on the user's answer to an open question does not use the variant.
         """
-        depends_only_on_answers = bool(self.alternatives) and not self.plan.depends
+        depends_only_on_answers = bool(self.alternatives) and not self.plan.depends_on_order_code
         if depends_only_on_answers:
             return False
         gray = self.plan.gray
-        gray_depends = gray is not None and gray.depends
-        fields_depend = any(term.depends for term in self.plan.terms)
+        gray_depends = gray is not None and gray.depends_on_order_code
+        fields_depend = any(term.depends_on_order_code for term in self.plan.encoded_fields)
         limits_depend = any(depends_on_order_code(refusal) for refusal in self.encoder.refusals)
         crcs_depend = any(map(self._crc_depends, self.plan.crcs))
-        return gray_depends or fields_depend or self.struct.unused.depends or limits_depend or crcs_depend
+        return gray_depends or fields_depend or self.struct.unused.depends_on_order_code or limits_depend or crcs_depend
 
     def _crc_depends(self, crc: FrameCrc) -> bool:
         """Return True if the order code decides whether the frame has the CRC, or how many bits the CRC covers."""
@@ -278,7 +274,7 @@ class StructCodec:
     @property
     def expected_fields(self) -> tuple[Field, ...]:
         """The fields for which the manual states a value, such as a device ID."""
-        return tuple(part.field for part in self.plan.parts if part.field.equals is not None)
+        return tuple(part.field for part in self.plan.decoded_fields if part.field.equals is not None)
 
     @property
     def can_differ_from_manual(self) -> bool:
@@ -291,7 +287,7 @@ class StructCodec:
         return not isinstance(field.equals, Expression) or field.equals.is_constant
 
     @property
-    def expected_depends(self) -> bool:
+    def expected_values_depend_on_code(self) -> bool:
         """True if a value in the manual depends on the order code."""
         return not all(map(self.has_one_value, self.expected_fields))
 
@@ -332,6 +328,55 @@ class StructCodec:
                 for index in range(len(characters)):
                     yield COperation("==", (CName(f"{member}[{index}]"), CName(f"{macro}[{index}]")))
             case Expression() as equals if not equals.is_constant:
-                yield COperation("==", (CName(member), self.scope.expression_of(equals)))
+                yield COperation("==", (CName(member), self.spelling.expression_of(equals)))
             case _:
                 yield COperation("==", (CName(member), CName(macro)))
+
+
+def crc_code(context: HeaderContext, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
+    """Return the general function for a CRC, with its table if it has one.
+
+    The table is left out if no frame or register uses it. A frame with its own CRC function for words does not call
+    the general function, and only uses its table.
+    """
+    users = [codec for codec in codecs if _uses_function(codec, function)]
+    return CrcCode(
+        name=context.crc_name(function.crc, function.covered_data.value),
+        function=function,
+        about=tuple(about_crc(context.device, function)),
+        table=_table_entries(function) if users else (),
+        is_called=any(codec.word_crc is None for codec in users),
+        data_type=_type_of_covered_bits(function, users),
+    )
+
+
+def _type_of_covered_bits(function: CrcFunction, users: Sequence[StructCodec]) -> str:
+    """Return the type of the bits that a CRC covers: ``uint32_t`` if 32 bits are enough for all frames."""
+    crcs: list[FrameCrc] = []
+    for codec in users:
+        crcs += [frame_crc for frame_crc in codec.plan.crcs if frame_crc.crc == function.crc]
+    return "uint32_t" if all(map(covers_32_bits, crcs)) else "uint64_t"
+
+
+def _uses_function(codec: StructCodec, function: CrcFunction) -> bool:
+    """Return True if the code of a frame uses this CRC function or its table.
+
+    A frame of bits that arrives in bytes has a CRC function of its own (``bits_crcs``).
+    """
+    has_crc = any(frame_crc.crc == function.crc for frame_crc in codec.plan.crcs)
+    has_own_function = bool(codec.bits_crcs)
+    return has_crc and not has_own_function and covered_data_of(codec.struct.layout) is function.covered_data
+
+
+def _table_entries(function: CrcFunction) -> tuple[int, ...]:
+    """Return the entries of the table of a CRC, one for each byte, or nothing if its function needs no table.
+
+    A CRC in straight-line code (``FOLD``) has a table only for frames that are words.
+    """
+    crc = function.crc
+    if function.method is CrcMethod.TABLE:
+        is_reflected = function.covered_data is CoveredData.BYTES and crc.refin
+        return byte_table(crc.width, crc.poly, is_reflected)
+    if function.method is CrcMethod.FOLD and function.ends_words:
+        return word_table(crc.width, crc.poly)
+    return ()

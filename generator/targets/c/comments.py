@@ -98,7 +98,9 @@ def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
     first_line, *further_lines = comment_with_marks.splitlines()
     if not further_lines:
         return f" * {first_line.removeprefix('/* ').removesuffix(' */')}"
-    return "\n".join(further_lines[:-1])
+    # The first and the last line of a longer comment are only its marks.
+    lines_without_marks = further_lines[:-1]
+    return "\n".join(lines_without_marks)
 
 
 def in_comment_lead(text: str) -> str:
@@ -313,3 +315,9 @@ def _break_at(breaks: re.Pattern[str], code: _LongCode) -> list[str]:
             current_line += segment
         start = end
     return [*lines, current_line]
+
+
+def without_special_characters(text: str) -> str:
+    """Return ``text`` with single spaces in place of all characters special to CMake, Kconfig or pkg-config."""
+    plain_text = re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text))
+    return " ".join(plain_text.split())

@@ -1,19 +1,254 @@
-"""The context of every part of a header, and the constants that a part declares."""
+"""The context that all parts of a header share: the prefix of its names, enumerations, and open questions."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
-from ...model import Crc, Device, Layout, Parameter, Register, RegisterMeaning, Timing
+from ...language.document import Path
+from ...model import Alternative, Answer, Crc, Device, Field, Layout, Parameter, Register, RegisterMeaning, Value
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.crcs import kinds_of_covered_data
 from ...plan.frames import held_parameters
-from ...say.order_code import describe_timing as say_timing
-from .comments import HEADER_STYLE
-from .enumerations import AlternativeCode, Enumerations
-from .names import BY_VALUE, CCast, CExpression, ParameterSpelling, StructPassing, c_number, unsigned
-from .reports import Reports
+from ...plan.values import NamedChoice, meaning_of
+from ...say.errata import describe_erratum, errata
+from ...say.names_and_places import name_in_words, printed_name_of, title_of
+from ...say.register import describe_meaning
+from ...say.text import Statement, spec_text, statement
+from .comments import HEADER_STYLE, Paragraph
+from .expressions import (
+    BY_VALUE,
+    CExpression,
+    CName,
+    CNumber,
+    Conditional,
+    COperation,
+    ParameterSpelling,
+    StructPassing,
+)
+from .names import DeclaredName, c_name, unsigned
+
+
+@dataclass(frozen=True, slots=True)
+class EnumConstant:
+    """A constant of an enumeration, with its comment."""
+
+    name: str
+    value: int
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class CEnumeration:
+    """The named values of a field, as an enumeration in C, or as macros if a value is too large for an int.
+
+    ``digits`` is the number of hexadecimal digits of each value. ``statements`` are the statements about the field that
+    the comment on the enumeration contains. ``path`` is the part of the spec with the field.
+    """
+
+    type: str
+    about: Sequence[Paragraph] | str
+    statements: tuple[Statement, ...]
+    constants: tuple[EnumConstant, ...]
+    digits: int
+    path: Path
+
+    @property
+    def is_enum(self) -> bool:
+        """True if all values fit in a 16-bit int, the smallest one in C."""
+        return max((constant.value for constant in self.constants), default=0) <= 0x7FFF
+
+    @property
+    def names(self) -> Mapping[int, str]:
+        """The names of the constants, by their values."""
+        return {constant.value: constant.name for constant in self.constants}
+
+    def declared(self) -> Iterator[DeclaredName]:
+        """Yield the names of the type and of the constants, each with its part of the spec."""
+        yield self.type, self.path
+        for constant in self.constants:
+            yield constant.name, self.path
+
+
+class Enumerations:
+    """The enumerations of a family.
+
+    Fields with the same name and the same values share an enumeration. The only field of a register has its own, named
+    after the register.
+
+    ``choices`` contains the enumerations by owner and field. The owner is the name of a frame, or ``reg_`` and the name
+    of a register.
+    """
+
+    def __init__(self, device: Device, prefix: str) -> None:
+        self.prefix = prefix
+        self.choices: dict[tuple[str, str], CEnumeration] = {}
+        self.all: list[CEnumeration] = []
+        #: By field name, the values and the enumeration of the first field with this name.
+        self._shared: dict[str, tuple[Sequence[Value], CEnumeration]] = {}
+        for interface, layout in device.layouts():
+            path = ("interfaces", interface.name, "layouts", layout.name)
+            for field in layout.fields:
+                if isinstance(meaning_of(field), NamedChoice):
+                    self._add_enumeration(layout.name, field, path=path)
+        for register in device.registers:
+            for field in register.layout.fields:
+                if isinstance(meaning_of(field), NamedChoice):
+                    self._add_for_register(register, field)
+
+    def of(self, *path: str) -> list[CEnumeration]:
+        """Return the enumerations of fields in a part of the spec, such as ``("registers", "status")``."""
+        return [enumeration for enumeration in self.all if enumeration.path[: len(path)] == path]
+
+    def _add_for_register(self, register: Register, field: Field) -> None:
+        """Add the enumeration of a field in a register. If it is the only field, its type is ``PREFIX_REGISTER``."""
+        owner = f"reg_{register.name}"
+        path = ("registers", register.name)
+        if len(register.layout.fields) > 1:
+            self._add_enumeration(owner, field, path=path)
+            return
+        # The facts about the only field are in the comment on the register.
+        about = f"Values of {title_of(register)}."
+        self._add_new(owner, field, path=path, type_=f"{self.prefix}_{register.name}", about=about, statements=())
+
+    def _add_enumeration(self, owner: str, field: Field, path: Path) -> None:
+        """Add the enumeration of a field, or share the one of an earlier field with the same name and values.
+
+        The type for the first field with a name is ``PREFIX_FIELD``. For fields of the same name with other values, it
+        is ``PREFIX_OWNER_FIELD``.
+        """
+        statements = tuple(describe_meaning(field, field.meaning))
+        about = HEADER_STYLE.paragraph(statements) or f"Values of {title_of(field)}."
+        if field.name not in self._shared:
+            type_ = f"{self.prefix}_{field.name}"
+            enumeration = self._add_new(owner, field, path=path, type_=type_, about=about, statements=statements)
+            self._shared[field.name] = (field.values, enumeration)
+            return
+        shared_values, shared_enumeration = self._shared[field.name]
+        if shared_values == field.values:
+            self.choices[owner, field.name] = shared_enumeration
+        else:
+            type_ = f"{self.prefix}_{path[-1]}_{field.name}"
+            self._add_new(owner, field, path=path, type_=type_, about=about, statements=statements)
+
+    def _add_new(
+        self, owner: str, field: Field, path: Path, *, type_: str, about: str, statements: tuple[Statement, ...]
+    ) -> CEnumeration:
+        """Add and return a new enumeration with the values of a field.
+
+        ``statements`` are the statements about the field in the comment ``about``.
+        """
+        constants: list[EnumConstant] = []
+        for value in field.values:
+            name = f"{type_}_{value.name}".upper()
+            constants.append(EnumConstant(name=name, value=value.value, note=_describe_constant(value)))
+        enumeration = CEnumeration(
+            type=type_,
+            about=about,
+            statements=statements,
+            constants=tuple(constants),
+            # A hexadecimal digit for each 4 bits, rounded up.
+            digits=(field.widest + 3) // 4,
+            path=path,
+        )
+        self.choices[owner, field.name] = enumeration
+        self.all.append(enumeration)
+        return enumeration
+
+
+def _describe_constant(value: Value) -> str:
+    """Return the comment on a constant: the name that the manual prints and the meaning of the value, with its source.
+
+    A printed name that equals the name of the constant is left out. Without a text, the comment is the name in words.
+    """
+    is_named_as_printed = printed_name_of(value).lower() == value.name
+    statements = spec_text(value.meaning) if is_named_as_printed else describe_meaning(value, value.meaning)
+    description = HEADER_STYLE.paragraph(replace(statement, source=value.source) for statement in statements)
+    return description or name_in_words(value.name)
+
+
+#: Names of the other arguments and locals in the functions of a frame.
+_NAMES_OF_LOCALS = frozenset(
+    "bits bytes code crc flags frame in length out plain position received rx unused value variant verdict word".split()
+)
+
+
+@dataclass(frozen=True, slots=True)
+class AnsweredBy:
+    """The function ``name`` that returns a parameter which depends on the user's answer, and its value as C."""
+
+    name: str
+    about: str
+    value: CExpression
+
+
+class AlternativeCode:
+    """A question that the manual leaves open (an alternative), as an enumeration of its answers.
+
+    ``argument`` is the name of the function argument for the user's answer.
+    """
+
+    def __init__(self, device: Device, prefix: str, alternative: Alternative) -> None:
+        self.alternative = alternative
+        self.type = f"{prefix}_{alternative.name}"
+        self.argument = c_name(alternative.name, _NAMES_OF_LOCALS)
+        #: Name of the constant for the answer in the example programs.
+        self.constant = f"my_{alternative.name}"
+        about = [
+            HEADER_STYLE.sentence(statement(alternative.meaning, source=alternative.source)),
+            "Choose the answer for your encoder. No known source settles it, and there is no default.",
+        ]
+        for correction in errata(device, f"alternatives.{alternative.name}"):
+            about.append(HEADER_STYLE.sentence(describe_erratum(correction)))
+        self.enumeration = CEnumeration(
+            type=self.type,
+            about=about,
+            statements=(),
+            constants=tuple(self._build_constant(index, answer) for index, answer in enumerate(alternative.answers)),
+            digits=1,
+            path=("alternatives", alternative.name),
+        )
+        dependent = (parameter for parameter in device.parameters if parameter.alternative == alternative.name)
+        self.functions = tuple(self._build_function(prefix, parameter) for parameter in dependent)
+
+    def _build_constant(self, index: int, answer: Answer) -> EnumConstant:
+        note = HEADER_STYLE.sentence(statement(answer.meaning, source=answer.source))
+        return EnumConstant(name=f"{self.type}_{answer.name}".upper(), value=index, note=note)
+
+    def _build_function(self, prefix: str, parameter: Parameter) -> AnsweredBy:
+        about = HEADER_STYLE.sentence(statement(parameter.meaning, source=parameter.source))
+        return AnsweredBy(name=f"{prefix}_{parameter.name}", about=about, value=self._express_parameter(parameter.name))
+
+    def declared(self) -> Iterator[DeclaredName]:
+        """Yield the names at file scope, each with its part of the spec."""
+        yield from self.enumeration.declared()
+        yield from ((function.name, self.enumeration.path) for function in self.functions)
+
+    def _express_parameter(self, parameter: str) -> CExpression:
+        """Return the value of a parameter by answer, as C, such as ``code == CODE_GRAY ? 1U : 0U``."""
+        *other_answers, last_answer = self.alternative.answers
+        # The enumeration has a constant for each answer, in the same order.
+        *other_constants, _ = self.enumeration.constants
+        value: CExpression = CNumber(last_answer.sets[parameter])
+        for constant, answer in reversed(list(zip(other_constants, other_answers, strict=True))):
+            is_answer = COperation("==", (CName(self.argument), CName(constant.name)))
+            value = Conditional(is_answer, value_if_true=CNumber(answer.sets[parameter]), value_if_false=value)
+        return value
+
+
+def alternatives_in(alternatives: tuple[AlternativeCode, ...], *expressions: Expression) -> tuple[AlternativeCode, ...]:
+    """Return the open questions (alternatives) whose answers these expressions depend on."""
+    used_parameters: set[str] = set()
+    for expression in expressions:
+        used_parameters.update(expression.parameters)
+    needed_alternatives: list[AlternativeCode] = []
+    for alternative in alternatives:
+        # All answers set the same parameters.
+        parameters_of_answers = alternative.alternative.answers[0].sets
+        if not used_parameters.isdisjoint(parameters_of_answers):
+            needed_alternatives.append(alternative)
+    return tuple(needed_alternatives)
 
 
 class HeaderContext:
@@ -39,12 +274,11 @@ class HeaderContext:
         for alternative in self.alternatives:
             # All answers of an alternative set the same parameters.
             argument_by_parameter |= dict.fromkeys(alternative.alternative.answers[0].sets, alternative.argument)
-        self.scope = ParameterSpelling(
+        self.spelling = ParameterSpelling(
             prefix=self.prefix, largest=_largest_values(device), answers=argument_by_parameter, passing=passing
         )
         self.enumerations = Enumerations(device, self.prefix)
         self.choices = self.enumerations.choices
-        self.reports = Reports(device, self.prefix, self.choices, self.scope)
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
         """Return the name of the function that computes a CRC over ``bits`` or over ``bytes`` (``carried_as``).
@@ -78,7 +312,7 @@ class HeaderContext:
 
     def member_type(self, parameter: Parameter) -> str:
         """Return the type of a parameter in the variant."""
-        return unsigned(self.scope.largest[parameter.name].bit_length())
+        return unsigned(self.spelling.largest[parameter.name].bit_length())
 
 
 def _largest_values(device: Device) -> dict[str, int]:
@@ -93,80 +327,3 @@ def _largest_values(device: Device) -> dict[str, int]:
             if name in largest:
                 largest[name] = max(largest[name], held_parameter.highest_value)
     return largest
-
-
-@dataclass(frozen=True, slots=True)
-class CFunction:
-    """A function that returns one expression. ``uses_variant`` is True if the value depends on the order code."""
-
-    name: str
-    type: str
-    value: CExpression
-    about: str
-    uses_variant: bool
-
-
-def number_function(scope: ParameterSpelling, name: str, expression: Expression, largest: int, about: str) -> CFunction:
-    """Return the function for an expression whose values are at most ``largest``.
-
-    It has 32 bits if the values and all intermediate results fit, and otherwise 64. ``about`` is the comment on it.
-    """
-    # A product is computed before a negative constant is subtracted from it, so it is larger than the result.
-    has_product = any(term.is_product for term in expression.terms)
-    subtracted = min(expression.constant, 0) if has_product else 0
-    largest_intermediate = largest - subtracted
-    bits = max(largest_intermediate.bit_length(), 32)
-    value = scope.expression_of(expression)
-    if bits == 32 and scope.has_64_bits(expression):
-        value = CCast("uint32_t", value)
-    return CFunction(name, type=unsigned(bits), value=value, about=about, uses_variant=not expression.is_constant)
-
-
-def wide_number_function(scope: ParameterSpelling, name: str, expression: Expression, about: str) -> CFunction:
-    """Return the function for an expression, with a 64-bit result. ``about`` is the comment on it."""
-    value = scope.expression_of(expression)
-    # A power of two is computed in 64 bits, and so is what follows it.
-    begins_with_power = bool(expression.terms) and expression.terms[0].is_power
-    is_wide_constant = expression.is_constant and expression.constant > 0xFFFFFFFF
-    if not begins_with_power and not is_wide_constant:
-        value = CCast("uint64_t", value)
-    return CFunction(name, type="uint64_t", value=value, about=about, uses_variant=not expression.is_constant)
-
-
-@dataclass(frozen=True, slots=True)
-class CMacro:
-    """A macro with its value. ``note`` is the comment at the end of its line, empty if it needs none."""
-
-    name: str
-    value: str
-    note: str = ""
-
-
-def timing_macros(timing: Timing, stem: str) -> Iterator[CMacro]:
-    """Yield a macro for each bound of a time that the manual gives, in microseconds: ``ACME_X_STARTUP_AT_MOST_US``.
-
-    The comment on the first macro describes the time, and the comments on the others refer to it.
-    """
-    note = HEADER_STYLE.sentence(say_timing(timing))
-    bounds = {"AT_LEAST": timing.at_least_us, "TYPICAL": timing.typical_us, "AT_MOST": timing.at_most_us}
-    for bound, value in bounds.items():
-        if value is not None:
-            yield CMacro(f"{stem}_{timing.name}_{bound}_US".upper(), value=c_number(value), note=note)
-            note = f"see {timing.name} above"
-
-
-def scale_macros(layout: Layout, stem: str) -> Iterator[CMacro]:
-    """Yield the macros that convert fields with a scale to their unit, such as a temperature to degrees.
-
-    Their values have 64 bits, so that no product overflows.
-    """
-    for field in layout.fields:
-        scale = field.scale
-        name = f"{stem}_{field.name}".upper()
-        if scale is not None:
-            note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
-            yield CMacro(f"{name}_NUMERATOR", value=f"INT64_C({scale.numerator})", note=note)
-            magnitude = f"INT64_C({abs(scale.offset)})"
-            offset = f"(-{magnitude})" if scale.offset < 0 else magnitude
-            yield CMacro(f"{name}_OFFSET", offset)
-            yield CMacro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")

@@ -18,19 +18,8 @@ from ...plan.values import (
     ZeroMeans,
 )
 from .bits import ConstantByte, constant_bytes, digits
-from .names import (
-    CCall,
-    CCast,
-    CExpression,
-    CName,
-    CNumber,
-    Conditional,
-    COperation,
-    c_name,
-    join_operands,
-    masked,
-    unsigned,
-)
+from .expressions import CCall, CCast, CExpression, CName, CNumber, Conditional, COperation, join_operands, masked
+from .names import c_name, unsigned
 from .structs import LayoutStruct
 
 #: Names of arguments and locals in the generated functions. The locals of fields must have different names.
@@ -76,7 +65,7 @@ class CDecoder:
         self.struct = struct
         self.plan = struct.plan
         self.reader = struct.reader
-        self._plain_flags = {part.field.name for part in self.plan.parts if is_plain_flag(part)}
+        self._plain_flags = {part.field.name for part in self.plan.decoded_fields if is_plain_flag(part)}
         #: For each parity bit that is checked in the word: the mask of it and of all bits that it covers.
         self._word_parities: dict[str, int] = {}
         #: Fields that a check needs in a local.
@@ -89,12 +78,12 @@ class CDecoder:
                 if mask:
                     self._word_parities[check.field.name] = mask
                 else:
-                    checked_names.update(covered.name for covered in check.of)
+                    checked_names.update(covered.name for covered in check.covered_fields)
         unused_names = {reserved.field.name for reserved in self.plan.reserved}
         #: Unused fields that no check needs. Their bits only go to the member ``unused``.
         self._only_reported = unused_names - checked_names
 
-    def local(self, field: Field) -> CExpression:
+    def local_variable(self, field: Field) -> CExpression:
         """Return the local that holds the bits of a field."""
         return CName(c_name(field.name, _NAMES_OF_LOCALS))
 
@@ -107,13 +96,14 @@ class CDecoder:
         """
         names_without_local = self._plain_flags | self._only_reported | self.plan.constants.keys()
         names_without_local |= self._word_parities.keys()
-        names_without_local |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Latin1Text)}
+        texts = [part.field for part in self.plan.decoded_fields if isinstance(part.meaning, Latin1Text)]
+        names_without_local |= {field.name for field in texts}
         names_without_local |= {crc.field.name for crc in self.plan.crcs}
         return tuple(field for field in self.plan.layout.fields if field.name not in names_without_local)
 
-    def raw(self, field: Field) -> tuple[str, CExpression]:
+    def type_and_received_bits(self, field: Field) -> tuple[str, CExpression]:
         """Return the C type and the received bits of a field: ``uint8_t`` and ``(uint8_t)(bytes[1] >> 4)``."""
-        return self.reader.value(self.plan.bits_of(field.name))
+        return self.reader.type_and_bits(self.plan.bits_of(field.name))
 
     def bits_as_sent(self, field: Field) -> CExpression:
         """Return the bits of a field before any Gray code is converted."""
@@ -176,7 +166,7 @@ class CDecoder:
         if self.plan.by_word:
             yield from (check for check in checks if isinstance(check, AlwaysIs))
         else:
-            yield from (check for check in checks if isinstance(check, ZerosAbove) and check.may_reach)
+            yield from (check for check in checks if isinstance(check, ZerosAbove) and check.shares_bytes_with_field)
             yield from constant_bytes(checks)
 
     def is_of_other_frame(self, parity: ParityIs) -> CExpression:
@@ -188,7 +178,7 @@ class CDecoder:
         assert parity.known_parity is not None
         # A known parity covers a single field with a single value: here the selector, with the value of this frame.
         (selected_value,) = self.plan.layout.selects
-        (selector_bits,) = parity.of_bits
+        (selector_bits,) = parity.covered_bits
         slices_and_numbers = [(bit_slice, selected_value) for bit_slice in selector_bits.bit_slices]
         slices_and_numbers += [(bit_slice, parity.known_parity) for bit_slice in parity.bits.bit_slices]
         byte_indices = {bit_slice.byte for bit_slice, _ in slices_and_numbers}
@@ -219,8 +209,8 @@ class CDecoder:
         """Return the condition that the selector or its parity bit, both in locals, differs from this frame's."""
         selector = parity.selector
         values_of_frame = self.plan.layout.selects
-        selector_differs = self.struct.is_none_of(selector, self.local(selector), values_of_frame, is_raw=True)
-        parity_differs = COperation("!=", (self.local(parity.field), CNumber(known_parity)))
+        selector_differs = self.struct.is_none_of(selector, self.local_variable(selector), values_of_frame, is_raw=True)
+        parity_differs = COperation("!=", (self.local_variable(parity.field), CNumber(known_parity)))
         return join_operands("||", (selector_differs, parity_differs))
 
     def _mask_in_word(self, parity: ParityIs) -> int:
@@ -234,7 +224,7 @@ class CDecoder:
         if not is_in_plain_word or parity.known_parity is not None:
             return 0
         parameters: set[str] = set()
-        for bits in (parity.bits, *parity.of_bits):
+        for bits in (parity.bits, *parity.covered_bits):
             parameters.update((*bits.low.parameters, *bits.width.parameters))
         depends_on_order_code_alone = parameters.isdisjoint(self._parameters_beyond_order_code())
         masks = {_mask_for_code(parity, variant.parameters) for variant in self.struct.device.variants}
@@ -257,20 +247,20 @@ class CDecoder:
         mask = self._word_parities[parity.field.name]
         if mask > _LOWER_HALF:
             return CCall("cw_parity_64", (masked(self.reader.word, mask),))
-        return CCall("cw_parity", (masked(self.reader.lower(32), mask),))
+        return CCall("cw_parity", (masked(self.reader.word_or_lower_half(32), mask),))
 
     def parity_pair_of_word(self, parities: Sequence[ParityIs]) -> CExpression:
         """Return the parities of the odd and of the even bits in the word that two parity bits cover."""
         mask = 0
         for parity in parities:
             mask |= self._word_parities[parity.field.name]
-        return CCall("cw_parities", (masked(self.reader.lower(32), mask),))
+        return CCall("cw_parities", (masked(self.reader.word_or_lower_half(32), mask),))
 
     def parity(self, fields: Sequence[Field], mask: int) -> CExpression:
         """Return the parity of these fields, or of their bits in ``mask`` if it is not 0."""
         if self.plan.parity_covers_converted:
             return self.reader.parity_as_sent(fields, mask)
-        return self.reader.parity([(self.local(field), field.widest) for field in fields], mask)
+        return self.reader.parity([(self.local_variable(field), field.widest) for field in fields], mask)
 
     # -- members
 
@@ -317,7 +307,7 @@ class CDecoder:
         The byte of adjacent flags comes before the first of them.
         """
         flag_bytes = self._first_flags_of_bytes()
-        for part in self.plan.parts:
+        for part in self.plan.decoded_fields:
             if part.field.name in flag_bytes:
                 yield flag_bytes[part.field.name]
             yield part
@@ -330,7 +320,7 @@ class CDecoder:
         """
         byte_by_first_flag: dict[str, int] = {}
         previous_byte = -1
-        for part in self.plan.parts:
+        for part in self.plan.decoded_fields:
             if is_plain_flag(part) and not self.plan.by_word:
                 byte = part.bits.bit_slices[0].byte
                 if byte != previous_byte:
@@ -343,20 +333,20 @@ class CDecoder:
             flag_bytes[name] = FlagByte(byte, is_first=is_first, is_only=is_only)
         return flag_bytes
 
-    def members(self, part: FieldToDecode) -> Iterator[tuple[str, CExpression]]:
+    def members_filled_by(self, part: FieldToDecode) -> Iterator[tuple[str, CExpression]]:
         """Yield the members of the struct that a field fills, each with its value.
 
         An example is ``error`` with ``(flags & 0x80U) != 0U``. A number whose decimal digits are members, too, and a
         text fill several members.
         """
         name = c_name(part.field.name)
-        bits = self.local(part.field)
+        bits = self.local_variable(part.field)
         type_ = self.struct.type_of(part.field)
         match part.meaning:
             case UnsignedNumber() | NamedChoice():
                 yield name, self._bits_as(type_, part)
             case TwosComplement():
-                width = self.struct.scope.expression_of(part.field.width)
+                width = self.struct.spelling.expression_of(part.field.width)
                 signed_number = CCall("cw_signed", (bits, width))
                 yield name, CCast(type_, signed_number)
             case ZeroMeans(number_for_zero):
@@ -364,7 +354,7 @@ class CDecoder:
                 number = Conditional(is_zero, value_if_true=CNumber(number_for_zero), value_if_false=bits)
                 yield name, CCast(type_, number)
             case ActiveFlag(low):
-                bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
+                bit = self.reader.flag_bit(part.bits) if is_plain_flag(part) else bits
                 is_active = self._is_active(part, bit, low_is_active=low)
                 yield name, CName(is_active.operand)
             case DecimalDigits(runs):
@@ -387,14 +377,14 @@ class CDecoder:
         An active-low flag of which only some order codes have the bit is compared with its width, which is 1 or 0.
         """
         if low_is_active and not part.field.width.is_constant:
-            return COperation("!=", (bit, self.struct.scope.expression_of(part.field.width)))
+            return COperation("!=", (bit, self.struct.spelling.expression_of(part.field.width)))
         operator = "==" if low_is_active else "!="
         return COperation(operator, (bit, CNumber(0)))
 
     def _bits_as(self, type_: str, part: FieldToDecode) -> CExpression:
         """Return the bits of a part, with a cast if the member has another type."""
-        bits = self.local(part.field)
-        type_of_local, _ = self.raw(part.field)
+        bits = self.local_variable(part.field)
+        type_of_local, _ = self.type_and_received_bits(part.field)
         return bits if type_of_local == type_ else CCast(type_, bits)
 
     def is_fixed(self, field: Field) -> bool:
@@ -403,7 +393,7 @@ class CDecoder:
 
     def number_of_join(self, joined_number: JoinedNumber) -> CExpression:
         """Return the number that several fields form (a join), from the word or from the locals of the fields."""
-        return self.reader.number_of_join(joined_number, self.local)
+        return self.reader.number_of_join(joined_number, self.local_variable)
 
 
 def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
@@ -412,7 +402,7 @@ def _mask_for_code(parity: ParityIs, parameters: Mapping[str, int]) -> int:
     ``parameters`` are the values of that order code.
     """
     word_mask = _field_mask(parity.bits, parameters)
-    for bits in parity.of_bits:
+    for bits in parity.covered_bits:
         word_mask |= _field_mask(bits, parameters, parity.mask)
     return word_mask
 

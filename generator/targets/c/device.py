@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Protocol, TypeVar
 
-from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_or_raise
+from ...model import Biss, Device, Document, Layout, Parameter, Procedure, Register, Rs485, Spi, Ssi, first_or_raise
 from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
@@ -20,22 +20,21 @@ from ...say.errata import describe_erratum, errata
 from ...say.evidence import describe_grade, origin, other_editions, removals, titled_in_lists
 from ...say.order_code import initial
 from .. import TargetError
-from .channels import channel_code
-from .chosen import chosen_variant
-from .code_facts import CodeFacts
-from .codec import StructCodec
+from .code_facts import CodeFacts, timing_macros
+from .codec import StructCodec, crc_code
 from .comments import HEADER_STYLE, Paragraph
-from .context import CMacro, HeaderContext, timing_macros
-from .crc_code import CrcCode, crc_code
+from .context import HeaderContext
+from .crcs import CrcCode
+from .expressions import BY_VALUE, StructPassing
+from .header_text import runtime_version
 from .interfaces import InterfaceCode, ReplyRequest
-from .name_clashes import HeaderNames
-from .names import BY_VALUE, DeclaredName, StructPassing, c_name, errata_page_name
-from .positions import RangeFunctions, positions
+from .names import FOLDER, CMacro, DeclaredName, HeaderNames, c_name, errata_page_name
+from .positions import RangeFunctions, ReadCode, channel_code, positions
 from .procedures import ProcedureCode
-from .reading import ReadCode
-from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
-from .runtime_texts import runtime_version
+from .registers import RegisterCode, identity_codes, state_registers
+from .reports import AlarmCode, Reports
 from .variants import LengthCode, VariantCode, VariantUpdater
+from .worked_examples import choose_variant
 
 _Built = TypeVar("_Built")
 
@@ -95,14 +94,14 @@ class DeviceView:
         self.prefix = context.prefix
         self.PREFIX = context.PREFIX
         self.stem = context.stem
-        self.reports = context.reports
+        self.reports = Reports(device, self.prefix, context.choices, context.spelling)
         self.alternatives = context.alternatives
         self.variants = VariantCode(context)
         self.interface = _with_path_in_errors(
-            partial(InterfaceCode, context, context.interface), "interfaces", context.interface.name
+            partial(InterfaceCode, context, context.interface, self.reports), "interfaces", context.interface.name
         )
         #: The order code in all samples.
-        self.row = self.variants.rows[device.variants.index(chosen_variant(device, context.interface))]
+        self.row = self.variants.rows[device.variants.index(choose_variant(device, context.interface))]
         self.lengths = LengthCode(context, context.interface, self.variants.rows, self.row)
         self.code_facts = CodeFacts(context, context.interface, self.variants.rows)
         self.channels = channel_code(context, self.interface.codecs)
@@ -193,6 +192,28 @@ class DeviceView:
     def headers(self) -> list[str]:
         """Include paths of all headers of the interface."""
         return [self.header, *(f"{self.maker.name}/{part.file}" for part in self.parts)]
+
+    @property
+    def runtime_headers(self) -> Iterator[str]:
+        """The headers of the runtime that the headers of the interface include, or that users need with them.
+
+        Users need a receiver for its frames, and helpers for its registers and procedures.
+        """
+        interface = self.context.interface
+        for part in self.parts:
+            yield from (name.removeprefix(f"{FOLDER}/") for name in part.includes if name.startswith(f"{FOLDER}/"))
+        if self.lengths.macros:
+            yield "receive_frame.h" if self.lengths.length_macro else "receive.h"
+        if self.channels is not None:
+            yield "channels.h"
+        if isinstance(interface, Spi):
+            yield "spi.h"
+        if isinstance(interface, Rs485):
+            yield "receive.h"
+        if isinstance(interface, Biss) and self.registers:
+            yield "biss_slave.h"
+        if self.procedures:
+            yield "runner.h"
 
     @property
     def cpp_header(self) -> str:
@@ -304,7 +325,7 @@ class DeviceView:
             ranges = tuple(functions for functions in ranges if _is_range_of(functions, layout))
         for functions in ranges:
             if not functions.never_wraps:
-                return f"{self.prefix}_{functions.scope}modulus({encoder})"
+                return f"{self.prefix}_{functions.frame_in_names}modulus({encoder})"
         return "0U"
 
     @property
@@ -333,10 +354,10 @@ class DeviceView:
 
         Two words can be compared only if the position is never negative.
         """
-        meanings = (part.meaning for part in codec.plan.parts if part.field.name == member)
+        meanings = (part.meaning for part in codec.plan.decoded_fields if part.field.name == member)
         is_signed = any(isinstance(meaning, TwosComplement) for meaning in meanings)
         is_over_ssi = isinstance(self.context.interface, Ssi)
-        return bool(codec.position_member) and is_over_ssi and not codec.plan.only_crc and not is_signed
+        return bool(codec.position_member) and is_over_ssi and not codec.plan.crc_of_all_order_codes and not is_signed
 
     def errata(self, *paths: str) -> list[Paragraph]:
         """Return a sentence for each erratum that affects one of these parts of the spec."""

@@ -28,21 +28,19 @@ from ...plan.values import (
     meaning_of,
     widest_value,
 )
-from .names import (
+from .expressions import (
     CCast,
     CExpression,
     CName,
     CNumber,
     Conditional,
     COperation,
-    c_name,
     join_operands,
     masked,
     shifted_left,
     shifted_right,
-    size_of,
-    unsigned,
 )
+from .names import c_name, size_of, unsigned
 from .structs import LayoutStruct
 
 
@@ -71,7 +69,7 @@ class CEncoder:
 
     # -- values that are rejected
 
-    def number(self, field: Field) -> CExpression:
+    def member_as_number(self, field: Field) -> CExpression:
         """Return the member of a field as a number. A flag and an enumeration need a cast."""
         match meaning_of(field):
             case ActiveFlag():
@@ -110,20 +108,20 @@ class CEncoder:
         return self.reader.encoded_type
 
     @property
-    def word(self) -> tuple[CExpression, ...]:
+    def terms_of_word(self) -> tuple[CExpression, ...]:
         """The terms that are ORed to form the word: constants, members, parity bits and unused bits.
 
         Terms that are always 0 are left out. So are parity bits that are computed after the conversion to Gray code,
         which are in ``parities_of_sent_bits``.
         """
         terms: list[CExpression] = []
-        for term in self.plan.terms:
+        for term in self.plan.encoded_fields:
             is_added_later = self.plan.parity_covers_converted and isinstance(term.value, ParityOf)
             # ``unused.in_word`` contains the terms of unused fields.
             is_unused = isinstance(term.value, ReservedBits)
             if not is_added_later and not is_unused and not self._is_always_zero(term):
                 terms.append(self._term_in_word(term))
-        return (*terms, *self.struct.unused.in_word)
+        return (*terms, *self.struct.unused.terms_in_word)
 
     @property
     def parities_of_sent_bits(self) -> tuple[CExpression, ...]:
@@ -133,7 +131,7 @@ class CEncoder:
         """
         if not self.plan.parity_covers_converted:
             return ()
-        return tuple(self._term_in_word(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
+        return tuple(self._term_in_word(term) for term in self.plan.encoded_fields if isinstance(term.value, ParityOf))
 
     def _term_in_word(self, term: FieldToEncode) -> CExpression:
         """Return a term shifted to its place in the word, such as ``(uint64_t)in->position << 8``."""
@@ -144,7 +142,7 @@ class CEncoder:
             # A member of a small type would be promoted to a signed one.
             is_member = isinstance(value, CName)
             return CCast(self.word_type, value) if is_member else value
-        return shifted_left(CCast(self.word_type, value), self.struct.scope.expression_of(low))
+        return shifted_left(CCast(self.word_type, value), self.struct.spelling.expression_of(low))
 
     def _is_always_zero(self, term: FieldToEncode) -> bool:
         """Return True if a term is a constant field or a parity bit that is always 0."""
@@ -169,7 +167,7 @@ class CEncoder:
     def _parity_bit(self, term: FieldToEncode, parity: ParityOf) -> CExpression:
         """Return the parity bit of several fields, 0 for an order code without this bit."""
         if self.plan.parity_covers_converted:
-            even_parity = self.reader.parity_as_sent(parity.of, parity.mask)
+            even_parity = self.reader.parity_as_sent(parity.covered_fields, parity.mask)
         else:
             even_parity = self._parity_of_members(parity)
         bit = COperation("^", (even_parity, CNumber(1))) if parity.odd else even_parity
@@ -177,7 +175,7 @@ class CEncoder:
         if width.is_constant:
             return bit
         # The width is 1 or 0 by order code, which makes it the mask of the bit.
-        return COperation("&", (bit, self.struct.scope.expression_of(width)))
+        return COperation("&", (bit, self.struct.spelling.expression_of(width)))
 
     def _parity_of_members(self, parity: ParityOf) -> CExpression:
         """Return the parity of the members that a parity bit covers: 1 if they have an odd number of 1 bits.
@@ -185,7 +183,7 @@ class CEncoder:
         An example is ``cw_parity((uint32_t)in->position)``. The width of a field can depend on the order code, so its
         greatest width (``widest``) counts.
         """
-        covered_fields = parity.of
+        covered_fields = parity.covered_fields
         bits_and_widths = [(self._bits_of_member(field), field.widest) for field in covered_fields]
         # ``self.reader`` writes the C code of the parity. It casts several members to one type, and splits a member of
         # more than 32 bits into halves. A single shorter member is cast here.
@@ -211,7 +209,7 @@ class CEncoder:
             case ActiveFlag(low):
                 return self._bit_of_flag(field, low_is_active=low)
             case TwosComplement():
-                return COperation("&", (CCast("uint64_t", member), self.struct.scope.mask(field.width)))
+                return COperation("&", (CCast("uint64_t", member), self.struct.spelling.mask(field.width)))
             case ZeroMeans(number_for_zero):
                 is_sent_as_zero = COperation("==", (member, CNumber(number_for_zero)))
                 return Conditional(is_sent_as_zero, value_if_true=CNumber(0), value_if_false=member)
@@ -229,13 +227,13 @@ class CEncoder:
             return Conditional(flag, value_if_true=CNumber(0), value_if_false=CNumber(1))
         # The width is 1, which inverts the bit, or 0 if the order code has no flag. Its bit is then 0 ^ 0.
         active = Conditional(flag, value_if_true=CNumber(1), value_if_false=CNumber(0))
-        width = self.struct.scope.expression_of(field.width)
+        width = self.struct.spelling.expression_of(field.width)
         return COperation("^", (CCast("uint64_t", active), CCast("uint64_t", width)))
 
     # -- the bytes
 
     @property
-    def bytes(self) -> Iterator[tuple[int, CExpression]]:
+    def values_of_bytes(self) -> Iterator[tuple[int, CExpression]]:
         """The index and the value of each byte to send, such as ``(0, (uint8_t)(0x80U | in->address))``.
 
         The bytes of a CRC over whole bytes are left out, since the encoder computes them afterwards.
@@ -252,7 +250,7 @@ class CEncoder:
 
     def _crc_bytes(self) -> set[int]:
         """Return the indices of the bytes of a CRC over whole bytes. The set is empty if there is no such CRC."""
-        crc = self.plan.only_crc
+        crc = self.plan.crc_of_all_order_codes
         if crc is None or not self.plan.layout.crc_covers_bytes:
             return set()
         return {bit_slice.byte for bit_slice in crc.bits.bit_slices}
@@ -260,7 +258,7 @@ class CEncoder:
     def _constant_bits_by_byte(self) -> dict[int, int]:
         """Return the constant bits of every byte, by its index, such as ``{0: 0x80, 1: 0}``."""
         constants = dict.fromkeys(range(self.plan.length), 0)
-        for term in self.plan.terms:
+        for term in self.plan.encoded_fields:
             if isinstance(term.value, ConstantNumber):
                 for bit_slice in term.field.bit_slices:
                     # Bit ``low_in_number`` of the number is bit ``low_in_byte`` of the byte.
@@ -271,9 +269,9 @@ class CEncoder:
     def _variable_bits_by_byte(self) -> dict[int, list[CExpression]]:
         """Return the bits that are ORed in each byte, by its index: those of unused fields, members and parity bits."""
         expressions: dict[int, list[CExpression]] = {}
-        for byte, bits in self.struct.unused.in_bytes:
+        for byte, bits in self.struct.unused.bits_by_byte:
             expressions.setdefault(byte, []).append(bits)
-        for term in self.plan.terms:
+        for term in self.plan.encoded_fields:
             for byte, bits in self._variable_bits(term):
                 expressions.setdefault(byte, []).append(bits)
         return expressions

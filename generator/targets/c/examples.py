@@ -1,12 +1,13 @@
-"""A program for one interface that runs on any host: worked examples of the manual over a simulated bus."""
+"""Example programs for one interface: worked examples over a simulated bus, for any host, and receivers with DMA."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 
 from ...model import (
     Answer,
+    Biss,
     ModifyStep,
     Register,
     RegisterStep,
@@ -20,7 +21,6 @@ from ...model import (
     first_or_raise,
     number_to_bytes,
 )
-from ...model.record import dataclass
 from ...plan.frames import SSI_AROUND, FrameSize, received_sizes
 from ...plan.steps import SendRequest
 from ...plan.values import (
@@ -30,21 +30,29 @@ from ...plan.values import (
 )
 from ...say.names_and_places import name_in_words, title_of
 from ...say.text import VERDICT_CLAUSES
-from .chosen import Chosen, ExampleFrame, NoFrame
 from .codec import StructCodec
 from .comments import ascii_text
+from .context import AlternativeCode
 from .device import DeviceView
-from .enumerations import AlternativeCode
 from .interfaces import ReplyRequest
 from .names import c_name
 from .positions import Positions
-from .printed import printed_members, printed_number
-from .procedure_rows import StepRow
-from .procedures import ProcedureCode
-from .registers import RegisterFunctions
+from .procedures import StepRow
 from .reports import FrameReports
 from .structs import LayoutStruct
 from .variants import CodeRow
+from .worked_examples import (
+    ChosenExamples,
+    ExampleFrame,
+    Memory,
+    NoFrame,
+    ReceivedBytes,
+    Session,
+    ShownProcedure,
+    ShownRegister,
+    printed_members,
+    printed_number,
+)
 
 #: Names of the program and the README that a register must not take: the function show_frame, and variables.
 _NAMES_OF_LOCALS = frozenset(("bus", "encoder", "failure", "frame", "result"))
@@ -52,71 +60,11 @@ _NAMES_OF_LOCALS = frozenset(("bus", "encoder", "failure", "frame", "result"))
 _FEWEST_REGISTER_BYTES = 128
 
 
-@dataclass(frozen=True, slots=True)
-class ShownRegister:
-    """A register that the program reads with its own function and prints."""
-
-    title: str
-    name: str
-    about: str
-    access: RegisterFunctions
-    struct: LayoutStruct
-
-    @property
-    def members(self) -> int:
-        """The number of members in its struct."""
-        plan = self.struct.plan
-        return len(plan.joined_numbers) + sum(1 + len(part.field.runs) for part in plan.parts)
-
-
-@dataclass(frozen=True, slots=True)
-class ShownRun:
-    """A procedure that the program carries out, with its arguments."""
-
-    title: str
-    about: str
-    code: ProcedureCode
-    values: tuple[int, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Memory:
-    """Initial content of a simulated register."""
-
-    address: int
-    data: bytes
-    note: str
-
-
-@dataclass(frozen=True, slots=True)
-class ReceivedBytes:
-    """The bytes that SPI received for the frame, and the macros for its length in bits and bytes."""
-
-    bits: str
-    size: str
-    data: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Session:
-    """A request over SPI, and the bytes of the frame that is its reply.
-
-    ``initial`` is the initializer of its struct, ``macro`` the constant of the request, and ``size`` the number of
-    bytes of its longest word.
-    """
-
-    request: LayoutStruct
-    initial: str
-    macro: str
-    data: bytes
-    size: int
-
-
 class ExampleCode:
     """The values for the template of an example program, which shows a frame, registers and a procedure.
 
-    ``run`` is the procedure or None, ``reads`` are the registers, and ``memory`` is the initial content of the
-    simulated registers.
+    ``shown_procedure`` is the procedure or None, ``shown_registers`` are the registers, and ``memory`` is the initial
+    content of the simulated registers.
 
     Raises:
         NoFrame: There is no frame to show.
@@ -128,12 +76,12 @@ class ExampleCode:
         #: Functions for the members that the program prints.
         self.printed = printed_members
         self.number = printed_number
-        self._chosen = chosen = Chosen(view.device, self.interface)
+        self._chosen = chosen = ChosenExamples(view.device, self.interface)
         self.name = view.stem
         self.row: CodeRow = view.variants.rows[view.device.variants.index(chosen.variant)]
         self.frame: ExampleFrame = chosen.frame
-        self.run = self._shown_run()
-        self.reads = [self._show_register(register) for register, _ in chosen.registers.values()]
+        self.shown_procedure = self._choose_procedure()
+        self.shown_registers = [self._show_register(register) for register, _ in chosen.registers.values()]
         self.memory = list(self._yield_memory())
 
     # -- the frame
@@ -194,7 +142,7 @@ class ExampleCode:
         return tuple(VERDICT_CLAUSES[verdict] for verdict in Verdict)
 
     @property
-    def data(self) -> bytes:
+    def frame_bytes(self) -> bytes:
         """Bytes of the frame, none if it is a word."""
         layout = self.frame.layout
         if not layout.in_bytes:
@@ -202,7 +150,7 @@ class ExampleCode:
         return number_to_bytes(layout, self.frame.wire, layout.place(self._chosen.variant.parameters).bits)
 
     @property
-    def raw(self) -> ReceivedBytes | None:
+    def bytes_over_ssi(self) -> ReceivedBytes | None:
         """The bytes that SPI receives from the data line of SSI, or None for another interface.
 
         The line is high until the first clock has stored the position. Then come the word and a 0.
@@ -223,7 +171,7 @@ class ExampleCode:
         )
 
     @property
-    def session(self) -> Session | None:
+    def spi_request(self) -> Session | None:
         """The request for the position that the frame answers over SPI, or None."""
         request_name = self._request_over_spi()
         if not request_name:
@@ -235,7 +183,7 @@ class ExampleCode:
         reply_bits = self.frame.layout.place(parameters).bits
         return Session(
             request=request,
-            initial=request.initial(parameters),
+            initial=request.initializer(parameters),
             macro=f"{self.view.PREFIX}_REQUEST_{request_name}".upper(),
             # Bits to bytes, rounded up.
             data=self.frame.wire.to_bytes((reply_bits + 7) // 8, "big"),
@@ -263,7 +211,7 @@ class ExampleCode:
                 numbers[placed_field.name] = (self.frame.wire >> placed_field.low) & placed_field.mask
         for joined_number in self.struct.plan.joined_numbers:
             if all(field.name in numbers for field in joined_number.fields):
-                numbers[joined_number.name] = joined_number.joined(numbers, parameters)
+                numbers[joined_number.name] = joined_number.number_of(numbers, parameters)
         return self.view.interface.request_for_reply(self.frame.layout, numbers)
 
     @property
@@ -274,7 +222,7 @@ class ExampleCode:
         """
         data_ids = self.interface.data_ids if isinstance(self.interface, Rs485) else ()
         for data_id in data_ids:
-            if self.data.startswith(bytes([data_id.control])):
+            if self.frame_bytes.startswith(bytes([data_id.control])):
                 return f"{self.view.PREFIX}_CONTROL_{data_id.name}".upper()
         return ""
 
@@ -291,7 +239,7 @@ class ExampleCode:
         For this, the frame must have a request, and the procedure must have at least one request, a reply to each of
         its requests, and no arguments or values to read.
         """
-        code = self.run.code if self.run is not None else None
+        code = self.shown_procedure.code if self.shown_procedure is not None else None
         if code is None or code.arguments or code.reads or not self.request:
             return False
         operations = [row.operation for row in code.rows if isinstance(row, StepRow)]
@@ -309,7 +257,7 @@ class ExampleCode:
         return self.view.modulus("ENCODER", self.frame.layout) if self.position is not None else "0U"
 
     @property
-    def counts(self) -> str:
+    def position_member(self) -> str:
         """The member with the position in counts, or an empty string."""
         measurement = self._chosen.measurement
         return c_name(measurement.of) if measurement is not None else ""
@@ -320,11 +268,11 @@ class ExampleCode:
 
         This requires a position that is never negative.
         """
-        return bool(self.counts) and not self.is_signed(self.counts) and not self.has_crc
+        return bool(self.position_member) and not self.is_signed(self.position_member) and not self.has_crc
 
     def is_signed(self, member: str) -> bool:
         """Return whether a member of the frame can be negative."""
-        parts = (part for part in self.struct.plan.parts if c_name(part.field.name) == member)
+        parts = (part for part in self.struct.plan.decoded_fields if c_name(part.field.name) == member)
         return any(isinstance(part.meaning, TwosComplement) for part in parts)
 
     @property
@@ -333,9 +281,9 @@ class ExampleCode:
         part_names = set()
         if self.reports is not None and self.reports.reports:
             part_names.add("reports")
-        if self.reads:
+        if self.shown_registers:
             part_names.add("registers")
-        if self.run is not None:
+        if self.shown_procedure is not None:
             part_names.add("procedures")
         yield self.view.header
         yield from self.headers_of(part_names)
@@ -349,15 +297,15 @@ class ExampleCode:
     @property
     def has_registers(self) -> bool:
         """True if the program reads registers, or carries out a procedure that accesses registers."""
-        return bool(self.reads) or any(isinstance(step, RegisterStep) for step in self._procedure_steps)
+        return bool(self.shown_registers) or any(isinstance(step, RegisterStep) for step in self._procedure_steps)
 
     @property
-    def sends(self) -> bool:
+    def sends_request(self) -> bool:
         """True if the program carries out a procedure that sends a request."""
         return any(isinstance(step, SendStep) for step in self._procedure_steps)
 
     @property
-    def size(self) -> int:
+    def simulated_bytes(self) -> int:
         """The size of the simulated registers in bytes."""
         sizes_needed = [register.last_address + 1 for register in self.view.device.registers]
         return max((_FEWEST_REGISTER_BYTES, *sizes_needed))
@@ -365,9 +313,9 @@ class ExampleCode:
     @property
     def _procedure_steps(self) -> tuple[object, ...]:
         """The steps of the procedure, none without a procedure."""
-        return self.run.code.run.procedure.steps if self.run is not None else ()
+        return self.shown_procedure.code.plan.procedure.steps if self.shown_procedure is not None else ()
 
-    def _shown_run(self) -> ShownRun | None:
+    def _choose_procedure(self) -> ShownProcedure | None:
         """Return the procedure that the program carries out, with the arguments of its worked example.
 
         The result is None if there is no procedure to show.
@@ -375,7 +323,7 @@ class ExampleCode:
         if self._chosen.procedure is None:
             return None
         procedure, example = self._chosen.procedure
-        candidates = (code for code in self.view.procedures if code.run.procedure is procedure)
+        candidates = (code for code in self.view.procedures if code.plan.procedure is procedure)
         code = first_or_raise(candidates, f"code for the procedure '{procedure.name}'")
         argument_values: dict[str, int] = {}
         if example is not None:
@@ -383,7 +331,7 @@ class ExampleCode:
         heading = ascii_text(procedure.title)
         if argument_values:
             heading += ": " + ", ".join(f"{name} {value}" for name, value in argument_values.items())
-        return ShownRun(
+        return ShownProcedure(
             title=heading,
             about=f"{procedure.title} [{cite(procedure.source)}]. It changes the contents of the encoder.",
             code=code,
@@ -429,3 +377,67 @@ def example_codes(view: DeviceView) -> Iterator[ExampleCode]:
     if any(layout.sender == "encoder" for layout in view.context.interface.layouts):
         with suppress(NoFrame):
             yield ExampleCode(view)
+
+
+class ReceiverCode:
+    """The values for the template of a program that receives frames by DMA.
+
+    The program is for the order code with the longest frame.
+    """
+
+    def __init__(self, example: ExampleCode) -> None:
+        view = example.view
+        self.view = view
+        self.example = example
+        self.name = f"{view.stem}_dma"
+        self.sketch = f"{view.stem}_arduino"
+        self.struct = example.struct
+        self.verdict = example.reports.verdict if example.reports is not None else ""
+        self.member = example.position_member
+        self.is_signed = example.is_signed(example.position_member)
+        #: The size of the longest frame. The program is for its order code.
+        self.longest = max(example.received, key=lambda frame: frame.bits)
+        variant = self.longest.variant
+        rows = (row for row in view.variants.rows if row.variant is variant)
+        self.row: CodeRow = first_or_raise(rows, f"row for {variant.code}")
+        #: The macros of the bits in a frame and of the bytes in its buffer.
+        self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
+        reading = view.reading
+        #: The call that reads the position from the buffer.
+        self.read = f"{reading.macro}({reading.arguments_of(self.row.name_in_macros)}, rx, &position)"
+        self.position_type = reading.frame.struct.member_type(reading.frame.position_member) if reading.frame else ""
+        self.modulus = view.modulus(self.row.macro, example.frame.layout)
+
+
+def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
+    """Yield a program that receives by DMA for each example over BiSS with one frame, whose position has a verdict."""
+    for example in examples:
+        has_verdict = example.reports is not None and bool(example.reports.verdict)
+        has_position = bool(example.position_member) and example.position is not None
+        has_one_frame = len(example.view.lengths.layouts) == 1
+        if isinstance(example.interface, Biss) and has_verdict and has_position and has_one_frame:
+            yield ReceiverCode(example)
+
+
+def own_programs(
+    view: DeviceView, render_later: Callable[[str, Mapping[str, object]], Callable[[], str]]
+) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path in the C folder of each example program of an interface, and a function that returns its text.
+
+    ``render_later`` takes a template and its values, and returns such a function.
+    """
+    maker = view.maker
+    examples = list(example_codes(view))
+    programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
+    for program in programs:
+        values = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}
+        yield f"examples/{program.name}.c", render_later(_program_template(program), values)
+        if isinstance(program, ReceiverCode):
+            yield f"examples/{program.sketch}/{program.sketch}.ino", render_later("sketch.ino.jinja", values)
+
+
+def _program_template(program: ExampleCode | ReceiverCode) -> str:
+    """Return the template of a program: a receiver with DMA, a main loop that polls, or a list of worked examples."""
+    if isinstance(program, ReceiverCode):
+        return "receiver.c.jinja"
+    return "poller.c.jinja" if program.can_poll else "example.c.jinja"

@@ -1,4 +1,4 @@
-"""Filters for templates of the C target, and tests for the class of an operation.
+"""The files of the C target, and the filters and tests of its templates.
 
 The headers need C99 or C++11 and no library. The templates contain the statements. Names, types and expressions are
 built here.
@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from itertools import chain
 from typing import Annotated, NoReturn, TypedDict
 
 from ...loading.samples import UnknownName, narrowed_to
@@ -41,47 +42,36 @@ from .comments import (
     literals,
     mark_for_doxygen,
 )
-from .crc_functions import FoldOperation
+from .crcs import FoldOperation
 from .decode import AllUnusedBits, FlagByte, UnusedBitsOfByte
 from .device import DeviceView, HeaderPart, views_of
-from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
-from .examples import ExampleCode
-from .name_clashes import clashes, describe_path
-from .names import (
-    BY_ADDRESS,
-    BY_VALUE,
-    FOLDER,
-    StructPassing,
-    c_name,
-    c_number,
-    mask_constant,
-    string,
-    unsigned,
-)
+from .examples import ExampleCode, ReceiverCode, own_programs
+from .expressions import BY_ADDRESS, BY_VALUE, StructPassing
+from .header_text import needed_runtime, runtime_headers, runtime_version
+from .names import FOLDER, c_name, c_number, clashes, describe_path, mask_constant, string, unsigned
 from .package import (
+    ERRATA_TEMPLATE,
     FILES,
     FOUND_BY_NAME,
     TEMPLATE,
     Assumptions,
+    ErrataPage,
     Named,
     Package,
-    ReceiverCode,
     assumptions_files,
-    own_programs,
+    errata_files,
     package_files,
 )
 from .positions import Positions
-from .procedure_rows import FilledRows
-from .runtime_files import needed_runtime
-from .runtime_texts import runtime_headers, runtime_version
-from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
+from .procedures import FilledRows
+from .selftest import AllTests, Expectation, FamilyTest, SelfTest, own_test, selftest_files
 from .single import TEMPLATE as SINGLE_TEMPLATE
 from .single import SingleHeader, single_header, single_path, single_views
 
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
     *(Expression, Check, Refusal, JoinedNumber, steps.PlannedStep, steps.ArgumentRefusal),
-    *(ConstantByte, FlagByte, UnusedBitsOfByte, AllUnusedBits, FoldOperation, FilledRows, Positions, Work),
+    *(ConstantByte, FlagByte, UnusedBitsOfByte, AllUnusedBits, FoldOperation, FilledRows, Positions, Expectation),
 )
 
 
@@ -213,7 +203,9 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     for device, clash in clashes((view.device, view.names) for view in views):
         raise TargetError(f"{device.name}: {describe_path(clash.path)}: {clash.message()}")
     if views:
-        runtime = needed_runtime(views) if options.get(ONLY.name) else runtime_headers()
+        runtime = runtime_headers()
+        if options.get(ONLY.name):
+            runtime = needed_runtime(chain.from_iterable(view.runtime_headers for view in views))
         files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime.items()} | licence_in("c")
         if not passing.by_address:
             shared_files = _shared_files(library, devices, views, runtime)

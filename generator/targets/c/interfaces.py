@@ -29,7 +29,6 @@ from ...say.order_code import control_field, describe_data_id, describe_exchange
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement
 from .about import about_layout
-from .bits import type_and_bits_in
 from .code_facts import (
     ClockLimitFunction,
     TimeoutFunction,
@@ -38,11 +37,14 @@ from .code_facts import (
     has_cables_by_code,
     timeout_limits,
     timeout_product,
+    timing_macros,
 )
 from .codec import StructCodec
 from .comments import HEADER_STYLE, Paragraph
-from .context import CMacro, HeaderContext, timing_macros
-from .names import CExpression, DeclaredName, c_name, c_number
+from .context import HeaderContext
+from .expressions import CExpression, type_and_bits_in
+from .names import CMacro, DeclaredName, c_name, c_number
+from .reports import Reports
 from .structs import LayoutStruct
 
 _PARITY_CHARACTERS = {"none": "'N'", "even": "'E'", "odd": "'O'"}
@@ -54,14 +56,14 @@ _FRAME_KIND_BY_SENDER = {"encoder": "reply", "master": "request"}
 class FrameSelector:
     """The functions that say which frame of a sender was received.
 
-    ``by_bytes`` is the function that takes its bytes, and ``by_value`` the one that takes the value of the field by
+    ``function_of_bytes`` is the function that takes its bytes. ``function_of_value`` takes the value of the field by
     which frames differ.
     """
 
     def __init__(self, context: HeaderContext, prefix: str, dispatch: FrameDispatch) -> None:
         self.dispatch = dispatch
-        self.by_bytes = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_frame"
-        self.by_value = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_for"
+        self.function_of_bytes = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_frame"
+        self.function_of_value = f"{prefix}_{_FRAME_KIND_BY_SENDER[dispatch.sender]}_for"
         choice = context.choices.get((dispatch.branches[0].layout.name, dispatch.selector.name))
         self._names = choice.names if choice is not None else {}
 
@@ -71,7 +73,7 @@ class FrameSelector:
         _, bits = type_and_bits_in(self.dispatch.bits.bit_slices)
         return bits
 
-    def values(self, branch: SelectedFrame) -> list[str]:
+    def constants_of(self, branch: SelectedFrame) -> list[str]:
         """Return the values that a frame has in this field, as constants of an enumeration or as numbers."""
         return [self._names.get(value, c_number(value, hexadecimal=True)) for value in branch.values]
 
@@ -95,7 +97,7 @@ class ReplyRequest:
 class InterfaceCode:
     """The values that the templates print for an interface. ``codecs`` are its frames."""
 
-    def __init__(self, context: HeaderContext, interface: Interface) -> None:
+    def __init__(self, context: HeaderContext, interface: Interface, reports: Reports) -> None:
         self.device = context.device
         self.interface = interface
         self.prefix = context.prefix
@@ -115,7 +117,7 @@ class InterfaceCode:
         self.frame_selectors = tuple(
             FrameSelector(context, self.prefix, dispatch) for dispatch in dispatches(interface.layouts)
         )
-        self.codecs = tuple(self._build_codec(context, layout) for layout in interface.layouts)
+        self.codecs = tuple(self._build_codec(context, layout, reports) for layout in interface.layouts)
 
     def declared(self) -> Iterator[DeclaredName]:
         """Yield the names at file scope, each with its path in the spec.
@@ -131,8 +133,8 @@ class InterfaceCode:
             yield f"{self.prefix}_frame", path
             yield f"{self.prefix}_frame_length", path
         for frame_selector in self.frame_selectors:
-            yield frame_selector.by_bytes, path
-            yield frame_selector.by_value, path
+            yield frame_selector.function_of_bytes, path
+            yield frame_selector.function_of_value, path
         for name in function_names(self.clock_limits, self.timeouts):
             yield name, path
         for codec in self.codecs:
@@ -194,7 +196,7 @@ class InterfaceCode:
         bytes_on_line = (exchanged.request.widest + reply.widest) // 8
         return ReplyRequest(
             codec=codec,
-            initial=codec.struct.initial(parameters, values),
+            initial=codec.struct.initializer(parameters, values),
             take_function=_take_function(exchanged),
             latest_reply_us=ANSWER_US + _time_on_line_us(ports[0], bytes_on_line),
             # C does not compare texts by !=.
@@ -212,13 +214,14 @@ class InterfaceCode:
         """Return the constant that stands for a frame."""
         return f"{self._macro_prefix}_FRAME_{layout.name}".upper()
 
-    def _build_codec(self, context: HeaderContext, layout: Layout) -> StructCodec:
+    def _build_codec(self, context: HeaderContext, layout: Layout, reports: Reports) -> StructCodec:
         """Return the struct, decoder and encoder of a frame."""
         # The functions of the only frame of an interface need no further name.
         is_only_frame = len(self.interface.layouts) == 1 and not self.frame_selectors
         name = context.prefix if is_only_frame else f"{context.prefix}_{layout.name}"
         struct = LayoutStruct(context, layout, name=name, length_macro=context.length_macro(layout))
-        return StructCodec(struct, about_layout(self.device, self.interface, struct))
+        about = about_layout(self.device, self.interface, struct)
+        return StructCodec(struct, about=about, family_reports=reports)
 
     def _yield_comment(self) -> Iterator[Paragraph]:
         """Yield the comment on the interface, without statements and errata that are comments on macros and frames."""
@@ -383,7 +386,7 @@ def _time_on_line_us(port: Port, number_of_bytes: int) -> int:
 
 def _take_function(exchanged: RequestAndReply) -> str:
     """Return the function that receives a reply: one that begins like its request, or one with any first byte."""
-    return "cw_rs485_take" if exchanged.repeats_first else "cw_rs485_take_any"
+    return "cw_rs485_take" if exchanged.repeats_first_byte else "cw_rs485_take_any"
 
 
 def _member_names(layout: Layout) -> Iterator[str]:

@@ -1,12 +1,12 @@
-"""Names, types and expressions in C: those that are reserved, those that a header declares, and trees of them."""
+"""Names, constants and types in C: reserved names, and parts of specs that would get the same name."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from math import prod
+from collections.abc import Collection, Iterable, Iterator
+from itertools import count
 
 from ...language.document import Path
-from ...model.expressions import Expression, Factor, Term
+from ...model import Device, Layout
 from ...model.record import dataclass
 from .. import TargetError
 
@@ -124,269 +124,126 @@ def unsigned(bits: int) -> str:
     return f"uint{size_of(bits)}_t"
 
 
-class CExpression:
-    """A C expression. Its text is its ``str``."""
-
-    __slots__ = ()
-
-    @property
-    def operand(self) -> str:
-        """The text to use as an operand or after a cast, in parentheses if it needs them there."""
-        return str(self)
-
-
-@dataclass(frozen=True, slots=True)
-class CName(CExpression):
-    """A name: a local, ``in->flag``, ``bytes[3]``."""
-
-    text: str
-
-    def __str__(self) -> str:
-        return self.text
-
-
-@dataclass(frozen=True, slots=True)
-class CNumber(CExpression):
-    """An unsigned constant, or with ``signed`` one with a sign."""
-
-    value: int
-    hexadecimal: bool = False
-    signed: bool = False
-
-    def __str__(self) -> str:
-        return signed_number(self.value) if self.signed else c_number(self.value, self.hexadecimal)
-
-
-@dataclass(frozen=True, slots=True)
-class CCall(CExpression):
-    """A call of a function."""
-
-    function: str
-    arguments: tuple[CExpression, ...]
-
-    def __str__(self) -> str:
-        return f"{self.function}({', '.join(map(str, self.arguments))})"
-
-
-@dataclass(frozen=True, slots=True)
-class CCast(CExpression):
-    """A value cast to a type."""
-
-    type: str
-    value: CExpression
-
-    def __str__(self) -> str:
-        return f"({self.type}){self.value.operand}"
-
-
-_SUM_OPERATORS = frozenset("+-")
-
-
-@dataclass(frozen=True, slots=True)
-class COperation(CExpression):
-    """Two or more operands with one operator."""
-
-    operator: str
-    operands: tuple[CExpression, ...]
-
-    def __str__(self) -> str:
-        leftmost, *others = self.operands
-        # A sum continues without parentheses, from the left: ``a + b - c``.
-        continues_sum = isinstance(leftmost, COperation) and {leftmost.operator, self.operator} <= _SUM_OPERATORS
-        operand_texts = [str(leftmost) if continues_sum else leftmost.operand]
-        operand_texts += [operand.operand for operand in others]
-        return f" {self.operator} ".join(operand_texts)
-
-    @property
-    def operand(self) -> str:
-        return f"({self})"
-
-
-@dataclass(frozen=True, slots=True)
-class Conditional(CExpression):
-    """One of two values, depending on a condition."""
-
-    condition: CExpression
-    value_if_true: CExpression
-    value_if_false: CExpression
-
-    def __str__(self) -> str:
-        return f"{self.condition.operand} ? {self.value_if_true.operand} : {self.value_if_false.operand}"
-
-    @property
-    def operand(self) -> str:
-        return f"({self})"
-
-
-def shifted_right(value: CExpression, by: int) -> CExpression:
-    """Return ``value`` shifted to the right, or unchanged for a shift of 0."""
-    return COperation(">>", (value, CNumber(by))) if by else value
-
-
-def shifted_left(value: CExpression, by: int | CExpression) -> CExpression:
-    """Return ``value`` shifted to the left, unless by 0."""
-    if not by:
-        return value
-    distance = CNumber(by) if isinstance(by, int) else by
-    if _has_product(distance):
-        # Checkers of MISRA C:2012 10.7 compare the types of both operands, although a shift does not convert them.
-        distance = CCast("uint32_t", distance)
-    return COperation("<<", (value, distance))
-
-
-def _has_product(expression: CExpression) -> bool:
-    """Return True if an expression contains a multiplication."""
-    if not isinstance(expression, COperation):
-        return False
-    return expression.operator == "*" or any(map(_has_product, expression.operands))
-
-
-def masked(value: CExpression, mask: int) -> CExpression:
-    """Return the bits of ``value`` in a mask, such as ``word & 0x7FU``."""
-    return COperation("&", (value, CNumber(mask, hexadecimal=True)))
-
-
-def join_operands(operator: str, operands: tuple[CExpression, ...]) -> CExpression:
-    """Return the operands joined by an operator, or the only operand."""
-    return operands[0] if len(operands) == 1 else COperation(operator, operands)
-
-
-@dataclass(frozen=True, slots=True)
-class StructPassing:
-    """How functions receive structs: by value, or by address for compilers that cannot pass structs by value."""
-
-    by_address: bool = False
-
-    def parameter(self, type_: str, name: str) -> str:
-        """Return the declaration of a parameter that is a struct."""
-        return f"const {type_} *{name}" if self.by_address else f"{type_} {name}"
-
-    def argument(self, struct: str) -> str:
-        """Return the argument that passes a struct."""
-        return f"&{struct}" if self.by_address else struct
-
-    def member(self, parameter: str, member: str) -> str:
-        """Return a member of a parameter that is a struct, such as ``variant.position_bits``."""
-        return f"{parameter}{'->' if self.by_address else '.'}{member}"
-
-
-BY_VALUE = StructPassing()
-BY_ADDRESS = StructPassing(by_address=True)
+_SECTION_IN_WORDS = {
+    "alarms": "the alarm",
+    "alternatives": "the alternative",
+    "crcs": "the CRC",
+    "device": "the family",
+    "layouts": "the layout",
+    "order_code": "the order code",
+    "parameters": "the parameter",
+    "parts": "the part of the order code",
+    "procedures": "the procedure",
+    "registers": "the register",
+    "timings": "the timing",
+}
 
 
 @dataclass(frozen=True)
-class ParameterSpelling:
-    """How C expresses the parameters of an order code, such as the number of position bits.
+class NameClash:
+    """Two parts of a spec with the same name in C. The path ``other`` is empty if every header has the name."""
 
-    A parameter that the order code sets is a member of the variant. ``largest`` contains its highest value. Other
-    parameters are functions of the variant. If a parameter depends on a question that the manual leaves open, it is a
-    function of the user's answer, and ``answers`` contains the name of that argument.
+    name: str
+    path: Path
+    other: Path
+
+    def message(self, where: str = "") -> str:
+        """Return a message with the problem and its fix. ``where`` is the place of the other part: `` on line 5``."""
+        if not self.other:
+            return f"its C name {self.name} is already used by the headers; rename it"
+        return f"its C name {self.name} is also that of {describe_path(self.other)}{where}; rename one of the two"
+
+
+def describe_path(path: Path) -> str:
+    """Return a part of the spec in words, such as ``the register 'status'`` for ``("registers", "status")``.
+
+    The kind of the part is the last step of the path that has a word in ``_SECTION_IN_WORDS``, or else the first step.
+    """
+    kind = next((step for step in reversed(path) if step in _SECTION_IN_WORDS), path[0])
+    kind_in_words = _SECTION_IN_WORDS.get(str(kind), str(kind))
+    name = path[-1]
+    # A path such as ("order_code",) has no name.
+    return f"{kind_in_words} '{name}'" if name != kind else kind_in_words
+
+
+class HeaderNames:
+    """The names that one header declares at file scope, and the clashes between them.
+
+    ``paths`` contains the part of the spec that each name comes from. It is the first part that declares the name. Any
+    other part with the same name is a clash.
     """
 
-    prefix: str
-    largest: Mapping[str, int]
-    answers: Mapping[str, str]
-    passing: StructPassing = BY_VALUE
-
-    def express_parameter(self, parameter: str) -> CExpression:
-        """Return a parameter as C: a member of the variant, or the call of a function."""
-        if parameter in self.answers:
-            return CCall(f"{self.prefix}_{parameter}", (CName(self.answers[parameter]),))
-        if parameter in self.largest:
-            return self.member(parameter)
-        return CCall(f"{self.prefix}_{parameter}", (CName("variant"),))
-
-    def member(self, parameter: str) -> CExpression:
-        """Return a parameter that order codes set: a member of the variant, such as ``variant.position_bits``."""
-        return CName(self.passing.member("variant", c_name(parameter)))
-
-    def uses_variant(self, expression: Expression) -> bool:
-        """Return True if the expression depends on the order code, and not only on answers of the user."""
-        return any(parameter not in self.answers for parameter in expression.parameters)
-
-    def mask(self, width: Expression) -> CExpression:
-        """Return a mask whose lowest ``width`` bits are 1."""
-        if width.is_constant:
-            return CNumber((1 << width.constant) - 1, hexadecimal=True)
-        return CCall("cw_mask", (self.expression_of(width),))
-
-    def expression_of(self, expression: Expression) -> CExpression:
-        """Return an expression of the spec as C, unsigned, such as ``8U + variant.position_bits - 1U``.
-
-        What is added comes first, so that no intermediate result is negative unless the result is.
-        """
-        match expression:
-            case Expression(constant=-1, terms=(Term(multiple=1, factors=(Factor(parameter=exponent, power=True),)),)):
-                # 2 to the power of the parameter, minus 1.
-                return CCall("cw_mask", (self.express_parameter(exponent),))
-        added = [self._express_term(term) for term in expression.terms if term.multiple > 0]
-        subtracted = [self._express_term(term) for term in expression.terms if term.multiple < 0]
-        if expression.constant < 0:
-            subtracted.append(CNumber(-expression.constant))
-        if expression.constant > 0 or not added:
-            # Without terms to add, the subtraction begins with 0.
-            added.insert(0, CNumber(max(expression.constant, 0)))
-        has_several_operands = len(added) + len(subtracted) > 1
-        if isinstance(added[0], CName) and has_several_operands:
-            # The member can have 8 bits, which would be promoted to a signed type.
-            added[0] = CCast("uint32_t", added[0])
-        return join_operands("-", (join_operands("+", tuple(added)), *subtracted))
-
-    def signed(self, expression: Expression) -> CExpression:
-        """Return an expression of the spec as C, in 64 bits with a sign.
-
-        A power of two is written as its mask plus one, since the power itself may not fit.
-        """
-        constant = expression.constant
-        signs_and_products: list[tuple[str, CExpression]] = []
-        for term in expression.terms:
-            sign = "+" if term.multiple > 0 else "-"
-            if term.is_power and not term.is_product and abs(term.multiple) == 1:
-                # The power is one more than its mask.
-                constant += term.multiple
-                (exponent,) = term.factors
-                product: CExpression = CCall("cw_mask", (self.express_parameter(exponent.parameter),))
+    def __init__(self, declared: Iterable[DeclaredName]) -> None:
+        self.paths: dict[str, Path] = {}
+        self.clashes: list[NameClash] = []
+        for name, path in declared:
+            if name not in self.paths:
+                self.paths[name] = path
+            elif path:
+                self.clashes.append(NameClash(name=name, path=path, other=self.paths[name]))
             else:
-                product = self._express_term(term)
-            signs_and_products.append((sign, CCast("int64_t", product)))
-        if not signs_and_products:
-            return CNumber(constant, signed=True)
-        (first_sign, first_product), *further = signs_and_products
-        total = first_product
-        if constant or first_sign == "-":
-            total = COperation(first_sign, (CNumber(constant, signed=True), first_product))
-        for sign, product in further:
-            total = COperation(sign, (total, product))
-        return total
+                # Every header declares this name, so the earlier part is the one to rename.
+                self.clashes.append(NameClash(name=name, path=self.paths[name], other=()))
 
-    def _express_term(self, term: Term) -> CExpression:
-        """Return the product of a term without its sign, such as ``(uint32_t)variant.turns * 4U``.
 
-        It has 64 bits if 32 may be too few. A single parameter keeps its own type.
-        """
-        first_factor, *further_factors = (self._express_factor(factor) for factor in term.factors)
-        if abs(term.multiple) != 1:
-            further_factors.append(CNumber(abs(term.multiple)))
-        if not further_factors:
-            return first_factor
-        if not term.factors[0].power:
-            first_factor = CCast("uint64_t" if self._has_64_bits(term) else "uint32_t", first_factor)
-        return COperation("*", (first_factor, *further_factors))
+def inner_names(device: Device) -> Iterator[tuple[str, Path]]:
+    """Yield the C names of members, arguments and local variables, each with the part of the spec that it comes from.
 
-    def _has_64_bits(self, term: Term) -> bool:
-        """Return True if a term is computed in 64 bits: a power of two, or a product that may need more than 32."""
-        is_product = len(term.factors) > 1 or abs(term.multiple) != 1
-        # A parameter that an order code does not set has up to 32 bits.
-        largest_factors = (self.largest.get(factor.parameter, 1 << 32) for factor in term.factors)
-        largest_product = abs(term.multiple) * prod(largest_factors)
-        needs_more_than_32_bits = largest_product >> 32 != 0
-        return term.is_power or (is_product and needs_more_than_32_bits)
+    A name can come several times, because each struct or function has its own scope.
+    """
+    for parameter in device.parameters:
+        yield c_name(parameter.name), ("parameters", parameter.name)
+    paths_and_layouts: list[tuple[Path, Layout]] = []
+    for interface, layout in device.layouts():
+        paths_and_layouts.append((("interfaces", interface.name, "layouts", layout.name), layout))
+    paths_and_layouts += [(("registers", register.name), register.layout) for register in device.registers]
+    for path, layout in paths_and_layouts:
+        for field in layout.fields:
+            yield c_name(field.name), path
+            yield from ((c_name(run.name), path) for run in field.runs)
+        yield from ((c_name(join.name), path) for join in layout.joins)
+    for register in device.registers:
+        yield c_name(register.name), ("registers", register.name)
+    for procedure in device.procedures:
+        yield from ((c_name(argument.name), ("procedures", procedure.name)) for argument in procedure.arguments)
 
-    def has_64_bits(self, expression: Expression) -> bool:
-        """Return True if the expression is computed in 64 bits, also if its result is small."""
-        return any(map(self._has_64_bits, expression.terms))
 
-    def _express_factor(self, factor: Factor) -> CExpression:
-        """Return a factor: a parameter, or 2 to the power of a parameter."""
-        parameter = self.express_parameter(factor.parameter)
-        return COperation("<<", (CCast("uint64_t", CNumber(1)), parameter)) if factor.power else parameter
+def clashes(headers: Iterable[tuple[Device, HeaderNames]]) -> Iterator[tuple[Device, NameClash]]:
+    """Yield every pair of parts of specs with the same C name, with the device in whose spec the second part is.
+
+    Names at file scope must differ in all headers. The name of a member, argument or local must differ from those at
+    file scope in its own and in earlier headers. The name of a manufacturer must not be one of ``TAKEN``.
+    """
+    declared_paths: dict[str, Path] = {}
+    for device, names in headers:
+        if device.manufacturer.name in TAKEN:
+            yield device, NameClash(name=device.manufacturer.name, path=("manufacturer",), other=())
+        for clash in names.clashes:
+            yield device, clash
+        for name, path in names.paths.items():
+            if name in declared_paths:
+                yield device, NameClash(name=name, path=path or ("device",), other=declared_paths[name])
+            # For the families that follow, a name belongs to the family rather than to a part of it.
+            declared_paths[name] = ("device", device.name)
+        for name, path in inner_names(device):
+            if name in declared_paths:
+                yield device, NameClash(name=name, path=path, other=())
+
+
+@dataclass(frozen=True, slots=True)
+class CMacro:
+    """A macro with its value. ``note`` is the comment at the end of its line, empty if it needs none."""
+
+    name: str
+    value: str
+    note: str = ""
+
+
+def unused_name(name: str, used_names: Collection[str]) -> str:
+    """Return ``name``, with the first free number at its end if it is used already, such as ``status_2``."""
+    numbered_name = name
+    for number in count(2):
+        if numbered_name not in used_names:
+            break
+        numbered_name = f"{name}_{number}"
+    return numbered_name

@@ -42,13 +42,14 @@ _MOST_COMBINATIONS = 100_000
 
 @dataclass(frozen=True)
 class OpenCode:
-    """A pattern for labels. ``code`` is the index of its order code, or None if such a label is not an order code.
+    """A pattern for labels.
 
+    ``order_code_index`` is the index of its order code, or None if such a label is not an order code.
     ``unlisted`` are the parts for which the label shows a value that the manual does not list.
     """
 
     pattern: str
-    code: int | None
+    order_code_index: int | None
     unlisted: tuple[str, ...]
 
 
@@ -279,7 +280,7 @@ def _open_codes_of(codes: _Codes, spelling: _Spelling) -> list[OpenCode]:
         if is_needed:
             shown_texts = {name: choice.shown for name, choice in choice_by_part.items()}
             label_pattern = fill_pattern(without_blanks(spelling.pattern), shown_texts)
-            open_codes_of_spelling.append(OpenCode(pattern=label_pattern, code=index, unlisted=unlisted))
+            open_codes_of_spelling.append(OpenCode(pattern=label_pattern, order_code_index=index, unlisted=unlisted))
     return sorted(open_codes_of_spelling, key=lambda open_code: len(open_code.unlisted))
 
 

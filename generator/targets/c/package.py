@@ -1,8 +1,7 @@
-"""Files next to the headers: files of build systems, the page for safety reviews, and receivers with DMA."""
+"""Files next to the headers: README, files of build systems, and the pages with errata and for safety reviews."""
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, NamedTuple, TypedDict
@@ -11,27 +10,116 @@ from ...model import (
     Biss,
     Crc,
     Device,
+    Erratum,
     Layout,
     Manufacturer,
     Spi,
     Ssi,
     Verdict,
-    answer_combinations,
     channel_frame,
+    cite,
     first_or_raise,
+    layer_in_words,
 )
 from ...model.record import dataclass
-from ...plan.crcs import UndetectedErrors, residual_of
+from ...plan.crcs import UndetectedErrors, crcs_and_lengths, undetected_errors_of
 from ...plan.verdicts import reportings
+from ...say.errata import STATUS_IN_WORDS, consequence, content_before_and_after, paths_in_words
 from ...say.names_and_places import name_in_words
 from .. import main_manufacturer, manufacturers
-from .comments import ascii_text
-from .crc_code import CrcCode
-from .device import DeviceView
-from .examples import ExampleCode, ShownRegister, ShownRun, example_codes
-from .names import FOLDER, c_name
+from .comments import without_special_characters
+from .crcs import CrcCode
+from .device import DeviceView, manual_title
+from .examples import ExampleCode, ReceiverCode, example_codes, receiver_codes
+from .names import FOLDER, c_name, errata_page_name
 from .procedures import ProcedureCode
-from .variants import CodeRow
+from .worked_examples import ShownProcedure, ShownRegister
+
+ERRATA_TEMPLATE = "ERRATA.md.jinja"
+Rows = tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class ErratumText:
+    """An erratum of a manual, as text.
+
+    ``standing`` is a sentence with its name, status and impact. Each row has a label and a text.
+    """
+
+    title: str
+    standing: str
+    rows: Rows
+
+
+@dataclass(frozen=True)
+class FamilyErrata:
+    """The errata of a family, and the changes by each other edition of the manual and by each overlay on the spec."""
+
+    title: str
+    manual: str
+    errata: tuple[ErratumText, ...]
+    editions: tuple[tuple[str, tuple[Rows, ...]], ...]
+
+
+class ErrataPage(TypedDict):
+    maker: Annotated[Manufacturer, "the manufacturer"]
+    families: Annotated[list[FamilyErrata], "the families with their errata"]
+
+
+def errata_files(
+    makers: Iterable[tuple[Manufacturer, Iterable[Device]]], render: Callable[[str, Mapping[str, object]], str]
+) -> Iterator[tuple[str, str]]:
+    """Yield the path in the C folder and the text of the page with the errata of each manufacturer."""
+    for maker, devices in makers:
+        values: ErrataPage = {"maker": maker, "families": [_family_errata(device) for device in devices]}
+        yield errata_page_name(maker.name), render(ERRATA_TEMPLATE, values)
+
+
+def _family_errata(device: Device) -> FamilyErrata:
+    """Return the errata of the manual of a family, and separately the changes by other editions and overlays.
+
+    ``editions`` contains the name of each edition or overlay with its changes, in the order of the errata.
+    """
+    errata_of_manual: list[ErratumText] = []
+    changes_by_layer: dict[str, list[Rows]] = {}
+    for erratum in device.errata:
+        if erratum.overlay or erratum.edition:
+            layer = layer_in_words(erratum.overlay, erratum.edition)
+            labeled_texts = (*content_before_and_after(erratum), *_reason_and_source(erratum))
+            changes_by_layer.setdefault(layer, []).append(labeled_texts)
+        else:
+            errata_of_manual.append(_erratum_text(erratum))
+    return FamilyErrata(
+        title=device.title,
+        manual=manual_title(device),
+        errata=tuple(errata_of_manual),
+        editions=tuple((layer, tuple(changes)) for layer, changes in changes_by_layer.items()),
+    )
+
+
+def _erratum_text(erratum: Erratum) -> ErratumText:
+    """Return the text of an erratum, without empty rows."""
+    labeled_texts = (
+        ("Affects", paths_in_words(", ".join(erratum.affects))),
+        ("Printed", erratum.printed),
+        ("Used", erratum.used),
+        ("Only with", erratum.only),
+    )
+    rows = tuple((label, text) for label, text in labeled_texts if text)
+    return ErratumText(
+        title=erratum.title,
+        standing=f"The erratum {erratum.name} is {STATUS_IN_WORDS[erratum.status]}. {consequence(erratum.severity)}.",
+        rows=(*rows, *_reason_and_source(erratum)),
+    )
+
+
+def _reason_and_source(erratum: Erratum) -> Iterator[tuple[str, str]]:
+    """Yield the rows ``Why`` and ``Source``, if they have content."""
+    if erratum.why:
+        yield "Why", erratum.why
+    if erratum.source:
+        yield "Source", cite(erratum.source)
+
 
 TEMPLATE = "ASSUMPTIONS.md.jinja"
 
@@ -92,30 +180,13 @@ def _group_frames_by_crc(devices: tuple[Device, ...]) -> Iterator[FramesWithCrc]
     for device in devices:
         for interface, layout in device.layouts():
             name = _frame_name(device, interface=interface.title, layout=layout)
-            for crc, bits in _crcs_and_lengths(device, interface.name, layout):
+            for crc, bits in crcs_and_lengths(device, interface.name, layout):
                 kind_of_frames = _KindOfFrames(crc.width, crc.poly, bits)
                 crcs_by_kind.setdefault(kind_of_frames, {}).setdefault(name, crc)
     for kind_of_frames, crc_by_name in sorted(crcs_by_kind.items()):
         first_crc = next(iter(crc_by_name.values()))
-        undetected_errors = residual_of(first_crc, kind_of_frames.bits)
+        undetected_errors = undetected_errors_of(first_crc, kind_of_frames.bits)
         yield FramesWithCrc(crc=first_crc, names=tuple(crc_by_name), residual=undetected_errors)
-
-
-def _crcs_and_lengths(device: Device, interface: str, layout: Layout) -> Iterator[tuple[Crc, int]]:
-    """Yield each CRC of a frame with each length in bits that the frame can have. A pair can come several times.
-
-    The lengths are those for each order code and each answer to an open question. If all frames have the CRC, the
-    longest frame that registers of the encoder can select is included.
-    """
-    if layout.always_has_crc:
-        for crc in device.crcs_of(layout):
-            yield crc, layout.widest
-    for variant in device.variants_over(interface):
-        for _, parameters_of_answers in answer_combinations(device.alternatives):
-            placed = layout.place({**variant.parameters, **parameters_of_answers})
-            placed_crc = device.crc_of(placed)
-            if placed_crc is not None:
-                yield placed_crc, placed.bits
 
 
 def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -124,7 +195,7 @@ def _frames_without_verdict(devices: tuple[Device, ...]) -> Iterator[str]:
         for reporting in reportings(device).values():
             rules = reporting.verdict_rules
             if rules is not None and rules.otherwise is Verdict.UNKNOWN and not rules.worst_first:
-                yield _frame_name(device, interface=reporting.interface.title, layout=reporting.codec.layout)
+                yield _frame_name(device, interface=reporting.interface.title, layout=reporting.layout_plan.layout)
 
 
 def _yield_unprotected(devices: tuple[Device, ...]) -> Iterator[str]:
@@ -140,8 +211,8 @@ def _frames_with_parity(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the frames with a position that have a parity bit and, at least with some order codes, no CRC."""
     for device in devices:
         for interface, layout in device.layouts():
-            has_only_parity = layout.has_parity and not layout.always_has_crc
-            if has_only_parity and device.sends_position(interface.name, layout):
+            may_lack_crc = not layout.always_has_crc
+            if layout.has_parity and may_lack_crc and device.sends_position(interface.name, layout):
                 yield _frame_name(device, interface=interface.title, layout=layout) + _of_some_codes(layout)
 
 
@@ -163,46 +234,6 @@ def _of_some_codes(layout: Layout) -> str:
 def _frame_name(device: Device, interface: str, layout: Layout) -> str:
     """Return the name of a frame on a page for all families, such as ``X BiSS: position``."""
     return f"{device.name.upper()} {interface}: {name_in_words(layout.name)}"
-
-
-class ReceiverCode:
-    """The values for the template of a program that receives frames by DMA.
-
-    The program is for the order code with the longest frame.
-    """
-
-    def __init__(self, example: ExampleCode) -> None:
-        view = example.view
-        self.view = view
-        self.example = example
-        self.name = f"{view.stem}_dma"
-        self.sketch = f"{view.stem}_arduino"
-        self.struct = example.struct
-        self.verdict = example.reports.verdict if example.reports is not None else ""
-        self.member = example.counts
-        self.is_signed = example.is_signed(example.counts)
-        #: The size of the longest frame. The program is for its order code.
-        self.longest = max(example.received, key=lambda frame: frame.bits)
-        variant = self.longest.variant
-        rows = (row for row in view.variants.rows if row.variant is variant)
-        self.row: CodeRow = first_or_raise(rows, f"row for {variant.code}")
-        #: The macros of the bits in a frame and of the bytes in its buffer.
-        self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
-        reading = view.reading
-        #: The call that reads the position from the buffer.
-        self.read = f"{reading.macro}({reading.arguments_of(self.row.code)}, rx, &position)"
-        self.position_type = reading.frame.struct.member_type(reading.frame.position_member) if reading.frame else ""
-        self.modulus = view.modulus(self.row.macro, example.frame.layout)
-
-
-def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:
-    """Yield a program that receives by DMA for each example over BiSS with one frame, whose position has a verdict."""
-    for example in examples:
-        has_verdict = example.reports is not None and bool(example.reports.verdict)
-        has_position = bool(example.counts) and example.position is not None
-        has_one_frame = len(example.view.lengths.layouts) == 1
-        if isinstance(example.interface, Biss) and has_verdict and has_position and has_one_frame:
-            yield ReceiverCode(example)
 
 
 #: The other files of the folder, and their templates. The folder has the layout of an installation.
@@ -320,30 +351,6 @@ def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
     }
 
 
-def own_programs(
-    view: DeviceView, render_later: Callable[[str, Mapping[str, object]], Callable[[], str]]
-) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the path in the C folder of each example program of an interface, and a function that returns its text.
-
-    ``render_later`` takes a template and its values, and returns such a function.
-    """
-    maker = view.maker
-    examples = list(example_codes(view))
-    programs: list[ExampleCode | ReceiverCode] = [*examples, *receiver_codes(examples)]
-    for program in programs:
-        values = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}
-        yield f"examples/{program.name}.c", render_later(_program_template(program), values)
-        if isinstance(program, ReceiverCode):
-            yield f"examples/{program.sketch}/{program.sketch}.ino", render_later("sketch.ino.jinja", values)
-
-
-def _program_template(program: ExampleCode | ReceiverCode) -> str:
-    """Return the template of a program: a receiver with DMA, a main loop that polls, or a list of worked examples."""
-    if isinstance(program, ReceiverCode):
-        return "receiver.c.jinja"
-    return "poller.c.jinja" if program.can_poll else "example.c.jinja"
-
-
 def _makers_with_crc(views: Iterable[DeviceView], is_wanted: Callable[[CrcCode], bool]) -> list[str]:
     """Return the uppercase names of the manufacturers with a CRC for which ``is_wanted`` is true, sorted."""
     views_with_crc = (view for view in views if any(map(is_wanted, view.crcs)))
@@ -359,7 +366,7 @@ class Guide:
 
     example: ExampleCode
     shown_register: ShownRegister | None
-    shown_run: ShownRun | None
+    shown_procedure: ShownProcedure | None
     #: The programs of the same family, one for each interface, the example first.
     programs_of_family: tuple[ExampleCode, ...]
 
@@ -378,20 +385,20 @@ class Guide:
         return first_or_raise(macros, f"macro for the length of the frames of {variant.code}").name
 
     @property
-    def number(self) -> str:
+    def shown_number(self) -> str:
         """The name in the spec of the position, or else of the first number of the frame, or else ``no_data``."""
         plan = self.example.struct.plan
         number_names = [joined_number.join.name for joined_number in plan.joined_numbers]
-        number_names += [part.field.name for part in plan.parts]
+        number_names += [part.field.name for part in plan.decoded_fields]
         for name in number_names:
-            if c_name(name) == self.example.counts:
+            if c_name(name) == self.example.position_member:
                 return name
         return number_names[0] if number_names else "no_data"
 
     @property
     def member(self) -> str:
         """The member that holds this number."""
-        return c_name(self.number)
+        return c_name(self.shown_number)
 
     @property
     def is_signed(self) -> bool:
@@ -399,9 +406,9 @@ class Guide:
         return self.example.is_signed(self.member)
 
     @property
-    def result(self) -> object:
+    def shown_value(self) -> object:
         """The value of this number in the example, or None if it has no value for it or a frame in bytes."""
-        return self.example.frame.values.get(self.number) if not self.example.data else None
+        return self.example.frame.values.get(self.shown_number) if not self.example.frame_bytes else None
 
 
 def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
@@ -415,19 +422,19 @@ def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
     programs_by_family = Counter(program.view.device.name for program in examples)
 
     def preference(program: ExampleCode) -> tuple[int, int]:
-        number_of_steps = program.run.code.count if program.run else 0
+        number_of_steps = program.shown_procedure.code.count if program.shown_procedure else 0
         return programs_by_family[program.view.device.name], number_of_steps
 
     example = max(examples, key=preference)
     family = example.view.device.name
     # A register that is one plain byte has no struct.
-    registers_with_struct = [register for register in example.reads if register.access.struct]
-    only_writes = example.run is not None and not example.run.code.reads
+    registers_with_struct = [register for register in example.shown_registers if register.access.struct]
+    only_writes = example.shown_procedure is not None and not example.shown_procedure.code.reads
     example_first = sorted(examples, key=lambda program: program is not example)
     return Guide(
         example=example,
         shown_register=max(registers_with_struct, key=lambda register: register.members, default=None),
-        shown_run=example.run if only_writes else None,
+        shown_procedure=example.shown_procedure if only_writes else None,
         programs_of_family=tuple(program for program in example_first if program.view.device.name == family),
     )
 
@@ -435,9 +442,3 @@ def choose_guide(examples: Sequence[ExampleCode]) -> Guide | None:
 def _version_numbers(version: str) -> tuple[int, ...]:
     """Return a version as numbers that can be compared, such as (1, 10, 0) for ``1.10.0``."""
     return tuple(map(int, version.split(".")))
-
-
-def without_special_characters(text: str) -> str:
-    """Return ``text`` with single spaces in place of all characters special to CMake, Kconfig or pkg-config."""
-    plain_text = re.sub(r"[^A-Za-z0-9 .,:/+&-]+", " ", ascii_text(text))
-    return " ".join(plain_text.split())

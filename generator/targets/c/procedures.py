@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from itertools import count
+from collections.abc import Iterator, Mapping
 
 from ...model import BitSlice, Procedure, Register, assert_never
+from ...model.record import dataclass
 from ...plan.limits import TooWide
 from ...plan.procedures import plan_procedure
 from ...plan.steps import (
@@ -31,21 +31,64 @@ from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
 from .comments import Paragraph
 from .context import HeaderContext
-from .names import (
-    CCast,
-    CExpression,
-    CName,
-    CNumber,
-    DeclaredName,
-    c_name,
-    masked,
-    shifted_left,
-    shifted_right,
-    size_of,
-    unsigned,
-)
-from .procedure_rows import ZERO, ArgumentCode, FilledRegister, FilledRows, ReadMember, StepRow, WholeRegister
-from .registers import RegisterCode
+from .expressions import CCast, CExpression, CName, CNumber, masked, shifted_left, shifted_right
+from .names import DeclaredName, c_name, size_of, unsigned, unused_name
+from .registers import FilledRegister, RegisterCode, WholeRegister
+
+ZERO = CNumber(0)
+
+
+@dataclass(frozen=True, slots=True)
+class StepRow:
+    """A step at ``index`` of the list: an access to one byte of a register, a wait, or a request.
+
+    ``address`` is an expression with the macro of the register. ``mask`` and ``value`` are the bits of the byte that
+    the step writes, waits for, or compares. ``continues_previous`` is True if the byte is accessed together with the
+    byte of the previous step. ``note`` is the comment.
+    """
+
+    index: int
+    operation: PlannedStep
+    note: str
+    address: str = ""
+    mask: int = 0
+    value: CExpression = ZERO
+    continues_previous: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class FilledRows:
+    """The steps that write all bytes of a filled register, or with the ``kind`` ``verify``, read them back.
+
+    ``index`` is that of the first step in the list.
+    """
+
+    index: int
+    kind: str
+    register: FilledRegister
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class ArgumentCode:
+    """An argument of a procedure, with its C type and name, its comment, and the reasons to reject its value."""
+
+    checked_argument: CheckedArgument
+    type: str
+    name: str
+    about: str
+    refusals: tuple[ArgumentRefusal, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadMember:
+    """A member of the struct with the bytes read: ``length`` of these bytes, from index ``first_byte`` on."""
+
+    name: str
+    first_byte: int
+    length: int
+    note: str
+
 
 #: Names of arguments and locals in the generated functions.
 _NAMES_OF_LOCALS = frozenset(
@@ -68,7 +111,7 @@ class ProcedureCode:
     ) -> None:
         self.context = context
         self.registers = registers
-        self.run = run = plan_procedure(context.device, procedure)
+        self.plan = run = plan_procedure(context.device, procedure)
         self.function = f"{context.prefix}_{procedure.name}"
         self.steps = f"{self.function}_steps"
         self.count_macro = f"{self.steps}_count".upper()
@@ -112,7 +155,7 @@ class ProcedureCode:
 
     def whole_register(self, argument: ArgumentCode, register: Register) -> WholeRegister:
         """Return the register that an argument sets as one number."""
-        return self._whole_registers[argument.checked.argument.name, register.name]
+        return self._whole_registers[argument.checked_argument.argument.name, register.name]
 
     @property
     def variant(self) -> str:
@@ -141,7 +184,9 @@ class ProcedureCode:
             return True
         for argument in self.arguments:
             for refusal in argument.refusals:
-                if isinstance(refusal, Undecodable) or _has_variable_limits(refusal):
+                # The decoder of a register takes the order code.
+                is_checked_by_decoder = isinstance(refusal, Undecodable)
+                if is_checked_by_decoder or _has_variable_limits(refusal):
                     return True
         return False
 
@@ -149,7 +194,7 @@ class ProcedureCode:
         """Yield the names at file scope, each with the path of the procedure in the spec."""
         for name in (self.steps, self.count_macro, self.function, self.read_type):
             if name:
-                yield name, ("procedures", self.run.procedure.name)
+                yield name, ("procedures", self.plan.procedure.name)
 
     def _document_parameters(self) -> Iterator[Paragraph]:
         """Yield the comment on each parameter of ``function``, or nothing if the procedure has no arguments."""
@@ -169,15 +214,15 @@ class ProcedureCode:
         Reasons that cannot occur, because the C type of the argument has no such value, are left out.
         """
         all_refusals = list(parameter.refusals)
-        for write in parameter.written:
+        for write in parameter.writes:
             all_refusals += self._byte_refusals(write)
         refusals: list[ArgumentRefusal] = []
         for refusal in all_refusals:
             if refusal not in refusals and not _is_excluded_by_type(refusal):
                 refusals.append(refusal)
         return ArgumentCode(
-            checked=parameter,
-            type=self._argument_type(parameter.written[0]),
+            checked_argument=parameter,
+            type=self._argument_type(parameter.writes[0]),
             name=self._names[parameter.argument.name],
             about=about_argument(self.context.device, parameter.argument),
             refusals=tuple(refusals),
@@ -207,10 +252,10 @@ class ProcedureCode:
 
         A register has a struct unless it is one plain byte.
         """
-        for parameter in self.run.arguments:
+        for parameter in self.plan.arguments:
             argument = parameter.argument.name
             member_by_register: dict[str, str] = {}
-            for write in parameter.written:
+            for write in parameter.writes:
                 is_plain = self.registers[write.register.name].is_plain
                 if isinstance(write.value, AsMember) and not is_plain:
                     member_by_register[write.register.name] = write.value.member
@@ -221,8 +266,8 @@ class ProcedureCode:
                     code=self.registers[register],
                     argument=self._names[argument],
                     member=member,
-                    local=c_name(f"{stem}_register", self._names),
-                    bytes=c_name(f"{stem}_bytes", self._names),
+                    struct_local=c_name(f"{stem}_register", self._names),
+                    bytes_local=c_name(f"{stem}_bytes", self._names),
                 )
                 yield (argument, register), filled_register
 
@@ -231,18 +276,18 @@ class ProcedureCode:
 
         A register is included only if its decoder can reject the number, or if a later limit depends on the register.
         """
-        for parameter in self.run.arguments:
+        for parameter in self.plan.arguments:
             argument = parameter.argument.name
             undecodable = [refusal for refusal in parameter.refusals if isinstance(refusal, Undecodable)]
             checked_registers = {refusal.register.name for refusal in undecodable}
-            for write in parameter.written:
+            for write in parameter.writes:
                 register = write.register.name
                 is_checked = register in checked_registers or write.determines_limits
                 if isinstance(write.value, AsNumber) and is_checked:
                     whole_register = WholeRegister(
                         code=self.registers[register],
-                        local=c_name(f"{argument}_{register}_held", self._names),
-                        bytes=c_name(f"{argument}_{register}_sent", self._names),
+                        struct_local=c_name(f"{argument}_{register}_held", self._names),
+                        bytes_local=c_name(f"{argument}_{register}_sent", self._names),
                         values=tuple(self._byte_value(write, bit_slice) for bit_slice in write.bit_slices),
                     )
                     yield (argument, register), whole_register
@@ -252,7 +297,7 @@ class ProcedureCode:
     def _yield_rows(self) -> Iterator[StepRow | FilledRows]:
         """Yield the rows of the list of steps. A step on several bytes of a register has a row for each byte."""
         index = 0
-        for step in self.run.operations:
+        for step in self.plan.operations:
             note = note_of_step(self.context.device, step)
             if isinstance(step, (WaitTime, SendRequest)):
                 yield StepRow(index=index, operation=step, note=note)
@@ -313,7 +358,7 @@ class ProcedureCode:
             yield FilledRows(first_index, kind="verify", register=filled_register, note=note)
             return
         for index, bit_slice in enumerate(step.bit_slices):
-            written_byte = CName(f"{filled_register.bytes}[{bit_slice.byte}]")
+            written_byte = CName(f"{filled_register.bytes_local}[{bit_slice.byte}]")
             # A mask of 0 is a byte of reserved bits, which is read but not compared.
             expected = masked(written_byte, bit_slice.mask) if bit_slice.mask else ZERO
             note_of_row = note if index == 0 else ""
@@ -354,26 +399,16 @@ class ProcedureCode:
         """
         used_names: set[str] = set()
         first_byte = 0
-        for read in self.run.reads:
+        for read in self.plan.reads:
             length = len(read.bit_slices)
             stem = read.register.name
             if length != read.register.length and read.field is not None:
                 stem += f"_{read.field.name}"
-            member_name = _unused_name(c_name(stem), used_names)
+            member_name = unused_name(c_name(stem), used_names)
             used_names.add(member_name)
             note = note_of_read(self.context.device, read)
-            yield ReadMember(name=member_name, first=first_byte, length=length, note=note)
+            yield ReadMember(name=member_name, first_byte=first_byte, length=length, note=note)
             first_byte += length
-
-
-def _unused_name(name: str, used_names: Collection[str]) -> str:
-    """Return ``name``, with the first free number at its end if it is used already, such as ``status_2``."""
-    numbered_name = name
-    for number in count(2):
-        if numbered_name not in used_names:
-            break
-        numbered_name = f"{name}_{number}"
-    return numbered_name
 
 
 def _refuse_unsupported(step: RegisterAccess) -> None:
@@ -392,7 +427,7 @@ def _has_variable_limits(refusal: ArgumentRefusal) -> bool:
     """Return True if a check rejects an argument outside limits that depend on the order code."""
     if not isinstance(refusal, OutsideArgumentLimits):
         return False
-    return any(not bound.is_constant for _, bound in refusal.limits.binding)
+    return any(not bound.is_constant for _, bound in refusal.limits.bounds_to_check)
 
 
 def _number_of_rows(step: PlannedStep) -> int:

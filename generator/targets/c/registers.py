@@ -1,4 +1,4 @@
-"""Registers in C: the places of fields, limits, access by name, alarms, and the registers that identify an encoder."""
+"""Registers in C: the places of fields, limits, access by name, and the registers that identify an encoder."""
 
 from __future__ import annotations
 
@@ -6,13 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 
 from ...model import (
-    Alarm,
     Device,
     Field,
     Interface,
     Register,
     RegisterMeaning,
-    member_named,
     number_to_bytes,
 )
 from ...model.expressions import Expression
@@ -20,17 +18,18 @@ from ...model.record import dataclass
 from ...order_codes.parameters import parameters_at_run_time
 from ...plan.codec import LayoutPlan
 from ...plan.frames import identities
-from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_of, outside, refusals
+from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_check_of, limits_of, refusals
 from ...plan.operations import IsOneOf
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, UnsignedNumber, meaning_of
 from ...say.names_and_places import full_title, name_in_words, title_of
 from .. import TargetError
-from .about import about_access, about_alarm, about_member, about_register, field_table
+from .about import about_access, about_member, about_register, field_table
 from .codec import StructCodec
 from .comments import Paragraph
-from .context import CFunction, CMacro, HeaderContext, number_function
-from .names import CExpression, CName, DeclaredName, c_number
-from .names import CNumber as NumberExpr
+from .context import HeaderContext
+from .expressions import CExpression, CFunction, CName, number_function
+from .expressions import CNumber as NumberExpr
+from .names import DeclaredName
 from .structs import LayoutStruct
 
 
@@ -38,16 +37,16 @@ class RegisterFunctions:
     """The functions that read and write a register over the user's transport.
 
     ``read`` and ``write`` are their names, empty if the register does not allow that access. Registers reserved for the
-    manufacturer are only read. ``struct`` is empty if the register is one plain byte. ``outside`` are the limits of the
-    register.
+    manufacturer are only read. ``struct`` is empty if the register is one plain byte. ``limit_checks`` check the limits
+    of the register.
     """
 
-    def __init__(self, layout: LayoutStruct, *, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
+    def __init__(self, layout: LayoutStruct, *, has_struct: bool, limit_checks: Sequence[OutsideLimits]) -> None:
         context = layout.context
         register = layout.register
         assert register is not None
         self.register = register
-        self.outside = outside
+        self.limit_checks = limit_checks
         self.stem = layout.name.upper()
         self.struct = layout.name if has_struct else ""
         self._struct = layout
@@ -66,7 +65,7 @@ class RegisterFunctions:
         self.read_about = self._build_comment(writes=False)
         self.write_about = self._build_comment(writes=True)
         #: The macro of the address that selects its bank, empty if it is in no bank, and the byte to write there.
-        self.bank_address, self.bank = "", 0
+        self.bank_address, self.bank_byte = "", 0
         selector_name = context.device.bank_selector(register)
         if selector_name:
             self._set_bank(context.device.register(selector_name))
@@ -92,7 +91,7 @@ class RegisterFunctions:
             raise TargetError(f"'{selector.name}' selects banks with {selector.length} bytes; the C target writes one")
         self.bank_address = f"{self._struct.context.PREFIX}_REG_{selector.name}_ADDRESS".upper()
         # One byte, as checked above.
-        (self.bank,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
+        (self.bank_byte,) = number_to_bytes(selector.layout, self.register.bank or 0, 8)
 
     def is_unknown(self, name: str, is_raw: bool) -> CExpression:
         """Return the condition that a byte has none of the named values, such as ``kind != 1U && kind != 2U``.
@@ -102,9 +101,9 @@ class RegisterFunctions:
         return self._struct.is_none_of(self._byte_field, CName(name), self.values, is_raw)
 
     @property
-    def write_depends(self) -> bool:
+    def write_uses_variant(self) -> bool:
         """True if the function that writes uses the variant."""
-        return bool(self.struct) or any(map(depends_on_order_code, self.outside))
+        return bool(self.struct) or any(map(depends_on_order_code, self.limit_checks))
 
 
 def state_registers(device: Device) -> list[str]:
@@ -114,64 +113,6 @@ def state_registers(device: Device) -> list[str]:
     """
     names = dict.fromkeys(parameter.register for parameter in device.run_time_parameters)
     return [name for name in names if device.register(name).readable]
-
-
-class AlarmCode:
-    """The values that the templates print for an alarm."""
-
-    def __init__(self, context: HeaderContext, alarm: Alarm) -> None:
-        self.alarm = alarm
-        self.about = about_alarm(context.device, alarm)
-        self.macros = tuple(_alarm_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
-
-    def declared(self) -> Iterator[DeclaredName]:
-        """Yield the names of the macros, each with the path of the alarm in the spec."""
-        for macro in self.macros:
-            yield macro.name, ("alarms", self.alarm.name)
-
-
-def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[CMacro]:
-    """Yield the macros of an alarm: the mask of its bits, and the supply voltage below which it is raised."""
-    bits, note = _alarm_mask(device, alarm)
-    if bits:
-        yield CMacro(f"{stem}_MASK", value=c_number(bits, hexadecimal=True), note=note)
-    if alarm.below_mv is not None:
-        yield CMacro(f"{stem}_BELOW_MV", value=c_number(alarm.below_mv), note="raised below this, in millivolts")
-
-
-def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
-    """Return the mask of an alarm in its byte of a frame, or else in its register, and a note on the mask.
-
-    The mask is 0 if the alarm has no bits at a fixed place. The note is empty unless the frame has several bytes of
-    flags, in which the same mask can occur again.
-    """
-    frame_field = _frame_field_of(device, alarm)
-    if frame_field is not None and len(frame_field.bit_slices) == 1:
-        (bit_slice,) = frame_field.bit_slices
-        group = member_named(device.field_groups, alarm.group, "field group")
-        note = "in its byte" if group.bits > 8 else ""
-        return bit_slice.mask << bit_slice.low_in_byte, note
-    if not alarm.register:
-        return 0, ""
-    layout = device.register(alarm.register).layout
-    register_field = layout.field(alarm.field) if alarm.field else layout.fields[0]
-    # A flag whose place depends on the order code has no mask. The decoder of the register finds it.
-    mask = register_field.mask_in_place if register_field.is_fixed else 0
-    return mask, ""
-
-
-def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
-    """Return the field of a frame that reports the alarm, from the first frame that has it at a fixed place.
-
-    The result is None if no frame has it, or if the alarm is in no group of flags.
-    """
-    if not alarm.group:
-        return None
-    for _, layout in device.layouts():
-        for field in layout.fields:
-            if field.group == alarm.group and field.name == alarm.field and field.bit_slices:
-                return field
-    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +144,7 @@ class RegisterCode:
     def __init__(self, context: HeaderContext, register: Register) -> None:
         self.context = context
         self.device = context.device
-        self.scope = context.scope
+        self.spelling = context.spelling
         self.register = register
         self.layout = register.layout
         self.name = f"{context.prefix}_reg_{register.name}"
@@ -212,10 +153,10 @@ class RegisterCode:
         self.struct = LayoutStruct(context, self.layout, name=self.name, length_macro=length_macro, register=register)
         self.enumerations = context.enumerations.of("registers", register.name)
         # None if no value is outside the limits, or if they do not apply to a single member.
-        outside_limits = outside(self.struct.plan, limits_of(self.device, register))
+        outside_limits = limits_check_of(self.struct.plan, limits_of(self.device, register))
         limit_checks = (outside_limits,) if outside_limits is not None else ()
-        self.codec = None if self.is_plain else StructCodec(self.struct, outside=limit_checks)
-        self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, outside=limit_checks)
+        self.codec = None if self.is_plain else StructCodec(self.struct, limit_checks=limit_checks)
+        self.access = RegisterFunctions(self.struct, has_struct=self.codec is not None, limit_checks=limit_checks)
         #: Its own limits, and the limits of each of its meanings.
         self.limits = tuple(self._find_limits(meaning) for meaning in (None, *register.meanings))
         self.explaining_bits = tuple(self._yield_explaining_bits())
@@ -373,13 +314,13 @@ class RegisterCode:
         fit, whatever the registers contain, or else ``uint64_t``.
         """
         if is_signed:
-            value = self.scope.signed(limit)
+            value = self.spelling.signed(limit)
             return CFunction(name, type="int64_t", value=value, about=about, uses_variant=True)
         unsigned_limits = [0]
         for variant in self.device.variants_over(self.register.interface):
             for parameters in parameters_at_run_time(self.device, variant):
                 unsigned_limits.append(limit.value(parameters))
-        return number_function(self.scope, name=name, expression=limit, largest=max(unsigned_limits), about=about)
+        return number_function(self.spelling, name=name, expression=limit, largest=max(unsigned_limits), about=about)
 
 
 def _is_byte(plan: LayoutPlan) -> bool:
@@ -387,9 +328,9 @@ def _is_byte(plan: LayoutPlan) -> bool:
 
     The result is False for a number that must be a power of two, since an encoder must check it.
     """
-    if not plan.parts or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
+    if not plan.decoded_fields or any(isinstance(refusal, NoPowerOfTwo) for refusal in refusals(plan)):
         return False
-    only_part = plan.parts[0]
+    only_part = plan.decoded_fields[0]
     return isinstance(only_part.meaning, (UnsignedNumber, NamedChoice)) and only_part.field.width == Expression(8)
 
 
@@ -426,3 +367,36 @@ def identity_codes(context: HeaderContext, codes: Mapping[str, RegisterCode]) ->
     for identity in identities(context.device):
         compared = tuple(codes[comparison.register.name] for comparison in identity.compared)
         yield IdentityCode(context.prefix, context.device.interface(identity.interface), compared)
+
+
+@dataclass(frozen=True, slots=True)
+class FilledRegister:
+    """A register whose struct the function fills with an argument of the procedure.
+
+    ``struct_local`` and ``bytes_local`` are the local variables for the struct and for the bytes that it encodes to.
+    """
+
+    code: RegisterCode
+    argument: str
+    member: str
+    struct_local: str
+    bytes_local: str
+
+    @property
+    def needs_setter(self) -> bool:
+        """True if other members repeat the value, so that a ``_set_`` function must set all of them."""
+        return self.code.codec is not None and self.member in self.code.codec.set_names
+
+
+@dataclass(frozen=True, slots=True)
+class WholeRegister:
+    """A register that an argument of the procedure sets as one number.
+
+    ``values`` are its bytes as C expressions. ``bytes_local`` and ``struct_local`` are the local variables for the
+    bytes and for the struct that they decode to.
+    """
+
+    code: RegisterCode
+    struct_local: str
+    bytes_local: str
+    values: tuple[CExpression, ...]

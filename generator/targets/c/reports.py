@@ -1,11 +1,20 @@
-"""The reports of a family in C, such as alarms, and the functions for the reports and the verdict of a frame."""
+"""The reports of a family in C, its alarms, and the functions for the reports and the verdict of a frame."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
 from ...language.document import Path
-from ...model import Device, Layout, Verdict, cite, first_or_raise
+from ...model import (
+    Alarm,
+    Device,
+    Field,
+    Layout,
+    Verdict,
+    cite,
+    first_or_raise,
+    member_named,
+)
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.values import ActiveFlag
 from ...plan.verdicts import (
@@ -23,21 +32,20 @@ from ...say.report import alarm_of, alarm_source, remedy
 from ...say.report import meaning as report_meaning
 from ...say.text import statement
 from .. import TargetError
+from .about import about_alarm
 from .comments import HEADER_STYLE
-from .enumerations import CEnumeration, EnumConstant
-from .names import (
+from .context import CEnumeration, EnumConstant, HeaderContext
+from .expressions import (
     CCast,
     CExpression,
     CName,
     CNumber,
     Conditional,
     COperation,
-    DeclaredName,
     ParameterSpelling,
-    c_name,
     join_operands,
-    unsigned,
 )
+from .names import CMacro, DeclaredName, c_name, c_number, unsigned
 
 _UNUSED_MEMBER = CName("frame->unused")
 
@@ -66,7 +74,7 @@ class FrameReports:
         self.verdict_rules = reporting.verdict_rules
         self.verdict = f"{frame}_verdict" if reporting.verdict_rules is not None else ""
         self.reports = f"{frame}_reports" if reporting.causes else ""
-        self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.codec.reserved)
+        self._mask_of_all_unused = sum(reserved.mask for reserved in reporting.layout_plan.reserved)
 
     def names(self) -> Iterator[str]:
         """Yield the names of the functions and macros that the frame has."""
@@ -76,7 +84,7 @@ class FrameReports:
     @property
     def unused_masks(self) -> Iterator[EnumConstant]:
         """The bits of the member ``unused`` that belong to each reported field, unless it has all of them."""
-        for cause in (report_cause.by for report_cause in self.reporting.causes):
+        for cause in (report_cause.cause for report_cause in self.reporting.causes):
             if isinstance(cause, Reserved) and cause.mask != self._mask_of_all_unused:
                 note = f"{cause.field.name} in the member unused"
                 yield EnumConstant(name=self._name_of_mask(cause), value=cause.mask, note=note)
@@ -90,17 +98,17 @@ class FrameReports:
         """The terms of the mask of active reports, such as ``frame->error ? ACME_X_REPORT_ERROR : 0U``."""
         for report_cause in self.reporting.causes:
             applies_to_code = self._express_code_conditions(report_cause.conditions)
-            condition = join_operands("&&", (*applies_to_code, self._is_active(report_cause.by)))
+            condition = join_operands("&&", (*applies_to_code, self._is_active(report_cause.cause)))
             yield Conditional(
                 condition, value_if_true=self.family.constant(report_cause.report), value_if_false=CNumber(0)
             )
 
     def _express_code_conditions(self, code_conditions: Sequence[CodeCondition]) -> list[CExpression]:
         """Return the conditions on the order code under which a flag exists or counts, as C. Often there are none."""
-        return [_express_code_condition(self.family.scope, condition) for condition in code_conditions]
+        return [_express_code_condition(self.family.spelling, condition) for condition in code_conditions]
 
     @property
-    def verdict_depends(self) -> bool:
+    def verdict_depends_on_variant(self) -> bool:
         """True if the verdict depends on the order code or on an answer of the user."""
         if self.may_be_unknown:
             return True
@@ -112,9 +120,9 @@ class FrameReports:
         return self.verdict_rules is not None and self.verdict_rules.may_be_unknown
 
     @property
-    def reports_depend(self) -> bool:
+    def reports_depend_on_code(self) -> bool:
         """True if the reports depend on the order code."""
-        return any(report_cause.only for report_cause in self.reporting.causes)
+        return any(report_cause.code_condition for report_cause in self.reporting.causes)
 
     @property
     def _causes_by_verdict(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
@@ -141,7 +149,7 @@ class FrameReports:
                 # The value of a flag is 1 while it is active.
                 yield CName(member if value else f"!{member}")
             else:
-                enumeration = self._choices[self.reporting.codec.layout.name, part.field.name]
+                enumeration = self._choices[self.reporting.layout_plan.layout.name, part.field.name]
                 yield COperation("==", (CName(member), CName(enumeration.names[value])))
 
     @property
@@ -157,7 +165,7 @@ class FrameReports:
         causes_by_verdict = dict(self._causes_by_verdict)
         for verdict in Verdict:
             if verdict is Verdict.UNKNOWN and self.verdict_rules.may_be_unknown:
-                judging_bits = self.family.scope.expression_of(self.verdict_rules.judging_bits)
+                judging_bits = self.family.spelling.expression_of(self.verdict_rules.judging_bits)
                 yield COperation("==", (judging_bits, CNumber(0))), verdict
             else:
                 for condition in self._conditions_of_causes(causes_by_verdict.get(verdict, ())):
@@ -171,12 +179,12 @@ class FrameReports:
         """
         unused_fields = []
         for cause in causes:
-            if isinstance(cause.by, Reserved):
-                unused_fields.append(cause.by)
+            if isinstance(cause.cause, Reserved):
+                unused_fields.append(cause.cause)
             else:
                 applies_to_code = self._express_code_conditions(cause.conditions)
                 combining_flags_are_inactive = [CName(f"!{_struct_member(flag)}") for flag in cause.unless]
-                conditions = (*applies_to_code, *self._conditions_of(cause.by), *combining_flags_are_inactive)
+                conditions = (*applies_to_code, *self._conditions_of(cause.cause), *combining_flags_are_inactive)
                 yield join_operands("&&", conditions)
         if unused_fields:
             yield self._differs_in(unused_fields)
@@ -206,11 +214,11 @@ class Reports:
     """
 
     def __init__(
-        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], CEnumeration], scope: ParameterSpelling
+        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], CEnumeration], spelling: ParameterSpelling
     ) -> None:
         self.all = reports_of(device)
         self._choices = choices
-        self.scope = scope
+        self.spelling = spelling
         bits_in_mask = 64
         if len(self.all) > bits_in_mask:
             problem = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
@@ -261,7 +269,7 @@ class Reports:
         """Return the path of the first frame with this report."""
         reportings_with_it = (reporting for reporting in self._by_frame.values() if _has_report(reporting, report))
         first_reporting = first_or_raise(reportings_with_it, f"frame with the report '{report.name}'")
-        return ("interfaces", first_reporting.interface.name, "layouts", first_reporting.codec.layout.name)
+        return ("interfaces", first_reporting.interface.name, "layouts", first_reporting.layout_plan.layout.name)
 
 
 def _has_report(reporting: ReportsAndVerdict, report: NumberedReport) -> bool:
@@ -290,15 +298,73 @@ def _describe_report(device: Device, report: NumberedReport) -> str:
     return HEADER_STYLE.sentence(statement(title_of(field), unused, source=source))
 
 
-def _express_code_condition(scope: ParameterSpelling, condition: CodeCondition) -> CExpression:
+def _express_code_condition(spelling: ParameterSpelling, condition: CodeCondition) -> CExpression:
     """Return a condition on a parameter of the order code, such as ``variant.has_error != 0U``.
 
     The parameter must not be 0 if ``condition.holds`` is True, and must be 0 otherwise.
     """
     operator = "!=" if condition.holds else "=="
-    return COperation(operator, (scope.member(condition.parameter), CNumber(0)))
+    return COperation(operator, (spelling.member(condition.parameter), CNumber(0)))
 
 
 def _struct_member(part: FieldToDecode) -> str:
     """Return the member of a flag or field in the struct of a frame."""
     return f"frame->{c_name(part.field.name)}"
+
+
+class AlarmCode:
+    """The values that the templates print for an alarm."""
+
+    def __init__(self, context: HeaderContext, alarm: Alarm) -> None:
+        self.alarm = alarm
+        self.about = about_alarm(context.device, alarm)
+        self.macros = tuple(_alarm_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
+
+    def declared(self) -> Iterator[DeclaredName]:
+        """Yield the names of the macros, each with the path of the alarm in the spec."""
+        for macro in self.macros:
+            yield macro.name, ("alarms", self.alarm.name)
+
+
+def _alarm_macros(device: Device, alarm: Alarm, stem: str) -> Iterator[CMacro]:
+    """Yield the macros of an alarm: the mask of its bits, and the supply voltage below which it is raised."""
+    bits, note = _alarm_mask(device, alarm)
+    if bits:
+        yield CMacro(f"{stem}_MASK", value=c_number(bits, hexadecimal=True), note=note)
+    if alarm.below_mv is not None:
+        yield CMacro(f"{stem}_BELOW_MV", value=c_number(alarm.below_mv), note="raised below this, in millivolts")
+
+
+def _alarm_mask(device: Device, alarm: Alarm) -> tuple[int, str]:
+    """Return the mask of an alarm in its byte of a frame, or else in its register, and a note on the mask.
+
+    The mask is 0 if the alarm has no bits at a fixed place. The note is empty unless the frame has several bytes of
+    flags, in which the same mask can occur again.
+    """
+    frame_field = _frame_field_of(device, alarm)
+    if frame_field is not None and len(frame_field.bit_slices) == 1:
+        (bit_slice,) = frame_field.bit_slices
+        group = member_named(device.field_groups, alarm.group, "field group")
+        note = "in its byte" if group.bits > 8 else ""
+        return bit_slice.mask << bit_slice.low_in_byte, note
+    if not alarm.register:
+        return 0, ""
+    layout = device.register(alarm.register).layout
+    register_field = layout.field(alarm.field) if alarm.field else layout.fields[0]
+    # A flag whose place depends on the order code has no mask. The decoder of the register finds it.
+    mask = register_field.mask_in_place if register_field.is_fixed else 0
+    return mask, ""
+
+
+def _frame_field_of(device: Device, alarm: Alarm) -> Field | None:
+    """Return the field of a frame that reports the alarm, from the first frame that has it at a fixed place.
+
+    The result is None if no frame has it, or if the alarm is in no group of flags.
+    """
+    if not alarm.group:
+        return None
+    for _, layout in device.layouts():
+        for field in layout.fields:
+            if field.group == alarm.group and field.name == alarm.field and field.bit_slices:
+                return field
+    return None

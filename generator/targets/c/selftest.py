@@ -25,18 +25,18 @@ from ...model import (
     member_named,
 )
 from ...model.record import dataclass
-from ...plan.crcs import CONTROL_FIELDS, vectors_of
+from ...plan.crcs import CONTROL_FIELDS, public_vectors_of
 from ...plan.operations import FieldToDecode
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, TwosComplement, UnsignedNumber
 from .. import manufacturers
 from .codec import StructCodec
-from .crc_functions import WordCrc
+from .context import AlternativeCode
+from .crcs import WordCrc
 from .device import DeviceView
-from .enumerations import AlternativeCode
+from .header_text import runtime_tests
 from .names import c_name, c_number, signed_number, string
 from .positions import LengthPositions
 from .procedures import ProcedureCode
-from .runtime_texts import runtime_tests
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ class ConstantCheck:
     value: str
 
 
-Work = ConstantCheck | FrameCheck | CrcCheck | ProcedureCheck | MeasureCheck
+Expectation = ConstantCheck | FrameCheck | CrcCheck | ProcedureCheck | MeasureCheck
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,7 @@ class SelfTestCheck:
 
     number: int
     about: str
-    work: Work
+    expectation: Expectation
 
 
 class SelfTest:
@@ -124,15 +124,15 @@ class SelfTest:
         self.view = view
         self.name = f"{view.prefix}_selftest"
         self.path = f"selftest/{view.stem}.c"
-        descriptions_and_works = [*self._example_checks(), *self._vector_checks()]
+        descriptions_and_expectations = [*self._example_checks(), *self._vector_checks()]
         self.checks: list[SelfTestCheck] = []
-        for number, (about, work) in enumerate(descriptions_and_works, 1):
-            self.checks.append(SelfTestCheck(number, about, work))
+        for number, (about, expectation) in enumerate(descriptions_and_expectations, 1):
+            self.checks.append(SelfTestCheck(number, about, expectation))
 
     @property
     def is_used(self) -> Mapping[str, bool]:
         """For each helper function, which compares bytes, texts or writes, True if a check needs it."""
-        frames = [check.work for check in self.checks if isinstance(check.work, FrameCheck)]
+        frames = [check.expectation for check in self.checks if isinstance(check.expectation, FrameCheck)]
         expected_members: list[ExpectedMember] = []
         for frame in frames:
             expected_members += frame.expected
@@ -140,17 +140,17 @@ class SelfTest:
             # A frame that is rejected is not encoded, so that there are no bytes to compare.
             "bytes": any(frame.data and not frame.fault for frame in frames),
             "texts": any(member.is_text for member in expected_members),
-            "writes": any(isinstance(check.work, ProcedureCheck) for check in self.checks),
+            "writes": any(isinstance(check.expectation, ProcedureCheck) for check in self.checks),
         }
 
-    def _example_checks(self) -> Iterator[tuple[str, Work]]:
+    def _example_checks(self) -> Iterator[tuple[str, Expectation]]:
         """Yield a description and a check for each worked example of the manual."""
         for example in self.view.device.examples:
             about = f"{example.name.replace('_', ' ')} [{cite(example.source)}]"
-            for work in self._checks_of_example(example):
-                yield about, work
+            for expectation in self._checks_of_example(example):
+                yield about, expectation
 
-    def _vector_checks(self) -> Iterator[tuple[str, Work]]:
+    def _vector_checks(self) -> Iterator[tuple[str, Expectation]]:
         """Yield a description and a check for each test vector from a public source.
 
         The vectors are for the CRCs of words, and for the control fields of RS-485.
@@ -159,9 +159,9 @@ class SelfTest:
             word_crc = codec.word_crc
             if word_crc is None:
                 continue
-            for vector in vectors_of(word_crc.crc):
-                for work in _word_check(word_crc, covered_bits=vector.data, check=vector.crc):
-                    yield f"{word_crc.crc.name}: {vector.title} [{vector.source}]", work
+            for vector in public_vectors_of(word_crc.crc):
+                for expectation in _word_check(word_crc, covered_bits=vector.data, check=vector.crc):
+                    yield f"{word_crc.crc.name}: {vector.title} [{vector.source}]", expectation
         interface = self.view.context.interface
         data_ids = interface.data_ids if isinstance(interface, Rs485) else ()
         for data_id in data_ids:
@@ -172,7 +172,7 @@ class SelfTest:
                     ConstantCheck(macro, _format_hex(CONTROL_FIELDS[data_id.id])),
                 )
 
-    def _checks_of_example(self, example: Example) -> Iterator[Work]:
+    def _checks_of_example(self, example: Example) -> Iterator[Expectation]:
         """Yield the checks for one worked example, none if the headers have no function for it."""
         match example:
             case FrameExample():
@@ -190,9 +190,9 @@ class SelfTest:
 
     def _procedure_check(self, example: ProcedureExample) -> ProcedureCheck:
         """Return the check that a procedure writes the bytes of its worked example."""
-        code_by_procedure = {code.run.procedure.name: code for code in self.view.procedures}
+        code_by_procedure = {code.plan.procedure.name: code for code in self.view.procedures}
         code = code_by_procedure[example.procedure]
-        argument_names = [argument.checked.argument.name for argument in code.arguments]
+        argument_names = [argument.checked_argument.argument.name for argument in code.arguments]
         written_bytes: list[tuple[str, str]] = []
         for write in example.writes:
             written_bytes += self._written_bytes(write)
@@ -238,7 +238,7 @@ class SelfTest:
             if layout.name == example.layout or is_from_sender:
                 yield codec
 
-    def _frame_checks(self, example: FrameExample) -> Iterator[Work]:
+    def _frame_checks(self, example: FrameExample) -> Iterator[Expectation]:
         """Yield a check for each frame whose decoder accepts the example.
 
         A decoder of bytes accepts an example in bytes. A decoder of words accepts bits, and also bytes unless their
@@ -301,7 +301,7 @@ class SelfTest:
             arguments += f"{constant.name}, "
         return arguments
 
-    def _register_checks(self, example: RegisterExample) -> Iterator[Work]:
+    def _register_checks(self, example: RegisterExample) -> Iterator[Expectation]:
         """Yield the check that a register decodes to the values of the example, or nothing if it has no decoder."""
         codes = (code for code in self.view.registers if code.register.name == example.register)
         code = first_or_raise(codes, f"code for the register '{example.register}'")
@@ -326,7 +326,7 @@ class SelfTest:
         are checked by decoding and encoding the frame.
         """
         member_names = set(_member_names(codec))
-        part_by_field = {part.field.name: part for part in codec.plan.parts}
+        part_by_field = {part.field.name: part for part in codec.plan.decoded_fields}
         for name, value in values.items():
             if name in member_names:
                 yield self._expected_member(owner, name, value, part_by_field.get(name))
@@ -356,7 +356,7 @@ class SelfTest:
             case _:
                 return ExpectedMember(member, c_number(int(value)))
 
-    def _crc_checks(self, example: CrcExample) -> Iterator[Work]:
+    def _crc_checks(self, example: CrcExample) -> Iterator[Expectation]:
         """Yield the checks of a CRC example: over its bytes, and over its bytes as a word that ends in the CRC."""
         for function in self.view.crcs:
             if function.crc.name == example.crc and function.is_called and function.in_bytes:
@@ -369,7 +369,7 @@ class SelfTest:
             if word_crc is not None and word_crc.crc.name == example.crc:
                 yield from _word_check(word_crc, covered_bits=covered_bits, check=example.check)
 
-    def _measure_checks(self, example: MeasureExample) -> Iterator[Work]:
+    def _measure_checks(self, example: MeasureExample) -> Iterator[Expectation]:
         """Yield the check that converts a position in counts to a length, or nothing for a rotary encoder."""
         if isinstance(self.view.positions, LengthPositions):
             yield MeasureCheck(
@@ -383,11 +383,11 @@ class SelfTest:
 def _member_names(codec: StructCodec) -> Iterator[str]:
     """Yield the names of the members of a struct, as in the spec."""
     yield from (joined_number.join.name for joined_number in codec.plan.joined_numbers)
-    for part in codec.plan.parts:
+    for part in codec.plan.decoded_fields:
         yield from (part.field.name, *(run.name for run in part.field.runs))
 
 
-def _word_check(crc: WordCrc, covered_bits: int, check: int) -> Iterator[Work]:
+def _word_check(crc: WordCrc, covered_bits: int, check: int) -> Iterator[Expectation]:
     """Yield the check that the CRC function returns 0 for a word that ends in its CRC.
 
     ``check`` is the CRC of ``covered_bits``. Nothing is yielded if the word is longer than a frame.

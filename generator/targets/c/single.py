@@ -19,16 +19,35 @@ from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
 from ...plan.frames import received_sizes
 from .. import TargetError
+from .code_facts import timing_macros
 from .codec import StructCodec
-from .comments import COLUMNS, break_lines
-from .context import timing_macros
-from .declarations import Declaration, declarations_in, declarations_needed_by, names_of, without_settings
+from .comments import break_lines
 from .device import DeviceView, views_of
-from .names import StructPassing
-from .runtime_texts import runtime_headers, runtime_version
-from .single_comments import CommentAdapter, first_paragraph, first_sentence, without_example, wrap_text
-from .single_cuts import BYTES_LOADED_AT_ONCE, WordLength, cut_biss_receiver, cut_ssi_receiver
-from .single_usage import SingleUsage
+from .expressions import StructPassing
+from .header_text import (
+    BYTES_LOADED_AT_ONCE,
+    Declaration,
+    WordLength,
+    cut_biss_receiver,
+    cut_ssi_receiver,
+    declarations_in,
+    declarations_needed_by,
+    names_of,
+    runtime_headers,
+    runtime_version,
+    without_settings,
+)
+from .single_text import (
+    C_IDENTIFIER,
+    CommentAdapter,
+    SingleUsage,
+    first_paragraph,
+    first_sentence,
+    refilled_macro,
+    with_short_conditions,
+    with_signature_on_one_line,
+    without_example,
+)
 
 TEMPLATE = "single.h.jinja"
 #: The headers of the runtime that receive frames, in the order in which they include each other.
@@ -53,9 +72,6 @@ _USED_BY_PROGRAMS = frozenset(f"cw_rs485_{part}" for part in ("line", *_BYTE_BY_
 #:      * Number of revolutions.
 #:      */
 _COMMENT_ABOVE_MEMBER = re.compile(r"^ +/\*\*\n.*?\*/\n", re.MULTILINE | re.DOTALL)
-_C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
-#: A condition on one line, after which the function only returns a result.
-_GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
 
 
 class SingleHeader(TypedDict):
@@ -148,7 +164,7 @@ class SingleCode:
 
     def named(self, text: str) -> str:
         """Return a text with the names of this header in place of those in the normal header and the runtime."""
-        return _C_IDENTIFIER.sub(lambda word: self._renamed.get(word[0], word[0]), text)
+        return C_IDENTIFIER.sub(lambda word: self._renamed.get(word[0], word[0]), text)
 
     def _insert_comment_on_interface(self, declarations: Sequence[Declaration]) -> None:
         """Insert the comment on the interface, unless a macro has it that is kept.
@@ -323,10 +339,10 @@ class SingleCode:
         code = code.replace("/**< ", "/* ").replace("/**", "/*")
         code = self.named(code)
         if declaration.has_macro:
-            code = _refilled_macro(code)
+            code = refilled_macro(code)
         # The names are longer or shorter than in the normal header, so the lines are broken again.
-        code = _with_signature_on_one_line(code)
-        code = _with_short_conditions(code)
+        code = with_signature_on_one_line(code)
+        code = with_short_conditions(code)
         new_comment = self._comments.adapt(comment, with_arguments=is_used_by_programs)
         return new_comment + break_lines(code)
 
@@ -403,44 +419,3 @@ def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]]
     single = SingleCode(view, header)
     values: SingleHeader = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view, "s": single}
     return render(TEMPLATE, values)
-
-
-def _with_signature_on_one_line(c_code: str) -> str:
-    """Return a C function with its signature on one line, from the macros that mark it to its parameters.
-
-    The macros are on a separate line if they and the name of the function are too long for one line. ``break_lines``
-    breaks the parameters again if necessary. Other code is returned unchanged.
-    """
-    function = re.match(r"(?P<marks>(?:CW_[A-Z]+[ \n])*)(?P<signature>static inline [^{;]*\))\n\{", c_code)
-    if function is None:
-        return c_code
-    marks = function["marks"].replace("\n", " ")
-    with_first_parameter = function["signature"].replace("(\n    ", "(")
-    signature = re.sub(r"\n +", " ", with_first_parameter)
-    body = c_code[function.end("signature") :]
-    type_and_name, _, _ = signature.partition("(")
-    if len(marks + type_and_name) >= COLUMNS:
-        return f"{marks.rstrip()}\n{signature}{body}"
-    return f"{marks}{signature}{body}"
-
-
-def _with_short_conditions(c_code: str) -> str:
-    """Return a C function in which each condition that only returns a result is on one line, if it fits."""
-    return _GUARD.sub(_on_one_line, c_code)
-
-
-def _on_one_line(guard: re.Match[str]) -> str:
-    """Return a condition and its result on one line, or unchanged if that is too long or has a comment."""
-    line = f"{guard['condition']} {guard['result']} }}"
-    return guard[0] if len(line) > COLUMNS or "/*" in line else f"{line}\n"
-
-
-def _refilled_macro(c_code: str) -> str:
-    """Return a macro whose lines after the first, if any, are joined and broken again at the width of a header."""
-    first_line, *body = (line.removesuffix("\\").rstrip() for line in c_code.splitlines())
-    if not body:
-        return c_code
-    joined_body = " ".join(line.strip() for line in body)
-    # 2 characters are the space and the backslash at the end of a line.
-    lines = wrap_text(joined_body, COLUMNS - 2, first_margin=" " * 4, margin=" " * 8)
-    return " \\\n".join((first_line, *lines)) + "\n"

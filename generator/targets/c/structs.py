@@ -19,26 +19,10 @@ from ...plan.values import (
     widest_value,
 )
 from .. import TargetError
-from .bits import BitReader
-from .context import CMacro, HeaderContext, scale_macros
-from .enumerations import CEnumeration
-from .names import (
-    CCast,
-    CExpression,
-    CName,
-    CNumber,
-    COperation,
-    c_name,
-    c_number,
-    join_operands,
-    masked,
-    shifted_right,
-    signed,
-    signed_number,
-    size_of,
-    unsigned,
-)
-from .unused import UnusedMember
+from .bits import BitReader, UnusedMember
+from .context import CEnumeration, HeaderContext
+from .expressions import CCast, CExpression, CName, CNumber, COperation, join_operands, masked, shifted_right
+from .names import CMacro, c_name, c_number, signed, signed_number, size_of, unsigned
 
 
 class LayoutStruct:
@@ -52,7 +36,7 @@ class LayoutStruct:
     ) -> None:
         self.context = context
         self.device = context.device
-        self.scope = context.scope
+        self.spelling = context.spelling
         self.layout = layout
         #: Stem of its functions, and name of its type.
         self.name = name
@@ -60,7 +44,7 @@ class LayoutStruct:
         self.length_macro = length_macro
         self.register = register
         self.plan: LayoutPlan = layout_plan_of(context.device, layout)
-        self.reader = BitReader(self.plan, context.scope, word_size(context, layout))
+        self.reader = BitReader(self.plan, context.spelling, word_size(context, layout))
         #: The numbers of the scales of its fields.
         self.scales: tuple[CMacro, ...] = tuple(scale_macros(layout, name))
         self.unused = UnusedMember(self.reader)
@@ -87,7 +71,7 @@ class LayoutStruct:
             raise TargetError(
                 f"{name} has unused bits in {unused_bytes} bytes; the C target supports at most 8", self.path
             )
-        for part in self.plan.parts:
+        for part in self.plan.decoded_fields:
             field = part.field
             # Called for its error if the field has more than 64 bits.
             self.type_of(field)
@@ -114,21 +98,21 @@ class LayoutStruct:
         """The C type of the frame as one number."""
         return unsigned(self.reader.word_size)
 
-    def covered(self, crc: FrameCrc) -> CExpression:
+    def covered_bits(self, crc: FrameCrc) -> CExpression:
         """Return the bits of the word that a CRC covers, as they are sent. Bit 0 is the last one.
 
         An example is ``(uint32_t)(word >> 6)``.
         """
-        # The bit above the covered bits. ``covered`` is their number.
-        end = crc.low + crc.covered.constant if covers_32_bits(crc) else self.reader.word_size
-        bits = shifted_right(self.reader.before_conversion.lower(end), crc.low)
+        # The bit above the covered bits. ``covered_bits`` is their number.
+        end = crc.lowest_covered_bit + crc.covered.constant if covers_32_bits(crc) else self.reader.word_size
+        bits = shifted_right(self.reader.before_conversion.word_or_lower_half(end), crc.lowest_covered_bit)
         is_across_halves = covers_32_bits(crc) and end > 32
         return CCast("uint32_t", bits) if is_across_halves else bits
 
-    def received(self, crc: FrameCrc) -> CExpression:
+    def received_crc(self, crc: FrameCrc) -> CExpression:
         """Return the CRC that a word contains in its lowest bits, as it is sent."""
         width = crc.crc.width
-        return masked(self.reader.before_conversion.lower(width), (1 << width) - 1)
+        return masked(self.reader.before_conversion.word_or_lower_half(width), (1 << width) - 1)
 
     # -- members
 
@@ -158,7 +142,7 @@ class LayoutStruct:
             case _:
                 return unsigned(widest_value(field))
 
-    def member(self, field: Field) -> str:
+    def member_declarator(self, field: Field) -> str:
         """Return the name of a member in its declaration, with the length of a string."""
         size = f"[{field.widest // 8}]" if isinstance(meaning_of(field), Latin1Text) else ""
         return f"{c_name(field.name)}{size}"
@@ -168,7 +152,7 @@ class LayoutStruct:
         joined_number = next((candidate for candidate in self.plan.joined_numbers if candidate.join.name == name), None)
         return unsigned(joined_number.widest) if joined_number is not None else self.type_of(self.layout.field(name))
 
-    def initial(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
+    def initializer(self, parameters: Mapping[str, int], values: Mapping[str, int] = MappingProxyType({})) -> str:
         """Return the initializer of a struct without its braces, such as ``true, 0x1BU, 0U``.
 
         ``values`` are numbers by the names of fields and joined numbers. A joined number is the number that several
@@ -176,12 +160,12 @@ class LayoutStruct:
         a value that an encoder accepts, mostly 0. ``parameters`` are the parameters of an order code. The member
         ``unused`` is 0, which means that all unused bits are as documented.
         """
-        fields = [decoded_field.field for decoded_field in self.plan.parts]
+        fields = [decoded_field.field for decoded_field in self.plan.decoded_fields]
         number_by_field = {field.name: values.get(field.name, _default_value(field)) for field in fields}
         for joined_number in self.plan.joined_numbers:
             if joined_number.name in values:
                 # The numbers of its fields.
-                number_by_field |= joined_number.parts(values[joined_number.name], parameters)
+                number_by_field |= joined_number.field_numbers(values[joined_number.name], parameters)
         # C sets all members after the first one to 0.
         if not any(number_by_field.values()):
             return "0U"
@@ -189,7 +173,7 @@ class LayoutStruct:
         for field in fields:
             initial_values += self._initial_values(field, number_by_field[field.name])
         for joined_number in self.plan.joined_numbers:
-            number = joined_number.joined(number_by_field, parameters)
+            number = joined_number.number_of(number_by_field, parameters)
             initial_values.append(c_number(number, hexadecimal=True))
         if self.unused:
             initial_values.append("0U")
@@ -198,7 +182,7 @@ class LayoutStruct:
     @property
     def without_default(self) -> tuple[str, ...]:
         """The members of a request whose values the spec does not give."""
-        return tuple(c_name(part.field.name) for part in self.plan.parts if part.field.default is None)
+        return tuple(c_name(part.field.name) for part in self.plan.decoded_fields if part.field.default is None)
 
     def _initial_values(self, field: Field, initial_number: int) -> Iterator[str]:
         """Yield the initial value of each member of a field: one, or with runs of digits also one for each run."""
@@ -229,7 +213,7 @@ class LayoutStruct:
         choice = self.choice(field)
         constants = choice.names if choice is not None else {}
         needs_cast = is_raw and self.enumeration(field) is not None
-        type_of_bits, _ = self.reader.value(self.plan.bits_of(field.name))
+        type_of_bits, _ = self.reader.type_and_bits(self.plan.bits_of(field.name))
         conditions: list[CExpression] = []
         for value in values:
             if value in constants:
@@ -273,3 +257,20 @@ def _default_value(field: Field) -> int:
             return number_for_zero
         case _:
             return 0
+
+
+def scale_macros(layout: Layout, stem: str) -> Iterator[CMacro]:
+    """Yield the macros that convert fields with a scale to their unit, such as a temperature to degrees.
+
+    Their values have 64 bits, so that no product overflows.
+    """
+    for field in layout.fields:
+        scale = field.scale
+        name = f"{stem}_{field.name}".upper()
+        if scale is not None:
+            note = f"{field.name} in {scale.unit}: ({field.name} * NUMERATOR + OFFSET) / DENOMINATOR"
+            yield CMacro(f"{name}_NUMERATOR", value=f"INT64_C({scale.numerator})", note=note)
+            magnitude = f"INT64_C({abs(scale.offset)})"
+            offset = f"(-{magnitude})" if scale.offset < 0 else magnitude
+            yield CMacro(f"{name}_OFFSET", offset)
+            yield CMacro(f"{name}_DENOMINATOR", f"INT64_C({scale.denominator})")

@@ -19,21 +19,20 @@ from ...say.order_code import initial, timeouts_with_codes
 from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
-from .bits import type_and_bits_in
-from .context import CFunction, CMacro, HeaderContext, number_function
-from .names import (
+from .context import HeaderContext
+from .expressions import (
     CCast,
     CExpression,
+    CFunction,
     CName,
     CNumber,
     Conditional,
     COperation,
-    DeclaredName,
-    c_name,
-    c_number,
     join_operands,
-    unsigned,
+    number_function,
+    type_and_bits_in,
 )
+from .names import CMacro, DeclaredName, c_name, c_number, unsigned
 from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import RegisterFunctions
 
@@ -188,12 +187,12 @@ class VariantUpdater:
 class CodeRow:
     """An order code in C.
 
-    ``macro`` is its initializer, such as ``ACME_X_24_A``, and ``code`` the end of that name, such as ``24_A``.
-    ``values`` are the members of the variant.
+    ``macro`` is its initializer, such as ``ACME_X_24_A``, and ``name_in_macros`` the end of that name, such as
+    ``24_A``. ``values`` are the members of the variant.
     """
 
     variant: Variant
-    code: str
+    name_in_macros: str
     macro: str
     values: tuple[str, ...]
 
@@ -211,7 +210,7 @@ class VariantCode:
         self.derived: Sequence[CFunction] = [self._build_derived(parameter) for parameter in self._with_function]
         self.rows = [self._build_row(variant) for variant in self.device.variants]
         #: A macro with one bit for each open part of the order code.
-        self.unlisted = list(self._unlisted_macros())
+        self.unlisted_macros = list(self._unlisted_macros())
         self.patterns = open_codes(self.device)
         self.about = about_order_codes(self.device)
 
@@ -223,18 +222,18 @@ class VariantCode:
         for parameter in self._with_function:
             yield f"{self.context.prefix}_{parameter.name}", ("parameters", parameter.name)
         yield from ((row.macro, ("order_code",)) for row in self.rows)
-        yield from ((macro.name, ("order_code", "parts")) for macro in self.unlisted)
+        yield from ((macro.name, ("order_code", "parts")) for macro in self.unlisted_macros)
 
     def about_parameter(self, parameter: Parameter) -> str:
         """Return the comment on a parameter."""
         return about_parameter(self.device, self.context.prefix, parameter)
 
     @property
-    def refuses(self) -> bool:
+    def has_rejecting_patterns(self) -> bool:
         """True if a pattern matches labels that are not an order code."""
-        return any(pattern.code is None for pattern in self.patterns)
+        return any(pattern.order_code_index is None for pattern in self.patterns)
 
-    def bits(self, pattern: OpenCode) -> str:
+    def bits_of_open_parts(self, pattern: OpenCode) -> str:
         """Return the parts of an order code that a pattern leaves open, as bits in C, or ``0U`` if there are none.
 
         An example is ``ACME_X_UNLISTED_BITS | ACME_X_UNLISTED_CABLE``.
@@ -273,7 +272,7 @@ class VariantCode:
         assert parameter.equals is not None
         name = f"{self.context.prefix}_{parameter.name}"
         return number_function(
-            self.context.scope,
+            self.context.spelling,
             name=name,
             expression=parameter.equals,
             largest=parameter.largest,
@@ -294,7 +293,7 @@ class VariantCode:
         constant_name = re.sub("[^A-Z0-9]+", "_", order_code).strip("_")
         return CodeRow(
             variant=variant,
-            code=constant_name,
+            name_in_macros=constant_name,
             macro=f"{self.context.PREFIX}_{constant_name}",
             values=tuple(_parameter_value(parameter, variant) for parameter in self.parameters),
         )
@@ -330,7 +329,7 @@ class LengthCode:
         self.answers = tuple(dict.fromkeys(answer.name for answer in answers))
         layouts_in_bytes = [frame.layout for frame in received_frames if frame.layout.in_bytes]
         #: Macro of the bytes in a frame that is carried as bytes, empty for words.
-        self.length = context.length_macro(layouts_in_bytes[0]) if layouts_in_bytes else ""
+        self.length_macro = context.length_macro(layouts_in_bytes[0]) if layouts_in_bytes else ""
         headers = {"receive_frame.h" if frame.layout.in_bytes else "receive.h" for frame in received_frames}
         #: Names of the headers that receive words, bytes, or both.
         self.receivers = " and ".join(sorted(headers))
@@ -339,19 +338,19 @@ class LengthCode:
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
         self.register_access = "".join(_register_access(context.device, interface, received_frames))
-        self._name_by_variant = {id(row.variant): row.code for row in code_rows}
+        self._name_by_variant = {id(row.variant): row.name_in_macros for row in code_rows}
         self._prefix = f"{context.PREFIX}_"
         #: Frames of the order code in all samples.
         self._sample_frames = [frame for frame in received_frames if frame.variant is sample_row.variant]
         self.macros = list(chain.from_iterable(map(self.macros_of, received_frames)))
 
     @property
-    def receive(self) -> str:
+    def receive_macro(self) -> str:
         """The macro that extracts a frame with the lengths of an order code. Empty unless there is only one frame."""
         return f"{self._prefix}RECEIVE" if len(self.layouts) == 1 else ""
 
     @property
-    def named(self) -> str:
+    def about_code_argument(self) -> str:
         """Explain how the macro names an order code."""
         code = self.code_of(self._sample_frames[0]) if self._sample_frames else ""
         return f"For example, code can be {code}, as in {self._prefix}{code}_BITS."
@@ -359,20 +358,20 @@ class LengthCode:
     def for_layout(self, layout: Layout) -> LengthCode:
         """Return a copy in which variables and arguments are for this frame, which is a word or bytes."""
         length_code = copy(self)
-        length_code.length = self._context.length_macro(layout) if layout.in_bytes else ""
+        length_code.length_macro = self._context.length_macro(layout) if layout.in_bytes else ""
         return length_code
 
-    def holder(self, index: str = "") -> str:
+    def variable_declaration(self, index: str = "") -> str:
         """Return the declaration of the variable that receives a frame, or of an array of frames with ``index``."""
-        return f"uint8_t bytes{index}[{self.length}]" if self.length else f"uint64_t word{index}"
+        return f"uint8_t bytes{index}[{self.length_macro}]" if self.length_macro else f"uint64_t word{index}"
 
     def receiver_argument(self, index: str = "") -> str:
         """Return the last argument of a receiver that fills this variable."""
-        return f"bytes{index}" if self.length else f"&word{index}"
+        return f"bytes{index}" if self.length_macro else f"&word{index}"
 
     def decoder_arguments(self, index: str = "") -> str:
         """Return the arguments of a decoder that takes this variable."""
-        return f"bytes{index}, {self.length}" if self.length else f"word{index}"
+        return f"bytes{index}, {self.length_macro}" if self.length_macro else f"word{index}"
 
     def code_of(self, frame: FrameSize) -> str:
         """Return the part of a macro's name that stands for a frame of an order code, such as ``X24_POSITION_WIDE``.
@@ -391,8 +390,8 @@ class LengthCode:
         path = ("interfaces", self.interface.name)
         for macro in self.macros:
             yield macro.name, path
-        if self.receive:
-            yield self.receive, path
+        if self.receive_macro:
+            yield self.receive_macro, path
 
     def macros_of(self, frame: FrameSize) -> Iterator[CMacro]:
         """Yield the macros for the number of bits in a frame, and for the number of bytes in its buffer."""

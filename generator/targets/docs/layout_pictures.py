@@ -16,7 +16,7 @@ from ...plan.values import ActiveFlag, meaning_of
 from ...say.layout import box_colour, box_label, name_as_words
 from ...say.names_and_places import bit_range
 from ...say.plain_text import text_on_one_line
-from ..palette import palette
+from ..registry import palette
 
 #: Width in pixels that fits on the screen of a phone: 375 minus the margins of a page.
 PICTURE_WIDTH = 340.0

@@ -29,7 +29,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.markdown import join_filled
 from ...say.names_and_places import Titled, title_of
-from ..palette import palette
+from ..registry import palette
 from .layout_pictures import (
     PICTURE_WIDTH,
     Box,

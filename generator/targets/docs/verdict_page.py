@@ -71,7 +71,7 @@ def _deciding_rows(device: Device, reporting_frames: Iterable[ReportsAndVerdict]
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for frame in reporting_frames:
         if frame.verdict_rules is not None:
-            layout = frame.codec.layout
+            layout = frame.layout_plan.layout
             rows_of_frame = tuple(_rows_of_frame(device, frame.interface, layout, frame.verdict_rules))
             layouts_by_rows.setdefault((frame.interface.title, rows_of_frame), []).append(layout)
     for (interface_title, rows_of_frame), layouts in layouts_by_rows.items():
@@ -125,7 +125,7 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
     fields_and_signs = (*layout.fields, *(sign.flag for sign in layout.signs))
     deciders: list[_Decider] = []
     for verdict, causes in verdict_rules.worst_first:
-        deciders += [_Decider(verdict, cause.by.field, cause.conditions) for cause in causes]
+        deciders += [_Decider(verdict, cause.cause.field, cause.conditions) for cause in causes]
     if verdict_rules.otherwise is Verdict.UNKNOWN:
         no_improvement = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
         warning_fields = [field for field in layout.fields if field.makes_position in no_improvement]

@@ -77,10 +77,10 @@ def _cause_rows(
     """Yield a row for each cause of a verdict, the worst verdict first."""
     for verdict, causes in causes_by_verdict.items():
         for cause in causes:
-            if isinstance(cause.by, MatchingValues):
-                yield _row_of_match(placed_layout, cause.by, EFFECTS[verdict])
+            if isinstance(cause.cause, MatchingValues):
+                yield _row_of_match(placed_layout, cause.cause, EFFECTS[verdict])
             else:
-                field = cause.by.field
+                field = cause.cause.field
                 active_level = deciding_value(field) + _while_inactive(cause)
                 yield _build_row(device, placed_layout, field, level=active_level, effect=EFFECTS[verdict])
 
@@ -102,7 +102,7 @@ def _rows_of_other_flags(
     """Yield a row with this effect for each flag that does not affect the verdict for this order code."""
     names_of_causes: set[str] = set()
     for causes in causes_by_verdict.values():
-        names_of_causes.update(cause.by.field.name for cause in causes)
+        names_of_causes.update(cause.cause.field.name for cause in causes)
     for placed_field in placed_layout.fields:
         field = placed_field.field
         is_flag = isinstance(meaning_of(field), ActiveFlag)
@@ -220,8 +220,8 @@ def changed_verdicts_of(verdict_rules: VerdictRules, variant: Variant, variant_w
     default_causes = applicable_causes(verdict_rules, variant)
     changed_verdicts = []
     for verdict, causes in applicable_causes(verdict_rules, variant_with_answer).items():
-        default_conditions = [cause.by for cause in default_causes.get(verdict, ())]
-        added_causes = [cause for cause in causes if cause.by not in default_conditions]
+        default_conditions = [cause.cause for cause in default_causes.get(verdict, ())]
+        added_causes = [cause for cause in causes if cause.cause not in default_conditions]
         if added_causes:
             changed_verdicts.append(_verdict_if(verdict, added_causes))
     return changed_verdicts
@@ -236,19 +236,19 @@ def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     """Yield the conditions of a verdict. Flags with the same active level share one: ``error or fault is 1``."""
     names_by_level: dict[str, list[str]] = {}
     for cause in causes:
-        if not isinstance(cause.by, MatchingValues):
+        if not isinstance(cause.cause, MatchingValues):
             # The level at which the flag is active, such as "1".
-            level = deciding_value(cause.by.field)
+            level = deciding_value(cause.cause.field)
             names_by_level.setdefault(level, []).append(_cause_text(cause))
     yield from (f"{join_as_any_of(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
-        if isinstance(cause.by, MatchingValues):
-            yield _conditions_phrase(cause.by)
+        if isinstance(cause.cause, MatchingValues):
+            yield _conditions_phrase(cause.cause)
 
 
 def _cause_text(cause: VerdictCause) -> str:
     """Return the flag of a cause, followed by the combined flags that must be inactive, if it has any."""
-    flag_name = code_span(cause.by.field.name)
+    flag_name = code_span(cause.cause.field.name)
     if not cause.unless:
         return flag_name
     return f"{flag_name} ({_while_flags_are_inactive(cause)})"

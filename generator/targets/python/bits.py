@@ -9,6 +9,8 @@ from ...model import BitSlice, Field
 from ...model.expressions import Expression
 from ...model.record import assert_never
 from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
+from ...model.lookup import assert_never
+from ...plan.codec import LayoutPlan, ShiftedBits, group_reserved_bits_by_shift
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from ...plan.values import (
     ActiveFlag,
@@ -103,7 +105,7 @@ class BitsEncoder:
         """
         shifted_attributes = []
         # ``low`` is the position of the field's lowest bit in the joined number.
-        for field, low in joined_number.from_low:
+        for field, low in joined_number.fields_from_low:
             attribute = Atom(expression_of(self.names.attribute(field.name)))
             shifted_attributes.append(shift_left(attribute, scope.expression_of(low)))
         # The highest field comes first.
@@ -118,7 +120,7 @@ class BitsEncoder:
         highest_field = joined_number.fields[0]
         fields_and_bits: list[tuple[Field, PythonExpression]] = []
         # ``low`` is the position of the field's lowest bit in the joined number.
-        for field, low in joined_number.from_low:
+        for field, low in joined_number.fields_from_low:
             bits = shift_right(variable, self.scope.expression_of(low))
             # No bits are above the highest field, so it needs no mask.
             if field is not highest_field:
@@ -130,7 +132,7 @@ class BitsEncoder:
     def parameters_of_join(joined_number: JoinedNumber) -> frozenset[str]:
         """Return the names of the parameters that the expression of a joined number uses in shifts and checks."""
         parameters: set[str] = set()
-        for field, low in joined_number.from_low:
+        for field, low in joined_number.fields_from_low:
             parameters.update(low.parameters)
             if _has_width_check(field):
                 parameters.update(field.width.parameters)
@@ -233,7 +235,7 @@ class BitReader:
 
         An example is ``b1 & 0xC | (b2 & 0x1) << 4``.
         """
-        groups = sorted(moved_bits(self.plan), key=_byte_and_shift)
+        groups = sorted(group_reserved_bits_by_shift(self.plan), key=_byte_and_shift)
         differing_bits = [self._unused_at_fixed_place(group) for group in groups]
         for reserved in self.plan.reserved:
             if not reserved.bits.are_fixed:
@@ -282,7 +284,7 @@ class BitReader:
             bits = PythonOperation(bits, "^", mask(reserved.value))
         differing_bits = PythonOperation(bits, "&", self.scope.ones(reserved.bits.width))
         # The position of the field in ``unused``.
-        return shift_left(differing_bits, number(reserved.place))
+        return shift_left(differing_bits, number(reserved.lowest_bit_in_unused))
 
     def characters(self, bits: FieldBits) -> str:
         """Return the slice of ``data`` that contains the bytes of a text, such as ``data[2:6]``.

@@ -72,7 +72,7 @@ class LayoutClass:
     @cached_property
     def takes_variant(self) -> bool:
         """True if decoding, limits, reports or values in the manual depend on the order code."""
-        if self.plan.depends:
+        if self.plan.depends_on_order_code:
             return True
         if self.limits is not None and limits_depend(self.limits):
             return True
@@ -118,7 +118,7 @@ class LayoutClass:
     @property
     def can_raise_range_error(self) -> bool:
         """True if ``decode`` can raise RangeError, because a check can, or because a field has named values."""
-        has_named_values = any(is_named(part.meaning) for part in self.plan.parts)
+        has_named_values = any(is_named(part.meaning) for part in self.plan.decoded_fields)
         return has_named_values or Fault.RANGE in self.plan.faults()
 
     @property
@@ -127,7 +127,7 @@ class LayoutClass:
 
         ``decode`` looks up the members of their enumerations after all checks.
         """
-        parts = self.plan.parts
+        parts = self.plan.decoded_fields
         return [part for part in parts if is_named(part.meaning) and not self.selects(part.field)]
 
     @property
@@ -156,12 +156,12 @@ class LayoutClass:
     @cached_property
     def attributes(self) -> list[Attribute]:
         """The attributes of all fields with a value, and of the unused bits."""
-        return self._attributes_of(part.field for part in self.plan.parts)
+        return self._attributes_of(part.field for part in self.plan.decoded_fields)
 
     @property
     def _unused_attributes(self) -> list[Attribute]:
         """The attribute ``unused`` in a list, or an empty list if all bits have a field and a use."""
-        if self.plan.keeps_others:
+        if self.plan.keeps_undefined_bits:
             return [Attribute("unused", type="int", meaning=docstrings.ABOUT_OTHERS, default="0")]
         if self.plan.reserved:
             return [Attribute("unused", type="int", meaning=docstrings.ABOUT_UNUSED, default="0")]
@@ -169,7 +169,8 @@ class LayoutClass:
 
     def others(self, joined_number: JoinedNumber) -> list[Attribute]:
         """Return the attributes that are not part of a joined number."""
-        return self._attributes_of(part.field for part in self.plan.parts if part.field not in joined_number.fields)
+        decoded_fields = [part.field for part in self.plan.decoded_fields]
+        return self._attributes_of(field for field in decoded_fields if field not in joined_number.fields)
 
     def _attributes_of(self, fields: Iterable[Field]) -> list[Attribute]:
         """Return the attributes of these fields and of the unused bits."""
@@ -284,7 +285,7 @@ class LayoutClass:
     @property
     def digit_fields(self) -> list[Field]:
         """The fields of decimal digits whose own name is not that of an attribute with some of the digits."""
-        decimal_fields = (part.field for part in self.plan.parts if part.field.runs)
+        decimal_fields = (part.field for part in self.plan.decoded_fields if part.field.runs)
         return [field for field in decimal_fields if not _has_run_of_its_name(field)]
 
     @property
@@ -315,7 +316,7 @@ class LayoutClass:
         """The attribute with the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.context.device.measurement_of(self.layout_interface)
         position_name = measurement.of if measurement is not None else "position"
-        number_names = {part.field.name for part in self.plan.parts if is_number(part.meaning)}
+        number_names = {part.field.name for part in self.plan.decoded_fields if is_number(part.meaning)}
         number_names.update(join.name for join in self.layout.joins)
         return self.names.attribute(position_name) if position_name in number_names else ""
 
@@ -383,7 +384,7 @@ class LayoutClass:
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
         unused_bits = []
         for reserved in self.plan.reserved:
-            place = docstrings.describe_unused(reserved.field, reserved.place)
+            place = docstrings.describe_unused(reserved.field, reserved.lowest_bit_in_unused)
             unused_bits.append((place, self.about(reserved.field)))
         checked_fields = [(field.name, self.about(field)) for field in self._checked_fields()]
         return docstrings.describe_class(

@@ -136,8 +136,8 @@ class Decoder:
         if bytes_before_crc > _MAX_BYTE_VARIABLES:
             return ""
         operands = [self.byte.format(index) for index in range(bytes_before_crc)]
-        if frame_crc.inverted:
-            operands.append(f"0x{frame_crc.inverted:02X}")
+        if frame_crc.inverted_mask:
+            operands.append(f"0x{frame_crc.inverted_mask:02X}")
         return " ^ ".join(operands)
 
     @property
@@ -148,10 +148,10 @@ class Decoder:
         CRC, or if the user's answer to an open question decides the number. With the start value 0, zeros before a
         word do not change its CRC, so that the tables for the longest word serve all.
         """
-        frame_crc = self.plan.only_crc
+        frame_crc = self.plan.crc_of_all_order_codes
         if frame_crc is None or self.plan.in_bytes:
             return None
-        if not frame_crc.crc.init and not frame_crc.is_part:
+        if not frame_crc.crc.init and not frame_crc.covers_part_only:
             return number(self.plan.layout.widest - frame_crc.crc.width)
         answered = self.scope.answered_parameters if isinstance(self.scope, NamedValues) else frozenset()
         if not answered.isdisjoint(frame_crc.covered.parameters):
@@ -201,13 +201,13 @@ class Decoder:
         The parity bit must cover all bits of one field and no other. The decoder must need that field anyway, without
         padding, and as the encoder sent it.
         """
-        if len(check.of) != 1 or check.mask or self.plan.parity_covers_converted:
+        if len(check.covered_fields) != 1 or check.mask or self.plan.parity_covers_converted:
             return None
-        (covered,) = check.of
+        (covered,) = check.covered_fields
         if self.is_padded(covered):
             return None
         # Fields with data, and those that are checked.
-        fields_with_data = [decoded_field.field for decoded_field in self.plan.parts]
+        fields_with_data = [decoded_field.field for decoded_field in self.plan.decoded_fields]
         checked_fields = [other_check.field for other_check in self.plan.checks]
         is_read = any(field.name == covered.name for field in (*fields_with_data, *checked_fields))
         return covered if is_read else None
@@ -261,7 +261,7 @@ class Decoder:
         if whole.bits is not None:
             return self.bit_reader.bits(whole.bits)
         shifted_fields = []
-        for field, low in whole.from_low:
+        for field, low in whole.fields_from_low:
             shifted_fields.append(shift_left(Atom(self.local(field)), self.number(low)))
         # The highest field comes first.
         return join_operands("|", reversed(shifted_fields))
@@ -337,12 +337,12 @@ class Decoder:
         Each has a comment, which is empty for a variable with the name of the attribute.
         """
         decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])
-        for decoded_field in self.plan.parts:
+        for decoded_field in self.plan.decoded_fields:
             self._add_values(decoded_field, decoded)
         if self.plan.reserved:
             differing_bits = str(self.bit_reader.differing_unused_bits())
             decoded.values.append((differing_bits, "unused, 1 where a bit differs from the manual"))
-        elif self.plan.keeps_others:
+        elif self.plan.keeps_undefined_bits:
             other_bits = str(self.bit_reader.bits_without_field())
             decoded.values.append((other_bits, "unused, all other bits"))
         return decoded

@@ -51,7 +51,7 @@ class FirstByte:
 
         The dict is empty if the selector is not an attribute of the frame.
         """
-        for part in self.plan.parts:
+        for part in self.plan.decoded_fields:
             if self._is_selector(part.field):
                 return self._codes_by_first_byte(part.field)
         return {}
@@ -86,7 +86,7 @@ def _needs_only_first_byte(check: Check) -> bool:
         return False
     bit_slices = list(check.bits.bit_slices)
     if isinstance(check, ParityIs):
-        for covered_bits in check.of_bits:
+        for covered_bits in check.covered_bits:
             bit_slices += covered_bits.bit_slices
     return bool(bit_slices) and all(bit_slice.byte == 0 for bit_slice in bit_slices)
 
@@ -114,7 +114,7 @@ def _check_passes(check: Check, first_byte: int) -> bool:
 def _expected_parity(check: ParityIs, first_byte: int) -> int:
     """Return the parity bit that belongs to this first byte: 1 for an odd number of ones, inverted for odd parity."""
     number_of_ones = 0
-    for covered_bits in check.of_bits:
+    for covered_bits in check.covered_bits:
         ones = _bits_in_byte(covered_bits.bit_slices, first_byte)
         # Bit 0 of the mask is the lowest bit of the field.
         if check.mask:

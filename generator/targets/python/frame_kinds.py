@@ -19,7 +19,7 @@ def _column_names(layout_class: LayoutClass) -> list[str]:
     (µm)``, and ``unused``, ``verdict`` and ``fault``.
     """
     description = describe(layout_class.plan)
-    fields_with_data = {part.field.name for part in layout_class.plan.parts}
+    fields_with_data = {part.field.name for part in layout_class.plan.decoded_fields}
     columns = [column for column in description.columns if column.name in fields_with_data]
     attribute_of = layout_class.names.attribute
     names: list[str] = []

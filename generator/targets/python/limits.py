@@ -66,8 +66,8 @@ def _limits_of_width(scope: ParameterExpressions, limits: NumberLimits) -> tuple
     if limits.signed:
         half_of_range = scope.power(limits.width - Expression(1))
         return Negative(half_of_range), PythonOperation(half_of_range, "-", number(1))
-    if limits.stands_for:
-        return number(1), number(limits.stands_for)
+    if limits.number_for_zero:
+        return number(1), number(limits.number_for_zero)
     return number(0), PythonOperation(scope.power(limits.width), "-", number(1))
 
 

@@ -86,7 +86,7 @@ def prefer_names_of_fields(scope: NamedValues, layout_plan: LayoutPlan, class_na
         if isinstance(check, (NotAbove, IsBetween)):
             scope.prefer_for_size(unused_name(f"highest_{check.field.name}"), check.highest)
         if isinstance(check, JoinNotAbove):
-            scope.prefer_for_size(unused_name(f"highest_{check.whole.join.name}"), check.highest)
+            scope.prefer_for_size(unused_name(f"highest_{check.joined_number.join.name}"), check.highest)
         if isinstance(check, IsBetween):
             scope.prefer_for_size(unused_name(f"lowest_{check.field.name}"), check.lowest)
     if layout_plan.gray is not None:

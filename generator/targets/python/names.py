@@ -370,7 +370,7 @@ class ModuleContext:
     @cached_property
     def crc_functions(self) -> dict[str, CrcFunction]:
         """Functions that compute CRCs, by name."""
-        return {self.crc_name(function.crc, function.carrier): function for function in crc_functions(self.device)}
+        return {self.crc_name(function.crc, function.covered_data): function for function in crc_functions(self.device)}
 
     def crc_name(self, crc: Crc, covered_data: CoveredData) -> str:
         """Return the name of the function that computes a CRC, such as ``crc_check``.

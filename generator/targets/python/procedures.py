@@ -108,7 +108,7 @@ class ProcedureFunction:
 
     def _first_write(self, parameter: CheckedArgument) -> int:
         """Return the index of the first step that writes an argument."""
-        return self.steps.index(parameter.written[0])
+        return self.steps.index(parameter.writes[0])
 
     # -- names
 
@@ -143,7 +143,7 @@ class ProcedureFunction:
 
     def is_object(self, parameter: CheckedArgument) -> bool:
         """Return whether an argument can be an object of the register's class as well as a number."""
-        object_registers = {write.register.name for write in parameter.written if isinstance(write.value, AsNumber)}
+        object_registers = {write.register.name for write in parameter.writes if isinstance(write.value, AsNumber)}
         return parameter.argument.of in object_registers
 
     def register(self, register: Register) -> str:

@@ -98,7 +98,7 @@ class FrameReports:
 
     def name_of(self, field: Field) -> str:
         """Return the name of a field's report."""
-        causes = (cause for cause in self._report_causes if cause.by.field.name == field.name)
+        causes = (cause for cause in self._report_causes if cause.cause.field.name == field.name)
         return first_or_raise(causes, f"report about '{field.name}'").report.name
 
     # -- conditions
@@ -111,10 +111,10 @@ class FrameReports:
         conditions = []
         unused_fields = []
         for cause in causes:
-            if isinstance(cause.by, Reserved):
-                unused_fields.append(cause.by)
+            if isinstance(cause.cause, Reserved):
+                unused_fields.append(cause.cause)
             else:
-                conditions.append(self._condition_of_cause(cause, cause.by))
+                conditions.append(self._condition_of_cause(cause, cause.cause))
         if unused_fields:
             conditions.append(str(self._differs_in(unused_fields)))
         return conditions
@@ -174,9 +174,9 @@ class FrameReports:
 
 def _meaning_while_active(cause: VerdictCause) -> str:
     """Return a comment with the meaning of an active flag or differing bit: ``error: position data is invalid.``"""
-    if isinstance(cause.by, Reserved):
+    if isinstance(cause.cause, Reserved):
         return "unused: bits that the manual leaves unused differ from it."
-    flag = cause.by.field
+    flag = cause.cause.field
     meaning = flag.meaning
     if isinstance(flag.kind, Flag) and flag.kind.when_active:
         meaning = flag.kind.when_active

@@ -83,7 +83,7 @@ class ShapeLiteral:
         yield from self._gray_members()
         yield "fixed", self._constant_bits()
         yield "position", layout_class.position_attribute
-        if self.plan.keeps_others:
+        if self.plan.keeps_undefined_bits:
             yield "kept_mask", SourceText(str(mask_without_field(layout_class.context.scope, self.plan)))
         if layout_class.register is not None and layout_class.limited_attribute:
             yield "limited", (layout_class.register.limits_of, layout_class.limited_attribute)
@@ -92,7 +92,7 @@ class ShapeLiteral:
 
     def _value_columns(self) -> tuple[CallLiteral, ...]:
         """Return the call that creates a column for each field with a value."""
-        names_with_value = {part.field.name for part in self.plan.parts}
+        names_with_value = {part.field.name for part in self.plan.decoded_fields}
         columns = (column for column in self._description.columns if column.name in names_with_value)
         return tuple(map(self._column_call, columns))
 
@@ -206,7 +206,7 @@ class ShapeLiteral:
             if crc.is_xor:
                 members |= {"xorout": crc.xorout, "is_xor": True}
         else:
-            gap = f", gap={frame_crc.gap}" if frame_crc.gap else ""
+            gap = f", gap={frame_crc.bits_between}" if frame_crc.bits_between else ""
             place_arguments = f"covered={layout_class.number(frame_crc.covered)}, width={crc.width}{gap}"
             members["differs"] = SourceText(f"compare_bits({layout_class.crc_name(frame_crc)}, {place_arguments})")
             if frame_crc.steps:

@@ -196,8 +196,8 @@ class VariantTable:
             return self._code_of(measurement.per_counts or Expression(1))
 
         cases = self._cases_by_interface(counts_of)
-        is_one_everywhere = all(number_of_counts == number(1) for number_of_counts, _ in cases.cases)
-        return replace(cases, cases=()) if is_one_everywhere else cases
+        is_one_everywhere = all(number_of_counts == number(1) for number_of_counts, _ in cases.values_with_interfaces)
+        return replace(cases, values_with_interfaces=()) if is_one_everywhere else cases
 
     @cached_property
     def modulus(self) -> ByInterface[PythonExpression]:
@@ -373,17 +373,18 @@ class VariantTable:
             return end_of(only_range) or usual
 
         ends = by_interface(self.device, end_over)
-        is_usual = not self.interfaces_with_frame_ranges and all(position == usual for position, _ in ends.cases)
+        are_usual = all(position == usual for position, _ in ends.values_with_interfaces)
+        is_usual = not self.interfaces_with_frame_ranges and are_usual
         return None if is_usual else ends
 
     @property
     def bases(self) -> list[str]:
         """The base classes from the runtime that convert and unwrap positions, or only ``Encoder`` if none applies."""
         applies_by_class = {
-            "Rotary": bool(self.counts_per_turn.cases),
-            "Linear": bool(self.step_um.cases),
-            "FineLinear": bool(self.step_nm.cases),
-            "Wrapping": bool(self.modulus.cases or self.interfaces_with_frame_ranges),
+            "Rotary": bool(self.counts_per_turn.values_with_interfaces),
+            "Linear": bool(self.step_um.values_with_interfaces),
+            "FineLinear": bool(self.step_nm.values_with_interfaces),
+            "Wrapping": bool(self.modulus.values_with_interfaces or self.interfaces_with_frame_ranges),
         }
         return [name for name, applies in applies_by_class.items() if applies] or ["Encoder"]
 

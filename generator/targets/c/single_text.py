@@ -1,12 +1,19 @@
-"""The comments of a single header for one order code, which are shortened from other headers and wrapped again."""
+"""The text of a single header: the facts at its top, comments shortened from other headers, and lines broken again."""
 
 from __future__ import annotations
 
 import re
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Iterator
+from itertools import chain
 
+from ...model import Spi
+from ...plan.values import is_number, meaning_of
+from ...say.evidence import Topic, mentions, word_for_document
+from .codec import StructCodec
 from .comments import COLUMNS
+from .device import DeviceView
+from .names import c_name
 
 #: Width of a line of a comment after its `` * ``.
 COMMENT_WIDTH = COLUMNS - 3
@@ -26,7 +33,7 @@ _CHOICE = "It is set by your choice of "
 _OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC", _CHOICE)
 #: The name of an erratum, which this header lists by its title: `` (erratum low_battery)``.
 _NAME_OF_ERRATUM = re.compile(r" \((?:see )?erratum \w+\)")
-_C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
+C_IDENTIFIER = re.compile(r"\b[A-Za-z_]\w*\b")
 
 
 class CommentAdapter:
@@ -96,7 +103,7 @@ class CommentAdapter:
         """
         if sentence.startswith(_OTHER_SENTENCES) or _ABOUT_ABSENT.search(sentence) is not None:
             return True
-        return any(map(self._is_absent, _C_IDENTIFIER.findall(sentence)))
+        return any(map(self._is_absent, C_IDENTIFIER.findall(sentence)))
 
 
 def member_comment(text: str, margin: str) -> str:
@@ -194,3 +201,148 @@ def as_comment(lines: list[str]) -> str:
         return f"/** {text.strip()} */\n"
     body = "\n".join(f" * {line}".rstrip() for line in text.splitlines())
     return f"/**\n{body}\n */\n"
+
+
+class SingleUsage:
+    """How to read a position with a single header.
+
+    ``named`` returns a text with the names of the single header in place of those in the normal header.
+    """
+
+    def __init__(self, view: DeviceView, named: Callable[[str], str]) -> None:
+        self.view = view
+        self._named = named
+
+    @property
+    def request(self) -> StructCodec | None:
+        """The frame that requests the position, or None if there is no such frame.
+
+        Over SPI, it is the frame that the macro of the request names.
+        """
+        usage = self.view.usage
+        if usage is not None and usage.request_for_reply is not None:
+            return usage.request_for_reply.codec
+        exchanged = self.view.interface.position_request.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
+        requests = (codec for codec in self.view.interface.codecs if codec.struct.layout.name == exchanged)
+        return next(requests, None)
+
+    @property
+    def reply_bytes(self) -> int:
+        """Number of bytes in the reply with the position, 0 without such a reply."""
+        usage = self.view.usage
+        if usage is None:
+            return 0
+        parameters = self.view.device.variants[0].parameters
+        bits = usage.frame.struct.layout.bits.value(parameters)
+        # Bits to bytes, rounded up.
+        return (bits + 7) // 8
+
+    @property
+    def replies_later(self) -> bool:
+        """True if a reply over SPI comes with the word after its request."""
+        interface = self.view.context.interface
+        return isinstance(interface, Spi) and interface.reply == "next_word"
+
+    @property
+    def is_from_manual(self) -> bool:
+        """True if the facts come from the manual of the encoder, and not from other documents or programs."""
+        return word_for_document(self.view.device) == "manual"
+
+    @property
+    def request_bytes(self) -> str:
+        """The bytes of a request that is always the same, such as ``FFh FFh``, or an empty string."""
+        if self.request is None:
+            return ""
+        layout = self.request.struct.layout
+        fields = layout.fields
+        if not layout.sent_bits.is_constant:
+            return ""
+        number = 0
+        for field in fields:
+            if field.fixed_value is None:
+                return ""
+            number |= field.fixed_value << field.low.constant
+        number_of_bytes = (layout.sent_bits.constant + 7) // 8
+        return " ".join(f"{byte:02X}h" for byte in number.to_bytes(number_of_bytes, "big"))
+
+    @property
+    def pause_macro(self) -> str:
+        """The macro for the shortest pause between two words over SSI, or an empty string if it is not known."""
+        timings = self.view.context.interface.timings
+        is_known = any(timing.name == "pause" and timing.at_least_us is not None for timing in timings)
+        return self._named(f"{self.view.PREFIX}_PAUSE_AT_LEAST_US") if is_known else ""
+
+    @property
+    def lacks_pause(self) -> bool:
+        """True if the spec has no times of the interface and says nothing about the pause between two words."""
+        interface = self.view.context.interface
+        return not interface.timings and not mentions(self.view.device, interface, Topic.PAUSE)
+
+    @property
+    def ignored_numbers(self) -> tuple[str, ...]:
+        """Names of the numbers that affect neither the position nor the verdict, such as a life counter."""
+        frame = self.view.reading.frame
+        if frame is None:
+            return ()
+        position_name = self.view.device.position_name(self.view.context.interface.name)
+        layouts = frame.whole_frame.layouts if frame.whole_frame is not None else (frame.struct.layout,)
+        parts_of_position = {position_name}
+        for layout in layouts:
+            parts_of_position.update(*(join.fields for join in layout.joins if join.name == position_name))
+        fields = chain.from_iterable(layout.data_fields for layout in layouts)
+        numbers = (field for field in fields if is_number(meaning_of(field)) and field.equals is None)
+        return tuple(c_name(field.name) for field in numbers if field.name not in parts_of_position)
+
+    @property
+    def function_for_all_fields(self) -> str:
+        """The function that returns all fields of a frame: of a word, or of all data channels from the buffer."""
+        frame = self.view.reading.frame
+        assert frame is not None
+        if frame.whole_frame is not None and self.view.channels is not None:
+            return self._named(f"{self.view.channels.type}_receive")
+        return self._named(f"{frame.name}_decode")
+
+
+#: A condition on one line, after which the function only returns a result.
+_GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
+
+
+def with_signature_on_one_line(c_code: str) -> str:
+    """Return a C function with its signature on one line, from the macros that mark it to its parameters.
+
+    The macros are on a separate line if they and the name of the function are too long for one line. ``break_lines``
+    breaks the parameters again if necessary. Other code is returned unchanged.
+    """
+    function = re.match(r"(?P<marks>(?:CW_[A-Z]+[ \n])*)(?P<signature>static inline [^{;]*\))\n\{", c_code)
+    if function is None:
+        return c_code
+    marks = function["marks"].replace("\n", " ")
+    with_first_parameter = function["signature"].replace("(\n    ", "(")
+    signature = re.sub(r"\n +", " ", with_first_parameter)
+    body = c_code[function.end("signature") :]
+    type_and_name, _, _ = signature.partition("(")
+    if len(marks + type_and_name) >= COLUMNS:
+        return f"{marks.rstrip()}\n{signature}{body}"
+    return f"{marks}{signature}{body}"
+
+
+def with_short_conditions(c_code: str) -> str:
+    """Return a C function in which each condition that only returns a result is on one line, if it fits."""
+    return _GUARD.sub(_on_one_line, c_code)
+
+
+def _on_one_line(guard: re.Match[str]) -> str:
+    """Return a condition and its result on one line, or unchanged if that is too long or has a comment."""
+    line = f"{guard['condition']} {guard['result']} }}"
+    return guard[0] if len(line) > COLUMNS or "/*" in line else f"{line}\n"
+
+
+def refilled_macro(c_code: str) -> str:
+    """Return a macro whose lines after the first, if any, are joined and broken again at the width of a header."""
+    first_line, *body = (line.removesuffix("\\").rstrip() for line in c_code.splitlines())
+    if not body:
+        return c_code
+    joined_body = " ".join(line.strip() for line in body)
+    # 2 characters are the space and the backslash at the end of a line.
+    lines = wrap_text(joined_body, COLUMNS - 2, first_margin=" " * 4, margin=" " * 8)
+    return " \\\n".join((first_line, *lines)) + "\n"

@@ -1,9 +1,10 @@
-"""The worked examples of the manual that a program shows, and a made-up frame if the manual has none."""
+"""What an example program shows: worked examples of the manual, or a made-up frame, and how members are printed."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 from ...loading.examples import example_variant
@@ -21,6 +22,7 @@ from ...model import (
     Register,
     RegisterExample,
     SendStep,
+    Value,
     Values,
     Variant,
     assert_never,
@@ -28,7 +30,21 @@ from ...model import (
     number_from_bytes,
 )
 from ...model.record import dataclass
+from ...plan.operations import FieldToDecode
+from ...plan.values import (
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
+    TwosComplement,
+)
 from ...say.evidence import word_for_document
+from ...say.names_and_places import title_of
+from .comments import ascii_text
+from .names import c_name
+from .procedures import ProcedureCode
+from .registers import RegisterFunctions
+from .structs import LayoutStruct
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +61,7 @@ class NoFrame(Exception):
     """The manual shows no frame of an interface, and none could be made up."""
 
 
-def chosen_variant(device: Device, interface: Interface) -> Variant:
+def choose_variant(device: Device, interface: Interface) -> Variant:
     """Return the order code of an interface that has the most worked examples in the manual.
 
     Examples with an erratum, whose printed bytes are not used, do not count. With equal numbers, the order code with
@@ -92,8 +108,8 @@ class WorkedRegister(NamedTuple):
     example: RegisterExample
 
 
-class Chosen:
-    """The worked examples of the manual for one order code of an interface, chosen by ``chosen_variant``.
+class ChosenExamples:
+    """The worked examples of the manual for one order code of an interface, chosen by ``choose_variant``.
 
     Raises:
         NoFrame: There is no frame to show.
@@ -103,7 +119,7 @@ class Chosen:
         self.device = device
         self.interface = interface
         self.measurement = device.measurement_of(interface.name)
-        self.variant = chosen_variant(device, interface)
+        self.variant = choose_variant(device, interface)
         examples = (example for example in device.examples if _is_shown_over(device, interface, example))
         #: The examples for the chosen order code. An example without an order code applies to the first code of the
         #: family.
@@ -221,3 +237,115 @@ def _number_of_writes(procedure_and_example: tuple[Procedure, ProcedureExample])
 
 def _has_poll(procedure: Procedure) -> bool:
     return any(isinstance(step, PollStep) for step in procedure.steps)
+
+
+#: Maximum number of characters of explanation after a number.
+_LONGEST_EXPLANATION = 40
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedMember:
+    """A member as the program prints it: its name, the ``printf_format`` and arguments for ``printf``.
+
+    ``value_names`` explains its named values, or is empty.
+    """
+
+    name: str
+    printf_format: str
+    arguments: str
+    value_names: str = ""
+
+
+def printed_members(part: FieldToDecode, variable: str) -> Iterator[PrintedMember]:
+    """Yield the members that a field fills in the struct ``variable``, as ``printf`` prints them.
+
+    A number whose decimal digits are members, too, fills several members.
+    """
+    name = part.field.name
+    member = f"{variable}.{c_name(name)}"
+    match part.meaning:
+        case Latin1Text():
+            yield PrintedMember(name, printf_format="%.*s", arguments=f"(int)sizeof({member}), {member}")
+        case ActiveFlag():
+            yield PrintedMember(name, printf_format="%s", arguments=f'{member} ? "yes" : "no"')
+        case TwosComplement():
+            yield PrintedMember(name, printf_format="%lld", arguments=f"(long long){member}")
+        case NamedChoice(values):
+            yield replace(printed_number(name, variable), value_names=_value_meanings(values))
+        case DecimalDigits(digit_runs):
+            yield printed_number(name, variable)
+            for digit_run in digit_runs:
+                yield printed_number(digit_run.name, variable)
+        case _:
+            yield printed_number(name, variable)
+
+
+def printed_number(name: str, variable: str) -> PrintedMember:
+    """Return an unsigned member of the struct ``variable``, as ``printf`` prints it."""
+    return PrintedMember(name, printf_format="%llu", arguments=f"(unsigned long long){variable}.{c_name(name)}")
+
+
+def _value_meanings(values: Iterable[Value]) -> str:
+    """Return the meanings of the values, such as ``0 off, 1 on``, or an empty string if the line would be too long."""
+    meanings = ", ".join(f"{value.value} {ascii_text(title_of(value))}" for value in values)
+    return meanings if len(meanings) <= _LONGEST_EXPLANATION else ""
+
+
+@dataclass(frozen=True, slots=True)
+class ShownRegister:
+    """A register that the program reads with its own function and prints."""
+
+    title: str
+    name: str
+    about: str
+    access: RegisterFunctions
+    struct: LayoutStruct
+
+    @property
+    def members(self) -> int:
+        """The number of members in its struct."""
+        plan = self.struct.plan
+        return len(plan.joined_numbers) + sum(1 + len(part.field.runs) for part in plan.decoded_fields)
+
+
+@dataclass(frozen=True, slots=True)
+class ShownProcedure:
+    """A procedure that the program carries out, with its arguments."""
+
+    title: str
+    about: str
+    code: ProcedureCode
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """Initial content of a simulated register."""
+
+    address: int
+    data: bytes
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReceivedBytes:
+    """The bytes that SPI received for the frame, and the macros for its length in bits and bytes."""
+
+    bits: str
+    size: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """A request over SPI, and the bytes of the frame that is its reply.
+
+    ``initial`` is the initializer of its struct, ``macro`` the constant of the request, and ``size`` the number of
+    bytes of its longest word.
+    """
+
+    request: LayoutStruct
+    initial: str
+    macro: str
+    data: bytes
+    size: int

@@ -1,4 +1,7 @@
-"""CRC functions in C, as templates/c/crc.h.jinja prints them: in folding steps, or with a table look-up per byte.
+"""CRC functions in C: the general function of each CRC with its table, and the functions of single frames.
+
+templates/c/general_crcs.h.jinja and templates/c/crc_of_frame.h.jinja print them. The function of a frame that is a word
+consists of folding steps, or of a table look-up per byte.
 
 32-bit processors are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore
 takes the bits above and below its place from the halves of the wide number.
@@ -10,8 +13,9 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Crc
 from ...model.record import dataclass
-from ...plan.crcs import FoldStep, fold_plan
+from ...plan.crcs import CoveredData, CrcFunction, CrcMethod, FoldStep, fold_plan, reflect
 from .comments import Paragraph
+from .names import DeclaredName, unsigned
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,11 +103,11 @@ class ByteInHalf:
 
 @dataclass(frozen=True)
 class BitsCrc:
-    """The function that computes the CRC over the first ``covered`` bits of a frame in bytes."""
+    """The function that computes the CRC over the first ``covered_width`` bits of a frame in bytes."""
 
     name: str
     crc: Crc
-    covered: int
+    covered_width: int
     type: str
     about: tuple[Paragraph, ...]
 
@@ -112,12 +116,12 @@ class BitsCrc:
 class WordCrc:
     """The function ``name`` that computes the CRC of a whole word of ``bits`` bits.
 
-    ``function`` is the general function for this CRC, whose table is also used here. ``folds`` are the operations that
-    reduce the word without a table, empty if there are none.
+    ``general_function`` is the function for this CRC over any number of bits, whose table is also used here. ``folds``
+    are the operations that reduce the word without a table, empty if there are none.
     """
 
     name: str
-    function: str
+    general_function: str
     crc: Crc
     bits: int
     folds: tuple[FoldOperation, ...]
@@ -167,3 +171,62 @@ def _byte_in_half(byte_index: int) -> ByteInHalf:
     if byte_index > 3:
         return ByteInHalf("high", shift=8 * (byte_index - 4))
     return ByteInHalf("low", shift=8 * byte_index)
+
+
+@dataclass(frozen=True)
+class CrcCode:
+    """The general function for a CRC over bits or bytes. ``table`` contains the remainder of each byte, or is empty.
+
+    The function exists only if a frame calls it (``is_called``). Most frames that are one number have a CRC function of
+    their own, which may still use the table.
+    """
+
+    name: str
+    function: CrcFunction
+    about: tuple[Paragraph, ...]
+    table: tuple[int, ...]
+    is_called: bool
+    #: The type of the bits that a function over bits takes.
+    data_type: str
+
+    def declared(self) -> Iterator[DeclaredName]:
+        if self.is_called:
+            yield self.name, ("crcs", self.crc.name)
+        if self.table:
+            yield f"{self.name}_entries", ("crcs", self.crc.name)
+
+    @property
+    def type(self) -> str:
+        return unsigned(self.crc.width)
+
+    @property
+    def crc(self) -> Crc:
+        return self.function.crc
+
+    @property
+    def in_bytes(self) -> bool:
+        return self.function.covered_data is CoveredData.BYTES
+
+    @property
+    def is_fold(self) -> bool:
+        return self.function.method is CrcMethod.FOLD
+
+    @property
+    def can_be_bitwise(self) -> bool:
+        """True if the function uses a table, which a macro can replace by a computation bit by bit."""
+        return self.function.method is CrcMethod.TABLE
+
+    @property
+    def is_reflected(self) -> bool:
+        """True if the table is for a CRC register with its bits in reverse order."""
+        return self.can_be_bitwise and self.in_bytes and self.crc.refin
+
+    @property
+    def table_init(self) -> int:
+        """The initial value of the CRC register, in the bit order of the table."""
+        return reflect(self.crc.init, self.crc.width) if self.is_reflected else self.crc.init
+
+    @property
+    def is_reversed_at_end(self) -> bool:
+        """True if the bits of the CRC register must be reversed at the end."""
+        return self.crc.refout != self.is_reflected
