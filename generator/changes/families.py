@@ -12,16 +12,9 @@ from ..say.plain_text import first_of
 from .compare import compare_members, compare_parts, compare_section
 from .consequences import fold_alike, fold_defaults, fold_types, fold_waits, with_consequences
 from .counterparts import pair_section, remember_all_renamings
-from .family_pair import FamilyPair
-from .interfaces import (
-    compare_contacts,
-    compare_displayed_facts,
-    compare_interfaces,
-    compare_procedure,
-    compare_register,
-    compare_timings,
-)
-from .pairs import OldAndNew, complete_pairs, pair_by_name
+from .family_pair import FamilyPair, OldAndNew, complete_pairs, pair_by_name
+from .interfaces import compare_contacts, compare_displayed_facts, compare_interfaces, compare_timings
+from .layouts_and_procedures import compare_procedure, compare_register
 from .rules import Change, ChangeSubject, Impact
 from .values import codes_as_pattern, old_to_new
 

@@ -7,16 +7,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .arguments import (
-    Parser,
-    a_path,
-    add_choose_option,
-    add_edition_option,
-    add_register_option,
-    add_specs_option,
-    cache_for,
-)
-from .line_encoder import OR_A_LINE
+from .cli import Parser, a_path, add_choose_option, add_edition_option, add_register_option, add_specs_option, cache_for
+from .find_encoder import OR_A_LINE
 from .terminal import CommandError, error_after_printing, print_json, refuse_missing
 
 if TYPE_CHECKING:
@@ -144,8 +136,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     from ..masters.frame_parts import NoRecord
     from ..masters.record import Undecided, record
     from ..order_codes.parameters import RegisterError, with_registers
-    from .find_encoder import find_requested
-    from .open_questions import answers_of, open_questions
+    from .find_encoder import answers_of, find_requested, open_questions
     from .read_specs import specs_to_read
 
     cache = cache_for(arguments)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..language.problems import joined_lines
 from ..say.plain_text import count_with_unit
-from .arguments import Parser, a_path, add_specs_option
+from .cli import Parser, a_path, add_specs_option
 from .facts import facts_data
 from .terminal import CommandError, Progress, error_after_printing, print_json
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ..loading.library import Family
+    from ..reread import TouchedFacts
     from ..reread.facts import CitingFact
     from ..reread.passages import Passage
-    from ..reread.ranking import TouchedFacts
     from ..reread.sections import Manual
 
 EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",)
@@ -69,9 +69,9 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         CommandError: A manual cannot be read, or the family is not known.
     """
+    from ..reread import TouchedFacts
     from ..reread.facts import facts_with_citations
     from ..reread.passages import differing_passages, numbers_changed, same_language
-    from ..reread.ranking import TouchedFacts
     from ..reread.sections import NoText, read_manual
     from .read_specs import specs_to_judge
 
@@ -240,7 +240,7 @@ def _line_of_equal_facts(facts: Sequence[CitingFact]) -> str:
 
 def _groups_of_equal_facts(facts: Sequence[CitingFact]) -> list[list[CitingFact]]:
     """Return the facts in groups. Successive facts with the same key and value are one group, such as equal waits."""
-    from ..reread.ranking import key_of
+    from ..reread import key_of
 
     def key_and_value(fact: CitingFact) -> object:
         return key_of(fact), fact.value

@@ -10,16 +10,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..cache import Cache
-from ..language.files import MANUFACTURER, find_files, packaged_families
-from ..loading.configuration import NO_FILTERS, Configuration, FamilyFilters
-from .find_encoder import find_family_or_code
-from .read_specs import Specs, find_settings, find_specs, find_specs_to_judge, refuse_unknown_targets
-from .terminal import CommandError, refuse_missing
+from ...cache import Cache
+from ...language.files import MANUFACTURER, find_files, packaged_families
+from ...loading.configuration import NO_FILTERS, Configuration, FamilyFilters
+from ..find_encoder import find_family_or_code
+from ..read_specs import Specs, find_settings, find_specs, find_specs_to_judge, refuse_unknown_targets
+from ..terminal import CommandError, refuse_missing
 
 if TYPE_CHECKING:
-    from ..model import Device
-    from ..removable_outputs import Guard
+    from ...model import Device
+    from .files import Guard
 
 OUTPUT = Path("generated")
 
@@ -62,7 +62,7 @@ class Selection:
 
     def guard(self, arguments: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
         """Return a check that prevents the run from changing outputs that belong to other specs."""
-        from ..removable_outputs import Guard
+        from .files import Guard
 
         return Guard(arguments.output, devices, files, self.command_with, is_comparison=arguments.check)
 
@@ -277,8 +277,8 @@ def _no_packaged_error(name: str, stop: CommandError, folders: Mapping[str, Path
     """
     from difflib import get_close_matches
 
-    from ..language.problems import nearest_choice
-    from ..order_codes import labels
+    from ...language.problems import nearest_choice
+    from ...order_codes import labels
 
     unknown_code = labels.unknown_code(name)
     if not str(stop).startswith(unknown_code):  # The name is close to an order code, and the message says how.
