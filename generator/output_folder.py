@@ -171,8 +171,8 @@ def _attempt(folder: Path) -> int | None:
 
 
 #: Beginning of the name of a stage.
-PREFIX = ".codewheel-"
-_STAGE_NAME = re.compile(rf"{re.escape(PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}")
+STAGE_PREFIX = ".codewheel-"
+_STAGE_NAME = re.compile(rf"{re.escape(STAGE_PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}")
 #: The first file in a stage. The mark lets a later run distinguish the stage of a killed run from a user's folder.
 _STAGE_MARK = ".codewheel-stage"
 _MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
@@ -195,7 +195,7 @@ class Stage:
     @classmethod
     def create(cls, target_folder: Path) -> Stage:
         """Create an empty stage for the folder of a target."""
-        prefix = f"{PREFIX}{target_folder.name}-"
+        prefix = f"{STAGE_PREFIX}{target_folder.name}-"
         stage_folder = tempfile.mkdtemp(prefix=prefix, dir=target_folder.parent)
         return cls(Path(stage_folder), target_folder)
 

@@ -29,7 +29,7 @@ from ..say.register import describe_access
 from .compare import compare_members, compare_parts
 from .consequences import ComparedField, fold_length, fold_moves
 from .counterparts import pair_fields, step_with_new_names, step_without_words
-from .family_pair import FamilyPair, OldAndNew
+from .family_pair import FamilyPair, OldAndNew, complete_pairs
 from .rules import Change, ChangeSubject
 from .values import as_plain_data, old_to_new, short_value
 
@@ -96,28 +96,32 @@ def _without_exchanged_filling(
 
     If ``speed`` moves from bit 6 to the unused bit 7, bit 6 becomes unused. Its name, which a reader chose, may differ.
     """
-    moves: set[tuple[Hashable, Hashable]] = set()
-    for pair in pairs:
-        if pair.old is not None and pair.new is not None and pair.new.carries_data:
-            old_bits = family_pair.low_bits_and_widths(pair.old, interface, is_old=True)
-            moves.add((old_bits, family_pair.low_bits_and_widths(pair.new, interface, is_old=False)))
-    # Bits and kinds of the fields without data.
-    old_filling: dict[Hashable, object] = {}
-    new_filling: dict[Hashable, object] = {}
-    for pair in pairs:
-        if pair.old is not None and not pair.old.carries_data:
-            old_filling[family_pair.low_bits_and_widths(pair.old, interface, is_old=True)] = pair.old.kind
-        if pair.new is not None and not pair.new.carries_data:
-            new_filling[family_pair.low_bits_and_widths(pair.new, interface, is_old=False)] = pair.new.kind
+    old_kind_by_bits = _kinds_of_fields_without_data(family_pair, interface, [pair.old for pair in pairs], is_old=True)
+    new_kind_by_bits = _kinds_of_fields_without_data(family_pair, interface, [pair.new for pair in pairs], is_old=False)
     exchanged_bits: set[Hashable] = set()
-    for bits_before, bits_after in moves:
-        if bits_after in old_filling and old_filling[bits_after] == new_filling.get(bits_before):
-            exchanged_bits |= {bits_before, bits_after}
+    for old_field, new_field in complete_pairs(pairs):
+        old_bits = family_pair.low_bits_and_widths(old_field, interface, is_old=True)
+        new_bits = family_pair.low_bits_and_widths(new_field, interface, is_old=False)
+        # If the field moved to bits without data, its old bits must now be of the kind that its new bits had.
+        moves_to_filling = new_field.carries_data and new_bits in old_kind_by_bits
+        if moves_to_filling and old_kind_by_bits[new_bits] == new_kind_by_bits.get(old_bits):
+            exchanged_bits |= {old_bits, new_bits}
     for pair in pairs:
         field = pair.new_or_old
         bits = family_pair.low_bits_and_widths(field, interface, is_old=pair.new is None)
         if field.carries_data or bits not in exchanged_bits:
             yield pair
+
+
+def _kinds_of_fields_without_data(
+    family_pair: FamilyPair, interface: str, fields: Iterable[Field | None], *, is_old: bool
+) -> dict[Hashable, object]:
+    """Return the kinds of the fields that carry no data, such as unused bits, by their bits."""
+    kind_by_bits: dict[Hashable, object] = {}
+    for field in fields:
+        if field is not None and not field.carries_data:
+            kind_by_bits[family_pair.low_bits_and_widths(field, interface, is_old=is_old)] = field.kind
+    return kind_by_bits
 
 
 def _is_padding(field: Field, layout: Layout) -> bool:

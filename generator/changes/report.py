@@ -381,9 +381,12 @@ def _read_acceptance(document: Document, index: int, acceptance: object) -> Acce
     if rule not in RULES:
         raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggest_word(rule, RULES)}")
     try:
-        return Accepted(**{**acceptance, "until": date.fromisoformat(until)})
+        last_day = date.fromisoformat(until)
     except ValueError:
         raise NotAccepted(f"{location}: 'until' is a date such as 2027-03-31, not {quoted(until)}") from None
+    return Accepted(
+        family=acceptance["family"], rule=rule, path=acceptance["path"], why=acceptance["why"], until=last_day
+    )
 
 
 def _has_texts(acceptance: dict[object, object]) -> bool:

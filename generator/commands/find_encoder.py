@@ -412,12 +412,12 @@ def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) ->
     Raises:
         UndecidedError: The layout needs an answer that is not among ``answers``.
     """
-    message = open_questions(device, layout, answers)
+    message = describe_open_questions(device, layout, answers)
     if message:
         raise UndecidedError(message)
 
 
-def open_questions(
+def describe_open_questions(
     device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded"
 ) -> str:
     """Return a message with the questions of a layout that ``answers`` does not answer, or "" if there are none.

@@ -136,7 +136,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     from ..masters.frame_parts import NoRecord
     from ..masters.record import Undecided, record
     from ..order_codes.parameters import RegisterError, with_registers
-    from .find_encoder import answers_of, find_requested, open_questions
+    from .find_encoder import answers_of, describe_open_questions, find_requested
     from .read_specs import specs_to_read
 
     cache = cache_for(arguments)
@@ -152,7 +152,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     except RegisterError as error:
         raise CommandError(str(error), 2) from None
     except Undecided as error:
-        message = open_questions(device, error.layout, answers, predicate="has no settings")
+        message = describe_open_questions(device, error.layout, answers, predicate="has no settings")
         raise CommandError(message, 2) from None
     except NoRecord as error:
         raise CommandError(str(error), 1) from None

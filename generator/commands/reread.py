@@ -182,7 +182,7 @@ def _text_lines(
             # The paths of the facts that were listed in this section, by the old and the new text.
             paths_by_change: dict[tuple[Sequence[str], Sequence[str]], set[str]] = {}
             yield f"\n{heading}"
-        change = (changed_passage.passage.old, changed_passage.passage.new)
+        change = (changed_passage.passage.old_words, changed_passage.passage.new_words)
         listed_paths = paths_by_change.setdefault(change, set())
         yield from _passage_lines(changed_passage, listed_paths)
     section_numbers = {changed_passage.passage.section.number for changed_passage in changed_passages}
@@ -205,7 +205,7 @@ def _passage_lines(changed_passage: _ChangedPassage, listed_paths: set[str]) -> 
     the paths of the facts listed now are added to them.
     """
     yield ""
-    old_text, new_text = changed_passage.passage.shown
+    old_text, new_text = changed_passage.passage.shown_texts
     for edition, passage_text in (("old", old_text), ("new", new_text)):
         if passage_text:
             yield f"  {edition}: {_shorten_text(passage_text)}"
@@ -269,8 +269,8 @@ def _passage_data(changed_passage: _ChangedPassage) -> Mapping[str, Any]:
     return {
         "section": passage.section.number,
         "title": passage.section.title,
-        "old": " ".join(passage.old),
-        "new": " ".join(passage.new),
+        "old": " ".join(passage.old_words),
+        "new": " ".join(passage.new_words),
         "facts": facts_data(changed_passage.facts),
         "facts_of_section": changed_passage.facts_of_section,
     }

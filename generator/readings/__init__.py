@@ -67,13 +67,13 @@ class Coverage:
 
     def _count_times_read(self, fact_class: FactClass) -> TimesRead:
         """Return how many facts of a class were read how often. Facts that were read differently are not counted."""
-        all_reads = self.outcome.read_by_place.items()
-        reads_of_sort = [read for (read_sort, _), read in all_reads if read_sort is fact_class]
+        how_often_by_fact = self.outcome.read_by_place.items()
+        how_often = [read for (class_of_fact, _), read in how_often_by_fact if class_of_fact is fact_class]
         return TimesRead(
-            twice=reads_of_sort.count(HowOftenRead.TWICE),
-            explained=reads_of_sort.count(HowOftenRead.EXPLAINED),
-            decided=reads_of_sort.count(HowOftenRead.DECIDED),
-            once=reads_of_sort.count(HowOftenRead.ONCE),
+            twice=how_often.count(HowOftenRead.TWICE),
+            explained=how_often.count(HowOftenRead.EXPLAINED),
+            decided=how_often.count(HowOftenRead.DECIDED),
+            once=how_often.count(HowOftenRead.ONCE),
             derived=self.derived.get(fact_class, 0),
         )
 
@@ -230,6 +230,11 @@ class _Explanation:
     second_value: str
     spec_value: str
 
+    @property
+    def erratum_place(self) -> Path:
+        """Place of the erratum in the spec: ``("errata", 3)`` for the pair at ``("errata", 3, "readings", 0)``."""
+        return self.place[:2]
+
     def explains(self, disagreement: Disagreement) -> bool:
         """Return whether a disagreement is between exactly these two values, at a place that the erratum affects.
 
@@ -326,8 +331,7 @@ def _check_explanation(explanation: _Explanation, spec: Document, report: Proble
         report.add("readings-unused", spec, explanation.place, message)
     elif _prints_other_number(explanation.printed, second_value):
         message = f"the printed text has other values than {second_value}, which the second reading has; correct it"
-        erratum_place = explanation.place[:2]
-        report.add("readings-unused", spec, (*erratum_place, "printed"), message)
+        report.add("readings-unused", spec, (*explanation.erratum_place, "printed"), message)
 
 
 def _prints_other_number(printed_text: str, value_with_unit: str) -> bool:

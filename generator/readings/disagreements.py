@@ -257,16 +257,20 @@ def _exchanged_bits(disagreement: Disagreement, all_disagreements: Sequence[Disa
     """
     if not _BITS.search(disagreement.description):
         return None
-    word = _word_of(disagreement)
-    in_word = [other for other in all_disagreements if _word_of(other) == word]
-    of_bits = [other for other in in_word if _BITS.match(other.description)]
-    spec_items = sorted(other.spec_value for other in of_bits)
-    second_items = sorted(other.second_value for other in of_bits)
-    is_exchange = len(of_bits) > 1 and spec_items == second_items
-    return ("exchanged bits", word) if is_exchange else None
+    owner_place = _register_or_frame_of(disagreement)
+    disagreements_on_bits: list[Disagreement] = []
+    for other_disagreement in all_disagreements:
+        # Only the description of the bits themselves begins with them.
+        is_about_bits = _BITS.match(other_disagreement.description) is not None
+        if is_about_bits and _register_or_frame_of(other_disagreement) == owner_place:
+            disagreements_on_bits.append(other_disagreement)
+    spec_items = sorted(on_bits.spec_value for on_bits in disagreements_on_bits)
+    second_items = sorted(on_bits.second_value for on_bits in disagreements_on_bits)
+    is_exchange = len(disagreements_on_bits) > 1 and spec_items == second_items
+    return ("exchanged bits", owner_place) if is_exchange else None
 
 
-def _word_of(disagreement: Disagreement) -> Path:
+def _register_or_frame_of(disagreement: Disagreement) -> Path:
     """Return the place of the register or frame that a disagreement is about: the steps before ``fields``."""
     place = disagreement.spec_place or disagreement.second_place
     return place[: place.index("fields")] if "fields" in place else ()
@@ -277,17 +281,15 @@ def _number_that_texts_lack(disagreement: Disagreement, all_disagreements: Seque
 
     Of several numbers, it is the one that most texts lack.
     """
-    lacking_numbers = _numbers_only_in_second(disagreement)
-    counts = Counter(
-        number
-        for other in all_disagreements
-        for number in _numbers_only_in_second(other)
-        if number in lacking_numbers and not number.isdigit()
-    )
-    if not counts:
+    # Digits without a unit occur in many texts for different reasons.
+    numbers_with_unit = {number for number in _numbers_only_in_second(disagreement) if not number.isdigit()}
+    text_count_by_number: Counter[str] = Counter()
+    for other_disagreement in all_disagreements:
+        text_count_by_number.update(numbers_with_unit & _numbers_only_in_second(other_disagreement))
+    if not text_count_by_number:
         return None
-    count, number = max((count, number) for number, count in counts.items())
-    return ("number that texts lack", number) if count > 1 else None
+    text_count, number = max((text_count, number) for number, text_count in text_count_by_number.items())
+    return ("number that texts lack", number) if text_count > 1 else None
 
 
 def _numbers_only_in_second(disagreement: Disagreement) -> Set[str]:

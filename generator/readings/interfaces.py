@@ -47,29 +47,30 @@ def channel_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFac
     frame = channel_frame(interface)
     if frame is None:
         return
-    place: Path = ("interfaces", interface.name, "channels")
+    channels_place: Path = ("interfaces", interface.name, "channels")
     yield ComparedFact(
         fact_class=FactClass.POSITION,
         key=("channels", "order"),
         value=", ".join(f"{layout.channel}" for layout in frame.layouts),
         description="order of the data channels in a frame",
-        place=(*place, "order"),
+        place=(*channels_place, "order"),
     )
     for compared in frame.compared:
         bits_by_case: dict[CodeAndState, str] = {}
         for case, parameters in reading.cases(interface.name).items():
-            field = compared.layout.place(parameters).field(compared.name)
-            compared_bits = frame.compared_bits.value(parameters)
+            placed_layout = compared.layout.place(parameters)
+            compared_field = placed_layout.field(compared.name)
+            number_of_compared_bits = frame.compared_bits.value(parameters)
             # The highest bits of the field are compared.
-            lowest_compared = field.high + 1 - compared_bits
-            bits_by_case[case] = bits(field.high, lowest_compared)
+            lowest_compared_bit = compared_field.high + 1 - number_of_compared_bits
+            bits_by_case[case] = bits(compared_field.high, lowest_compared_bit)
         channel = compared.layout.channel or 0
         yield ComparedFact(
             fact_class=FactClass.POSITION,
             key=("channels", "compared", channel),
             value=bits_by_case,
             description=f"compared bits of data channel {channel}",
-            place=(*place, "compared", compared.layout.name),
+            place=(*channels_place, "compared", compared.layout.name),
         )
 
 

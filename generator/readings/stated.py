@@ -202,6 +202,7 @@ def _value_text(reading: SpecReading, member: ModelMember, member_value: Any, in
     """
     if member.refers_to:
         return _referred_text(reading, member, member_value, interface)
+    unit = _UNIT_BY_ENDING.get(member.notation, "")
     if isinstance(member_value, Expression):
         return {
             case: count_text(member_value.value(parameters)) for case, parameters in reading.cases(interface).items()
@@ -209,17 +210,15 @@ def _value_text(reading: SpecReading, member: ModelMember, member_value: Any, in
     if isinstance(member_value, bool):
         return _bool_text(member, member_value)
     if isinstance(member_value, int):
-        return (
-            in_hex(member_value)
-            if member.notation == "hex"
-            else f"{member_value}{_UNIT_BY_ENDING.get(member.notation, '')}"
-        )
+        number_text = in_hex(member_value) if member.notation == "hex" else str(member_value)
+        return f"{number_text}{unit}"
     if isinstance(member_value, float):
         return f"{member_value:g}"
     if isinstance(member_value, Enum):
         return str(member_value.value)
     if isinstance(member_value, tuple):
-        return f"{' '.join(map(_part_text, member_value))}{_UNIT_BY_ENDING.get(member.notation, '')}"
+        values_text = " ".join(map(_part_text, member_value))
+        return f"{values_text}{unit}"
     if isinstance(member_value, Scale):
         # Two readers may write the same formula with different numbers, so it is reduced to a factor and an offset.
         factor = member_value.quantity(1) - member_value.quantity(0)

@@ -256,7 +256,10 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
     A step is identified by its number, for which waits are not counted. Consecutive waits are added up, and are
     identified by the number of the step before them, or 0 at the start.
     """
-    step_number, total_wait_us, position_text = 0, 0, "at its start"
+    step_number = 0
+    total_wait_us = 0
+    # The position of the next wait, in words.
+    position_text = "at its start"
     for index, step in enumerate(procedure.steps):
         step_place = ("steps", index)
         if isinstance(step, WaitStep):
@@ -273,8 +276,10 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
                 )
             continue
         quoted_step = f"'{step_text(reading, step, procedure)}'"
-        # Another step begins a new wait.
-        step_number, total_wait_us, position_text = step_number + 1, 0, f"after {quoted_step}"
+        step_number += 1
+        # Waits after this step are added up from zero again.
+        total_wait_us = 0
+        position_text = f"after {quoted_step}"
         if isinstance(step, ReadStep) and step.field:
             bits_read = register_and_bits(reading, step.register, step.field)
             description = f"bits used by {quoted_step}"

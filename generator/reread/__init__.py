@@ -36,7 +36,7 @@ _SHORTEST_TEXT = 4
 #: Number of words before and after a change in which numbers are compared.
 _WORDS_BESIDE = 3
 #: A number with its unit, printed without a space.
-_WITH_UNIT = re.compile(r"(\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")
+_WITH_UNIT = re.compile(r"(?P<number>\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")
 
 
 class _PassageWords(NamedTuple):
@@ -69,12 +69,12 @@ class SectionFacts:
         """
         passage_words = _PassageWords(
             # An insertion contains no old words.
-            differing=_comparable_words(passage.old or passage.new),
-            next_to=_comparable_words(passage.next_to),
-            row=_comparable_words(passage.close),
-            paragraph=_comparable_words(passage.around),
+            differing=_comparable_words(passage.old_words or passage.new_words),
+            next_to=_comparable_words(passage.words_next_to),
+            row=_comparable_words(passage.words_in_row),
+            paragraph=_comparable_words(passage.words_in_paragraph),
             section=self.words,
-            weight=_WEIGHT_OF_DIFFERING if passage.old else _WEIGHT_OF_INSERTED,
+            weight=_WEIGHT_OF_DIFFERING if passage.old_words else _WEIGHT_OF_INSERTED,
         )
         scored_facts: list[tuple[float, CitingFact]] = []
         for fact in self.facts:
@@ -200,7 +200,7 @@ class TouchedFacts:
         _, _, item_name = item.rpartition(".")
         items_by_reference = self._items_by_reference
         referring_items = dict.fromkeys((*items_by_reference.get(item, ()), *items_by_reference.get(item_name, ())))
-        passage_words = _comparable_words((*passage.old, *passage.new))
+        passage_words = _comparable_words((*passage.old_words, *passage.new_words))
 
         def common_word_count(fact: CitingFact) -> int:
             return len(fact.words & passage_words)
@@ -231,43 +231,35 @@ class _Change:
     """The words that were removed from a passage: their text, and the numbers and labels of order codes in it."""
 
     def __init__(self, passage: Passage) -> None:
-        removed_words = [word for word in passage.old if word not in passage.new]
+        removed_words = [word for word in passage.old_words if word not in passage.new_words]
         # If the new words contain all old words, all old words count as changed.
-        changed_words = removed_words or list(passage.old)
-        shown_old_text, _ = passage.shown
+        changed_words = removed_words or list(passage.old_words)
+        shown_old_text, _ = passage.shown_texts
+        # The shown text marks the changed words by brackets: ``at most [ 10 ] MHz``.
+        text_before_change, _, _ = shown_old_text.partition("[")
+        _, _, text_after_change = shown_old_text.partition("]")
+        words_before, words_after = text_before_change.split(), text_after_change.split()
         self._text = ""
         #: The changed words with the word before and the word after them: `` preset setting enable ``.
         self._phrase = ""
         self._old_context = ""
         # The text is only compared if new words replace it. ``spaced`` adds a space at each end, so that only whole
         # words match.
-        is_replaced = bool(changed_words) and bool(passage.new)
+        is_replaced = bool(changed_words) and bool(passage.new_words)
         if is_replaced:
             self._text = spaced(" ".join(changed_words))
             self._old_context = spaced(shown_old_text)
-            words_before, words_after = (
-                shown_old_text.partition("[")[0].split(),
-                shown_old_text.partition("]")[2].split(),
-            )
             if words_before and words_after:
                 self._phrase = spaced(" ".join((words_before[-1], *changed_words, words_after[0])))
-        self._adds_row = not passage.old
-        self._inserted_text = spaced(" ".join(passage.new)) if self._adds_row else ""
-        # The shown text marks the changed words by brackets: ``at most [ 10 ] MHz``.
-        words_before_change = shown_old_text.partition("[")[0]
-        self._before = spaced(words_before_change) if passage.new else ""
+        self._adds_row = not passage.old_words
+        self._inserted_text = spaced(" ".join(passage.new_words)) if self._adds_row else ""
+        self._text_before_change = spaced(text_before_change) if passage.new_words else ""
         #: All old words of the change, with those that the new text keeps: `` sine cosine resolution ``.
-        self._whole_old_text = spaced(" ".join(passage.old)) if is_replaced else ""
+        self._whole_old_text = spaced(" ".join(passage.old_words)) if is_replaced else ""
         self._labels = {word for word in changed_words if _LABEL_IN_CAPITALS.fullmatch(word)}
         self._numbers = _numbers_in(changed_words)
-        words_after_change = shown_old_text.partition("]")[2]
-        self._numbers_beside = {
-            number
-            for number in _numbers_in(
-                [*words_before_change.split()[-_WORDS_BESIDE:], *words_after_change.split()[:_WORDS_BESIDE]]
-            )
-            if len(number) > 1
-        }
+        words_beside = [*words_before[-_WORDS_BESIDE:], *words_after[:_WORDS_BESIDE]]
+        self._numbers_beside = {number for number in _numbers_in(words_beside) if len(number) > 1}
 
     def is_value_or_name_of(self, fact: CitingFact) -> bool:
         """Return whether the changed words are the value, the name or the label of a fact.
@@ -326,7 +318,7 @@ class _Change:
     def _is_named_before(self, fact: CitingFact) -> bool:
         """Return whether the words directly before the change are the name of a fact with several words."""
         name = fact.own_name_text
-        return " " in name.strip() and self._before.endswith(name)
+        return " " in name.strip() and self._text_before_change.endswith(name)
 
 
 def _differing_values(likely_by_item: Mapping[str, Sequence[CitingFact]], passage: Passage) -> list[CitingFact]:
@@ -334,7 +326,7 @@ def _differing_values(likely_by_item: Mapping[str, Sequence[CitingFact]], passag
 
     At most 4 facts are returned. ``likely_by_item`` contains the facts of each item, the most likely first.
     """
-    old_words = _comparable_words(passage.old)
+    old_words = _comparable_words(passage.old_words)
     differing_facts: list[CitingFact] = []
     for item_facts in likely_by_item.values():
         facts_with_old_words = [
@@ -344,30 +336,32 @@ def _differing_values(likely_by_item: Mapping[str, Sequence[CitingFact]], passag
     return differing_facts[:_MAX_DIFFERING_VALUES]
 
 
-def _score_of_fact(fact: CitingFact, passage: _PassageWords, fact_counts: Mapping[str, int]) -> float:
+def _score_of_fact(fact: CitingFact, passage_words: _PassageWords, fact_counts: Mapping[str, int]) -> float:
     """Return how likely a passage concerns a fact, as a score. It is 0 if the passage is not about the fact.
 
     The score is high if the value and the name of the fact occur in the passage. Words that differ count most, followed
     by words in the same row and in the same paragraph. Rare words count more. ``fact_counts`` contains the number of
     facts with each word.
     """
-    difference_score = _weight_by_rarity(fact.words & passage.differing, fact_counts)
-    difference_score += _weight_by_rarity(fact.name_words & passage.differing, fact_counts) / 2
-    difference_score += _weight_by_rarity(fact.name_words & passage.next_to, fact_counts) * _WEIGHT_NEXT_TO_CHANGE
-    paragraph_name_share = _share_near_passage(fact.name_words, passage.paragraph, passage.section, fact_counts)
-    paragraph_value_share = _share_near_passage(fact.words, passage.paragraph, passage.section, fact_counts)
+    difference_score = _weight_by_rarity(fact.words & passage_words.differing, fact_counts)
+    difference_score += _weight_by_rarity(fact.name_words & passage_words.differing, fact_counts) / 2
+    difference_score += _weight_by_rarity(fact.name_words & passage_words.next_to, fact_counts) * _WEIGHT_NEXT_TO_CHANGE
+    paragraph_name_share = _share_near_passage(
+        fact.name_words, passage_words.paragraph, passage_words.section, fact_counts
+    )
+    paragraph_value_share = _share_near_passage(fact.words, passage_words.paragraph, passage_words.section, fact_counts)
     # If the section contains words of the name elsewhere, the paragraph may be about a different item.
-    is_named_elsewhere = bool((fact.name_words & passage.section) - passage.paragraph)
+    is_named_elsewhere = bool((fact.name_words & passage_words.section) - passage_words.paragraph)
     if is_named_elsewhere and not difference_score and not paragraph_value_share:
         return 0
-    row_name_share = _share_near_passage(fact.name_words, passage.row, passage.section, fact_counts)
-    row_value_share = _share_near_passage(fact.words, passage.row, passage.section, fact_counts)
-    if fact.words & passage.differing:
+    row_name_share = _share_near_passage(fact.name_words, passage_words.row, passage_words.section, fact_counts)
+    row_value_share = _share_near_passage(fact.words, passage_words.row, passage_words.section, fact_counts)
+    if fact.words & passage_words.differing:
         # The value differs in a row with the name of the fact.
         difference_score += row_name_share
     row_score = _WEIGHT_OF_ROW * (row_name_share + row_value_share)
     paragraph_score = paragraph_name_share + paragraph_value_share
-    return passage.weight * difference_score + row_score + paragraph_score
+    return passage_words.weight * difference_score + row_score + paragraph_score
 
 
 def _comparable_words(words: Iterable[str]) -> set[str]:
@@ -381,11 +375,11 @@ def _comparable_words(words: Iterable[str]) -> set[str]:
     comparable_words |= {word.replace(",", ".") for word in comparable_words}
     comparable_words |= {word.removesuffix("h") for word in comparable_words if HEXADECIMAL.fullmatch(word)}
     numbers_in_words: set[str] = set()
-    for word in comparable_words:
-        # The first group of either pattern is the number.
-        for number_match in (_WITH_UNIT.fullmatch(word), ORDER_CODE.fullmatch(word)):
-            if number_match is not None:
-                numbers_in_words.add(number_match[1])
+    for pattern in (_WITH_UNIT, ORDER_CODE):
+        for word in comparable_words:
+            word_with_number = pattern.fullmatch(word)
+            if word_with_number is not None:
+                numbers_in_words.add(word_with_number["number"])
     return comparable_words | numbers_in_words
 
 

@@ -36,16 +36,16 @@ class Passage:
     #: Section in the old edition, or in the new edition if the section is new.
     section: Section
     #: Words that only the old and only the new edition has.
-    old: tuple[str, ...]
-    new: tuple[str, ...]
+    old_words: tuple[str, ...]
+    new_words: tuple[str, ...]
     #: Differing words with 8 words before and after them, in both editions. This is about a row of a table.
-    close: tuple[str, ...]
+    words_in_row: tuple[str, ...]
     #: Differing words with more words around them, in both editions. This is about a paragraph.
-    around: tuple[str, ...]
+    words_in_paragraph: tuple[str, ...]
     #: The old and the new text for display.
-    shown: tuple[str, str]
+    shown_texts: tuple[str, str]
     #: Words directly before and after an insertion. Empty if there are old words.
-    next_to: tuple[str, ...] = ()
+    words_next_to: tuple[str, ...] = ()
 
 
 def same_language(old: Manual, new: Manual) -> bool:
@@ -75,20 +75,20 @@ def differing_passages(old: Manual, new: Manual) -> Iterator[Passage]:
         elif old_section is not None:
             yield Passage(
                 section=old_section,
-                old=old_section.words,
-                new=(),
-                close=old_section.words,
-                around=old_section.words,
-                shown=(_whole_section_text(old_section), ""),
+                old_words=old_section.words,
+                new_words=(),
+                words_in_row=old_section.words,
+                words_in_paragraph=old_section.words,
+                shown_texts=(_whole_section_text(old_section), ""),
             )
         elif new_section is not None:
             yield Passage(
                 section=new_section,
-                old=(),
-                new=new_section.words,
-                close=new_section.words,
-                around=new_section.words,
-                shown=("", _whole_section_text(new_section)),
+                old_words=(),
+                new_words=new_section.words,
+                words_in_row=new_section.words,
+                words_in_paragraph=new_section.words,
+                shown_texts=("", _whole_section_text(new_section)),
             )
 
 
@@ -124,12 +124,12 @@ def _passages_of_section(
         is_insertion = not old_words
         yield Passage(
             section=section,
-            old=old_words,
-            new=new_words,
-            close=(*old_row, *new_row),
-            around=(*old_paragraph, *new_paragraph),
-            shown=(_shown_text(old, low, high), _shown_text(new, new_low, new_high)),
-            next_to=tuple(words_next_to) if is_insertion else (),
+            old_words=old_words,
+            new_words=new_words,
+            words_in_row=(*old_row, *new_row),
+            words_in_paragraph=(*old_paragraph, *new_paragraph),
+            shown_texts=(_shown_text(old, low, high), _shown_text(new, new_low, new_high)),
+            words_next_to=tuple(words_next_to) if is_insertion else (),
         )
 
 
@@ -181,11 +181,11 @@ def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
         if changed_numbers:
             yield Passage(
                 section=old_section,
-                old=removed_numbers,
-                new=added_numbers,
-                close=changed_numbers,
-                around=changed_numbers,
-                shown=(", ".join(removed_numbers), ", ".join(added_numbers)),
+                old_words=removed_numbers,
+                new_words=added_numbers,
+                words_in_row=changed_numbers,
+                words_in_paragraph=changed_numbers,
+                shown_texts=(", ".join(removed_numbers), ", ".join(added_numbers)),
             )
 
 
