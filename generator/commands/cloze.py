@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
         sheet_path.write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:
         raise CommandError(f"cannot write {sheet_path}: {error.strerror or error}", 1) from None
-    number_of_gaps = count_with_unit(open_gaps(sheet_data), "gap")
+    number_of_gaps = count_with_unit(count_open_gaps(sheet_data), "gap")
     number_of_texts = count_with_unit(len(sheet_data["texts"]), "text")
     print(f"written    {sheet_path.as_posix()}: {number_of_gaps} to fill, in {number_of_texts}")
     return 0
@@ -215,7 +215,7 @@ def _valid_words(cloze: ClozeText, words: Sequence[str], choices: Mapping[str, S
     return valid_words
 
 
-def open_gaps(sheet_data: Mapping[str, Any]) -> int:
+def count_open_gaps(sheet_data: Mapping[str, Any]) -> int:
     """Return the number of gaps that are not filled."""
     return sum(text["words"].count("?") for text in sheet_data["texts"].values())
 

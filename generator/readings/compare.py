@@ -30,7 +30,7 @@ def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
     Facts with the same key are compared, and frames and registers are compared bit by bit. Facts that the second
     reading only gives by their path, and facts that no manual prints, are counted separately at the end.
     """
-    spec = with_rows_of(with_order_of(spec, second), second)
+    spec = with_row_numbers_of(with_connector_numbers_of(spec, second), second)
     comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
     place_in_spec = partial(_nearest_place, comparison, spec, second)
     # A fact that the second reading gives by its path gets the key of the fact in the spec.
@@ -252,14 +252,16 @@ _Row = tuple[tuple[int, FactValue], ...]
 _STEPS_TO_CONNECTOR = 4
 
 
-def with_rows_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
+def with_row_numbers_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     """Return the facts of a spec with the rows of its tables numbered as in the second reading.
 
     Only tables whose numbers of rows differ between the readings are renumbered. Rows that only the spec has get the
     last numbers.
     """
     new_keys: dict[FactKey, FactKey] = {}
-    for table_key in [key for key in spec.facts if key[0] == "table" and len(key) == 2]:
+    # The key of a table is ("table", name), and the keys of the facts about it are longer.
+    table_keys = [key for key in spec.facts if key[0] == "table" and len(key) == 2]
+    for table_key in table_keys:
         spec_rows, second_rows = _rows_of(spec, table_key), _rows_of(second, table_key)
         if len(spec_rows) == len(second_rows) or not second_rows:
             continue
@@ -299,10 +301,9 @@ def _paired_numbers(spec_rows: Mapping[int, _Row], second_rows: Mapping[int, _Ro
     A row that is not in the second reading gets a number after the last row.
     """
     spec_numbers, second_numbers = list(spec_rows), list(second_rows)
-    new_numbers = {
-        spec_numbers[spec_index]: second_numbers[second_index]
-        for spec_index, second_index in _pairs(list(spec_rows.values()), list(second_rows.values()))
-    }
+    new_numbers: dict[int, int] = {}
+    for spec_index, second_index in _pairs_of_row_indices(list(spec_rows.values()), list(second_rows.values())):
+        new_numbers[spec_numbers[spec_index]] = second_numbers[second_index]
     number_after_last = max(second_numbers) + 1
     for spec_number in spec_numbers:
         if spec_number not in new_numbers:
@@ -311,15 +312,15 @@ def _paired_numbers(spec_rows: Mapping[int, _Row], second_rows: Mapping[int, _Ro
     return new_numbers
 
 
-def _pairs(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[tuple[int, int]]:
+def _pairs_of_row_indices(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[tuple[int, int]]:
     """Yield pairs of row indices: for equal rows, and for rows between these, as far as both readings have rows."""
-    for _, spec_start, spec_end, second_start, second_end in SequenceMatcher(
-        a=spec_rows, b=second_rows, autojunk=False
-    ).get_opcodes():
-        yield from zip(range(spec_start, spec_end), range(second_start, second_end), strict=False)
+    matcher = SequenceMatcher(a=spec_rows, b=second_rows, autojunk=False)
+    for _, spec_start, spec_end, second_start, second_end in matcher.get_opcodes():
+        spec_indices, second_indices = range(spec_start, spec_end), range(second_start, second_end)
+        yield from zip(spec_indices, second_indices, strict=False)
 
 
-def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
+def with_connector_numbers_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
     """Return the facts of a spec with its connectors numbered as in the second reading.
 
     Connectors that only the spec has get the last numbers. Connectors of an interface and kind are only renumbered if
@@ -339,7 +340,8 @@ def with_order_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
         return spec
 
     def renumbered(key: FactKey) -> FactKey:
-        return (*new_keys.get(key[:_STEPS_TO_CONNECTOR], key[:_STEPS_TO_CONNECTOR]), *key[_STEPS_TO_CONNECTOR:])
+        connector_key, steps_inside = key[:_STEPS_TO_CONNECTOR], key[_STEPS_TO_CONNECTOR:]
+        return (*new_keys.get(connector_key, connector_key), *steps_inside)
 
     facts: dict[FactKey, ComparedFact] = {}
     for key, fact in spec.facts.items():

@@ -257,7 +257,7 @@ class Guard:
                 unknown_files += self._files_without_record(target_changes)
             unread |= missing_families
         if unread:
-            raise WriteError(self._message(sorted(unread), sorted([*removed_files, *unknown_files])))
+            raise WriteError(self._message_about_families(sorted(unread), sorted([*removed_files, *unknown_files])))
         if unknown_files:
             raise WriteError(self._message_without_record(sorted(unknown_files)))
 
@@ -268,7 +268,8 @@ class Guard:
         that were read do not count.
         """
         missing_words = set(chain.from_iterable(name.split("/") for name in missing_families))
-        return [path for path in _removed_paths(changes) if _has_name(path, missing_words - self._names())]
+        missing_words -= self._names_of_families_read()
+        return [path for path in _removed_paths(changes) if _has_name(path, missing_words)]
 
     def _families_in_the_page(self, changes: Iterable[FileChange]) -> set[str]:
         """Return the names of families in the decode page that would be replaced and that were not read."""
@@ -278,42 +279,39 @@ class Guard:
             if path.endswith(f"/{_DECODE_PAGE}"):
                 old_page = _read_text(self.folder / path)
                 family_names.update(_IN_THE_PAGE.findall(old_page))
-        return family_names - self._names()
+        return family_names - self._names_of_families_read()
 
     def _files_without_record(self, changes: Iterable[FileChange]) -> list[str]:
         """Return the files to remove whose names contain no family that was read. An earlier version wrote them."""
         known_names = {device.name for device in self.devices} | _SHARED_NAME_PARTS
         return [path for path in _removed_paths(changes) if not _has_name(path, known_names)]
 
-    def _names(self) -> set[str]:
+    def _names_of_families_read(self) -> set[str]:
         """Return the names of the families read, of their manufacturers, and of their packages."""
         names: set[str] = set()
         for device in self.devices:
             names |= {device.name, device.manufacturer.name, device.manufacturer.python_package}
         return names
 
-    def _message(self, families: Sequence[str], files: Sequence[str]) -> str:
+    def _message_about_families(self, families: Sequence[str], files: Sequence[str]) -> str:
         """Return the message about outputs of families that were not read. ``files`` are examples of these outputs."""
-        examples = f" ({self._examples(files)})" if files else ""
-        return (
-            f"{self.folder.as_posix()} has outputs of {', '.join(families)}, which were not "
-            f"read{examples}.{self._state()} Read these specs too ({self.command_with(families)}), write elsewhere "
-            "with -o, or drop these outputs with --prune"
-        )
+        examples = f" ({self._examples_of_files(files)})" if files else ""
+        problem = f"{self.folder.as_posix()} has outputs of {', '.join(families)}, which were not read{examples}."
+        remedy = f"Read these specs too ({self.command_with(families)}), write elsewhere with -o, or drop these outputs"
+        return f"{problem}{self._nothing_changed_text()} {remedy} with --prune"
 
     def _message_without_record(self, files: Sequence[str]) -> str:
         """Return the message about files that a run would remove although no record or name shows their family."""
-        return (
-            f"{self.folder.as_posix()} has files of an earlier version whose family is not known "
-            f"({self._examples(files)}).{self._state()} Remove them with --prune. If they are outputs of other "
-            f"specs, read these too ({self.command_with(())}) or write elsewhere with -o"
-        )
+        examples = self._examples_of_files(files)
+        problem = f"{self.folder.as_posix()} has files of an earlier version whose family is not known ({examples})."
+        remedy = "Remove them with --prune. If they are outputs of other specs, read these too"
+        return f"{problem}{self._nothing_changed_text()} {remedy} ({self.command_with(())}) or write elsewhere with -o"
 
-    def _state(self) -> str:
+    def _nothing_changed_text(self) -> str:
         """Return the sentence that nothing has changed, unless the run only compares files."""
         return "" if self.is_comparison else " Nothing has changed."
 
-    def _examples(self, files: Sequence[str]) -> str:
+    def _examples_of_files(self, files: Sequence[str]) -> str:
         """Return the number of files with the first of them: ``7 files: out/c/a.h, out/c/b.h and 5 more``."""
         paths = [(self.folder / path).as_posix() for path in files]
         number_of_files = count_with_unit(len(files), "file")
