@@ -110,7 +110,7 @@ NO_CACHE = Cache(None)
 
 def key_of(kind: str, content: Iterable[bytes | str]) -> str:
     """Return the key of a result: a hash of its kind, of all content that it depends on, and of this tool."""
-    digest = hashlib.sha256(f"{kind}\0{_tool()}".encode())
+    digest = hashlib.sha256(f"{kind}\0{_hash_of_tool()}".encode())
     for piece in content:
         data = piece if isinstance(piece, bytes) else piece.encode("utf-8", "surrogateescape")
         digest.update(b"%d\0" % len(data))
@@ -134,7 +134,7 @@ def content_of(paths: Iterable[Path]) -> list[bytes | str]:
 
 
 @functools.cache
-def _tool() -> str:
+def _hash_of_tool() -> str:
     """Return a hash of the tool's own code, the versions of its packages, and the interpreter.
 
     The code is identified by the names, sizes and times of its files, because reading it would take longer than
@@ -143,10 +143,10 @@ def _tool() -> str:
     """
     digest = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
     for folder in (Path(__file__).parent, *_package_folders()):
-        for path, status in _files(folder):
+        for path, status in _files_below(folder):
             stamp = f"{path}\0{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns}\n"
             digest.update(stamp.encode("utf-8", "surrogateescape"))
-    for name in _versions():
+    for name in _locations_and_versions():
         digest.update(name.encode("utf-8", "surrogateescape"))
     return digest.hexdigest()
 
@@ -154,30 +154,30 @@ def _tool() -> str:
 def _package_folders() -> Iterator[Path]:
     """Yield the folders of this tool's packages that may be outside the folder of this module."""
     for name in _OWN_PACKAGES:
-        module_spec = _spec_of(f"{__package__}.{name}")
+        module_spec = _module_spec_of(f"{__package__}.{name}")
         if module_spec is not None:
             yield from map(Path, module_spec.submodule_search_locations or ())
 
 
-def _files(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
+def _files_below(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
     """Yield the path and the status of each file in a folder and below it, except compiled files, ordered by name."""
     with os.scandir(folder) as listing:
         paths_by_name = sorted(listing, key=lambda path: path.name)
     for path in paths_by_name:
         if path.is_dir():
             if path.name != "__pycache__":
-                yield from _files(path.path)
+                yield from _files_below(path.path)
         elif not path.name.endswith(".pyc"):
             yield path.path, path.stat()
 
 
-def _versions() -> Iterator[str]:
+def _locations_and_versions() -> Iterator[str]:
     """Yield the location of each package that the tool uses, and the folders next to it that are named like it.
 
     One of them has the version in its name, such as ``PyYAML-6.0.2.dist-info``. No package is imported.
     """
     for name in _PACKAGES:
-        module_spec = _spec_of(name)
+        module_spec = _module_spec_of(name)
         origin = module_spec.origin if module_spec is not None else None
         site_folder = Path(origin).parent.parent if origin else None
         yield f"{name} {site_folder}"
@@ -187,7 +187,7 @@ def _versions() -> Iterator[str]:
                     yield folder_name
 
 
-def _spec_of(name: str) -> ModuleSpec | None:
+def _module_spec_of(name: str) -> ModuleSpec | None:
     """Return the location where Python finds a package, or None if it finds none."""
     from importlib.util import find_spec
 

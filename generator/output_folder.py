@@ -270,8 +270,8 @@ class Stage:
     def _carry_over(self, our_paths: set[str]) -> None:
         """Add the user's files and empty folders in the old content to the new.
 
-        ``our_paths`` are the paths of our files. A folder with only our files is not kept. A link to a folder is treated
-        like a file.
+        ``our_paths`` are the paths of our files. A folder with only our files is not kept. A link to a folder is
+        treated like a file.
         """
         if not self.target_folder.is_dir():
             return

@@ -422,13 +422,13 @@ def _merge_pair(first_change: Change, repeated_change: Change) -> Change:
     """
     moved_fields = dict.fromkeys((*first_change.moved_fields, *repeated_change.moved_fields))
     codes = tuple(dict.fromkeys((*first_change.codes, *repeated_change.codes)))
-    reach = first_change.reach
+    affected_codes_text = first_change.affected_codes_text
     if codes != first_change.codes:
-        reach += f"; {repeated_change.reach}"
+        affected_codes_text += f"; {repeated_change.affected_codes_text}"
     return replace(
         first_change,
         moved_fields=tuple(moved_fields),
         resized_frames={**first_change.resized_frames, **repeated_change.resized_frames},
         codes=codes,
-        reach=reach,
+        affected_codes_text=affected_codes_text,
     )

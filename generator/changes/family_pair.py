@@ -14,7 +14,7 @@ from typing import Any, Generic, TypeVar
 from ..model import Device, Field, Variant
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS
-from .rules import RULES, SAME, Change, ChangeSubject
+from .rules import COMMON_PROPERTY_BY_KIND, RULES, Change, ChangeSubject
 from .values import (
     ComparisonPoint,
     NumberDifferences,
@@ -372,10 +372,10 @@ class FamilyPair:
             old_interface = old
             codes_of_both_interfaces = (*affected_codes, *self.order_codes_over(old_interface))
             affected_codes = tuple(dict.fromkeys(codes_of_both_interfaces))
-        reach = ""
+        affected_codes_text = ""
         # The text of a change of order codes already lists them.
         if not rule.startswith("order-code-"):
-            reach = self._describe_affected_codes(side, affected_codes)
+            affected_codes_text = self._describe_affected_codes(side, affected_codes)
         return Change(
             family=self.new.name,
             rule=RULES[rule],
@@ -384,13 +384,13 @@ class FamilyPair:
             old=as_plain_data(old),
             new=as_plain_data(new),
             codes=affected_codes,
-            reach=reach,
+            affected_codes_text=affected_codes_text,
             names=subject.names,
         )
 
     def limited_to_codes(self, change: Change, codes: Sequence[str]) -> Change:
         """Return the change with only these order codes as affected. Both versions have them."""
-        return replace(change, codes=tuple(codes), reach=self._describe_affected_codes("common", codes))
+        return replace(change, codes=tuple(codes), affected_codes_text=self._describe_affected_codes("common", codes))
 
     def old_code(self, code: str) -> str:
         """Return the old order code that corresponds to an order code of the new version."""
@@ -430,6 +430,8 @@ class FamilyPair:
             yield self.change(f"{part_kind}-new", subject, description=" is new", old=None, new=new)
         elif old.name != new.name:
             words_before_name = subject.label.removesuffix(new.name)
-            label = f"{words_before_name}{old.name} → {new.name} ({common_property or SAME[part_kind]})"
+            label = (
+                f"{words_before_name}{old.name} → {new.name} ({common_property or COMMON_PROPERTY_BY_KIND[part_kind]})"
+            )
             renamed_subject = replace(subject, label=label)
             yield self.change(f"{part_kind}-renamed", renamed_subject, description="", old=old.name, new=new.name)

@@ -80,7 +80,7 @@ def _describe_output(change: Change, output: str, code_format: str) -> str:
 def describe_effect(change: Change, code_format: str = "{}") -> str:
     """Return the affected order codes and outputs, if there are any: ``all 12 order codes; C, Python``."""
     outputs_text = describe_outputs(change, code_format)
-    return "; ".join(text for text in (change.reach, outputs_text) if text)
+    return "; ".join(text for text in (change.affected_codes_text, outputs_text) if text)
 
 
 def summary(changes: Sequence[Change]) -> str:
@@ -154,7 +154,7 @@ def _change_data(change: Change) -> dict[str, Any]:
         "old": change.old,
         "new": change.new,
         "order_codes": list(change.codes),
-        "reach": change.reach,
+        "reach": change.affected_codes_text,
         "names": dict(change.names),
     }
 
@@ -226,11 +226,13 @@ def _list_item(change: Change) -> str:
 
 def _effect_in_markdown(change: Change) -> str:
     """Return the affected order codes and outputs in Markdown: names in code as code, all other text escaped."""
-    # A NUL before and after each name marks where to split. Then even items are prose, and odd items are names.
+    # A NUL before and after each name marks where to split. Then prose and names alternate, beginning with prose.
     prose_and_names = describe_effect(change, code_format="\0{}\0").split("\0")
-    prose_and_names[::2] = map(_escape_between_spaces, prose_and_names[::2])
-    prose_and_names[1::2] = map(in_code, prose_and_names[1::2])
-    return "".join(prose_and_names)
+    pieces_in_markdown: list[str] = []
+    for index, piece in enumerate(prose_and_names):
+        is_prose = index % 2 == 0
+        pieces_in_markdown.append(_escape_between_spaces(piece) if is_prose else in_code(piece))
+    return "".join(pieces_in_markdown)
 
 
 def _escape_between_spaces(prose: str) -> str:

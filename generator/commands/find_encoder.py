@@ -127,7 +127,6 @@ def find_requested(
     if arguments.edition is None:
         return device, code_match, register_bytes
     refuse_line(arguments.order_code, "has no editions")
-
     device_in_edition, match_in_edition, remaining_bytes = in_requested_edition(
         device,
         code_match,
@@ -296,10 +295,12 @@ def find_among(devices: Sequence[Device], text: str) -> tuple[Device, LabelMatch
     Raises:
         CommandError: There is no such code. The exit code is 2.
     """
-    device, code_match = _best_match(devices, text, accepts_family=False) or (None, None)
-    if device is None or code_match is None:
-        raise _unknown_code_error(devices, text)
-    return device, code_match
+    best_match = _best_match(devices, text, accepts_family=False)
+    if best_match is not None:
+        device, code_match = best_match
+        if code_match is not None:
+            return device, code_match
+    raise _unknown_code_error(devices, text)
 
 
 def _candidate_families(devices: Sequence[Device], text: str) -> list[Device]:

@@ -143,19 +143,20 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     device, code_match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
     try:
         variant = with_registers(device, code_match.variant, register_bytes)
-        answers = answers_of(device, code_match.variant, arguments.choose)
-        has_factory_defaults = not register_bytes
+    except RegisterError as error:
+        raise CommandError(str(error), 2) from None
+    answers = answers_of(device, code_match.variant, arguments.choose)
+    has_factory_defaults = not register_bytes
+    try:
         encoder_record = record(
             device, variant, as_delivered=has_factory_defaults, cable_m=arguments.cable, answers=answers
         )
-        return device, code_match, encoder_record
-    except RegisterError as error:
-        raise CommandError(str(error), 2) from None
     except Undecided as error:
         message = describe_open_questions(device, error.layout, answers, predicate="has no settings")
         raise CommandError(message, 2) from None
     except NoRecord as error:
         raise CommandError(str(error), 1) from None
+    return device, code_match, encoder_record
 
 
 def _file_for_master(

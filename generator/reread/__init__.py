@@ -119,7 +119,7 @@ class TouchedFacts:
         facts_from_elsewhere: list[CitingFact] = []
         for fact in self.all_facts:
             # This finds facts about the edition and about options of the order code, which may cite any section.
-            if fact.sections.isdisjoint(sections) and fact.is_at((), passage):
+            if fact.sections.isdisjoint(sections) and fact.may_change_with((), passage):
                 facts_from_elsewhere.append(fact)
         if facts_from_elsewhere:
             section_facts = SectionFacts([*section_facts.facts, *facts_from_elsewhere], passage.section.words)

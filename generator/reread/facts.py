@@ -117,7 +117,7 @@ class CitingFact:
             return frozenset()
         return frozenset(_words_of_name(self.names[-1]))
 
-    def is_at(self, sections: Collection[str], passage: Passage) -> bool:
+    def may_change_with(self, sections: Collection[str], passage: Passage) -> bool:
         """Return whether a change of the passage can affect the fact.
 
         The fact cites one of the sections, or is about an option of the order code that the passage contains. Manuals
@@ -292,9 +292,8 @@ def _facts_in(document: Document, node: Any, path: Path, around: _Surroundings) 
             is_fact = key not in _KEYS_WITHOUT_FACTS and not str(key).endswith("_source")
             if is_fact:
                 printed_key = _PRINTED_FOR_KEY.get(str(key), str(key))
-                around_member = replace(
-                    in_map, source=_source_of_member(node, path, key, in_map), names=(*in_map.names, printed_key)
-                )
+                member_source = _source_of_member(node, path, key, in_map)
+                around_member = replace(in_map, source=member_source, names=(*in_map.names, printed_key))
                 yield from _facts_in(document, member, (*path, key), around_member)
     elif isinstance(node, list):
         for index, member in enumerate(node):

@@ -426,6 +426,6 @@ def _released_change(change: Change) -> ReleasedChange:
         rule=change.rule.name,
         impact=change.impact.word,
         text=change.text,
-        reach=change.reach,
+        reach=change.affected_codes_text,
         outputs=describe_outputs(change),
     )
