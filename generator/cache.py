@@ -4,6 +4,9 @@ A key is a hash of everything that the result depends on: the content of the spe
 and the interpreter. An entry that is missing, damaged, too large, or that another user could have written is ignored,
 and the result is computed again. Entries are JSON, so reading one runs no code. Several processes can share the folder,
 and it can be deleted at any time.
+
+The result of a whole command is used again if no file that the command would read has changed. Only results of runs
+without problems are stored, because messages depend on more than the content of the specs.
 """
 
 from __future__ import annotations
@@ -15,10 +18,13 @@ import os
 import stat
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from .language.files import family_files, find_files, is_folder, packaged_masters, top_keys
 
 if TYPE_CHECKING:
     from importlib.machinery import ModuleSpec
@@ -104,7 +110,7 @@ NO_CACHE = Cache(None)
 
 def key_of(kind: str, content: Iterable[bytes | str]) -> str:
     """Return the key of a result: a hash of its kind, of all content that it depends on, and of this tool."""
-    digest = hashlib.sha256(f"{kind}\0{_tool()}".encode())
+    digest = hashlib.sha256(f"{kind}\0{_hash_of_tool()}".encode())
     for piece in content:
         data = piece if isinstance(piece, bytes) else piece.encode("utf-8", "surrogateescape")
         digest.update(b"%d\0" % len(data))
@@ -128,7 +134,7 @@ def content_of(paths: Iterable[Path]) -> list[bytes | str]:
 
 
 @functools.cache
-def _tool() -> str:
+def _hash_of_tool() -> str:
     """Return a hash of the tool's own code, the versions of its packages, and the interpreter.
 
     The code is identified by the names, sizes and times of its files, because reading it would take longer than
@@ -137,10 +143,10 @@ def _tool() -> str:
     """
     digest = hashlib.sha256(f"{sys.implementation.name} {sys.version} {sys.platform}".encode())
     for folder in (Path(__file__).parent, *_package_folders()):
-        for path, status in _files(folder):
+        for path, status in _files_below(folder):
             stamp = f"{path}\0{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns}\n"
             digest.update(stamp.encode("utf-8", "surrogateescape"))
-    for name in _versions():
+    for name in _locations_and_versions():
         digest.update(name.encode("utf-8", "surrogateescape"))
     return digest.hexdigest()
 
@@ -148,30 +154,30 @@ def _tool() -> str:
 def _package_folders() -> Iterator[Path]:
     """Yield the folders of this tool's packages that may be outside the folder of this module."""
     for name in _OWN_PACKAGES:
-        module_spec = _spec_of(f"{__package__}.{name}")
+        module_spec = _module_spec_of(f"{__package__}.{name}")
         if module_spec is not None:
             yield from map(Path, module_spec.submodule_search_locations or ())
 
 
-def _files(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
+def _files_below(folder: Path | str) -> Iterator[tuple[str, os.stat_result]]:
     """Yield the path and the status of each file in a folder and below it, except compiled files, ordered by name."""
     with os.scandir(folder) as listing:
         paths_by_name = sorted(listing, key=lambda path: path.name)
     for path in paths_by_name:
         if path.is_dir():
             if path.name != "__pycache__":
-                yield from _files(path.path)
+                yield from _files_below(path.path)
         elif not path.name.endswith(".pyc"):
             yield path.path, path.stat()
 
 
-def _versions() -> Iterator[str]:
+def _locations_and_versions() -> Iterator[str]:
     """Yield the location of each package that the tool uses, and the folders next to it that are named like it.
 
     One of them has the version in its name, such as ``PyYAML-6.0.2.dist-info``. No package is imported.
     """
     for name in _PACKAGES:
-        module_spec = _spec_of(name)
+        module_spec = _module_spec_of(name)
         origin = module_spec.origin if module_spec is not None else None
         site_folder = Path(origin).parent.parent if origin else None
         yield f"{name} {site_folder}"
@@ -181,7 +187,7 @@ def _versions() -> Iterator[str]:
                     yield folder_name
 
 
-def _spec_of(name: str) -> ModuleSpec | None:
+def _module_spec_of(name: str) -> ModuleSpec | None:
     """Return the location where Python finds a package, or None if it finds none."""
     from importlib.util import find_spec
 
@@ -268,3 +274,80 @@ def _entries_in(folder: Path) -> Iterator[tuple[float, int, str]]:
                     yield status.st_mtime, status.st_size, file.path
                 elif file.name.startswith(_UNFINISHED_PREFIX) and status.st_mtime < time.time() - _ABANDONED_S:
                     os.unlink(file.path)
+
+
+# -- results of commands
+
+#: Keys that only overlays have. Overlays may refer to specs in other folders.
+_OVERLAY_KEYS = frozenset(("overlay", "changes"))
+
+
+class CachedResult:
+    """The result of a command for these specs and options, if the cache has one."""
+
+    def __init__(self, cache: Cache, command: str, paths: Sequence[Path], options: Sequence[str] = ()) -> None:
+        """Set the place of the result in the cache.
+
+        Args:
+            cache: The cache.
+            command: Name of the command.
+            paths: The specs.
+            options: All options on which the result depends.
+        """
+        self._cache = cache
+        self._command = command
+        self._paths = paths
+        self._options = options
+        # A hash of all files that the command reads. It is empty if no result can be stored.
+        self._hash_of_inputs = _hash_of_inputs(paths, options) if cache else ""
+
+    def get(self) -> Any:
+        """Return the cached result, or None if there is none."""
+        return self._cache.get(self._command, [self._hash_of_inputs]) if self._hash_of_inputs else None
+
+    def put(self, result: Any) -> None:
+        """Store the result of a run without problems, unless a file has changed since the run began."""
+        if self._hash_of_inputs and _hash_of_inputs(self._paths, self._options) == self._hash_of_inputs:
+            self._cache.put(self._command, [self._hash_of_inputs], result)
+
+
+class _NotStorable(Exception):
+    """The result depends on files that are not among the inputs."""
+
+
+def _hash_of_inputs(paths: Sequence[Path], options: Sequence[str]) -> str:
+    """Return a hash of the current folder, the options and all files that a run reads.
+
+    The hash is "" if the files are not known, for example because one of the specs is an overlay.
+    """
+    try:
+        # The empty text ends the options, so that none of them is mistaken for the name of a file.
+        options_and_files = chain([os.getcwd(), *options, ""], _names_and_contents(paths))
+        return key_of("inputs", options_and_files)
+    except (OSError, ValueError, _NotStorable):
+        return ""
+
+
+def _names_and_contents(paths: Sequence[Path]) -> Iterator[bytes | str]:
+    """Yield the names and the content of all files that a run with these paths reads, including packaged masters.
+
+    Raises:
+        OSError: A folder cannot be read.
+        _NotStorable: A spec cannot be read, or is an overlay.
+    """
+    names_in_folder = functools.cache(os.listdir)
+    for spec_or_folder in paths:
+        specs: Sequence[Path] = (spec_or_folder,)
+        skipped: Sequence[Path] = ()
+        if is_folder(spec_or_folder):
+            search_result = find_files(spec_or_folder)
+            specs = search_result.specs
+            skipped = search_result.passed_over
+        # The words between the lists prevent equal hashes if a name moves from one list to the next.
+        yield from (str(spec_or_folder), "specs", *map(str, specs), "skipped", *map(str, skipped), "content")
+        for spec in specs:
+            keys = top_keys(spec)
+            if keys is None or not keys.isdisjoint(_OVERLAY_KEYS):
+                raise _NotStorable
+            yield from content_of(family_files(spec, names_in_folder))
+    yield from content_of(sorted(packaged_masters().iterdir()))

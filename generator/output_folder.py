@@ -98,14 +98,14 @@ if sys.platform == "win32":
     import hashlib
     import msvcrt
 
-    def _open(folder: Path) -> int:
+    def _open_lock(folder: Path) -> int:
         """Open a file in the user's temporary folder that represents ``folder``, since Windows cannot lock folders."""
         real_path = os.path.normcase(os.path.realpath(folder))
         name = hashlib.sha256(real_path.encode()).hexdigest()[:16]
         lock_path = os.path.join(tempfile.gettempdir(), f"codewheel-{name}.lock")
         return os.open(lock_path, os.O_RDWR | os.O_CREAT)
 
-    def _take(handle: int, folder: Path) -> bool:
+    def _try_to_take_lock(handle: int, folder: Path) -> bool:
         """Lock the first byte of the open file. Return False if another process holds the lock."""
         try:
             msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
@@ -116,10 +116,10 @@ if sys.platform == "win32":
 else:
     import fcntl
 
-    def _open(folder: Path) -> int:
+    def _open_lock(folder: Path) -> int:
         return os.open(folder, os.O_RDONLY)
 
-    def _take(handle: int, folder: Path) -> bool:
+    def _try_to_take_lock(handle: int, folder: Path) -> bool:
         """Lock the open folder. Return False if another process holds the lock, or if ``folder`` has been replaced."""
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -146,33 +146,33 @@ def locked(folder: Path, waiting: Callable[[], None]) -> Iterator[None]:
         OSError: The folder cannot be created or opened.
     """
     deadline_s = time.monotonic() + PATIENCE_S
-    handle = _attempt(folder)
+    handle = _try_to_lock(folder)
     if handle is None:
         waiting()
     while handle is None:
         if time.monotonic() > deadline_s:
             raise Busy
         time.sleep(_PAUSE_S)
-        handle = _attempt(folder)
+        handle = _try_to_lock(folder)
     try:
         yield
     finally:
         os.close(handle)
 
 
-def _attempt(folder: Path) -> int | None:
+def _try_to_lock(folder: Path) -> int | None:
     """Create the folder if it does not exist. Return the descriptor of its lock, or None if another process has it."""
     folder.mkdir(parents=True, exist_ok=True)
-    handle = _open(folder)
-    if _take(handle, folder):
+    handle = _open_lock(folder)
+    if _try_to_take_lock(handle, folder):
         return handle
     os.close(handle)
     return None
 
 
 #: Beginning of the name of a stage.
-PREFIX = ".codewheel-"
-_STAGE_NAME = re.compile(rf"{re.escape(PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}")
+STAGE_PREFIX = ".codewheel-"
+_STAGE_NAME = re.compile(rf"{re.escape(STAGE_PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}")
 #: The first file in a stage. The mark lets a later run distinguish the stage of a killed run from a user's folder.
 _STAGE_MARK = ".codewheel-stage"
 _MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
@@ -195,7 +195,7 @@ class Stage:
     @classmethod
     def create(cls, target_folder: Path) -> Stage:
         """Create an empty stage for the folder of a target."""
-        prefix = f"{PREFIX}{target_folder.name}-"
+        prefix = f"{STAGE_PREFIX}{target_folder.name}-"
         stage_folder = tempfile.mkdtemp(prefix=prefix, dir=target_folder.parent)
         return cls(Path(stage_folder), target_folder)
 
@@ -214,13 +214,13 @@ class Stage:
         ``unchanged`` become hard links to the old files.
         """
         (self.folder / _STAGE_MARK).write_text(_MARK_TEXT, encoding="utf-8", newline="\n")
-        self._make(Path())
+        self._make_new_folder(Path())
         # The paths in the target's folder, such as "include/x.h" for "c/include/x.h".
         output_path_by_path = {output_path.partition("/")[2]: output_path for output_path in files}
         # The list is written first. Without it, a later run would treat the files of a killed run as the user's.
         (self.new / LIST).write_text(list_text(output_path_by_path, families), encoding="utf-8", newline="\n")
         for parent in {os.path.dirname(path) for path in output_path_by_path}:
-            self._make(Path(parent))
+            self._make_new_folder(Path(parent))
         # Texts, because joining ``Path`` objects is slow.
         new_prefix, old_prefix = os.path.join(self.new, ""), os.path.join(self.target_folder, "")
         for path, output_path in output_path_by_path.items():
@@ -267,10 +267,11 @@ class Stage:
                 (self.folder / _STAGE_MARK).unlink(missing_ok=True)
                 self.folder.rmdir()
 
-    def _carry_over(self, ours: set[str]) -> None:
-        """Add the user's files and empty folders in the old content to the new. ``ours`` are the paths of our files.
+    def _carry_over(self, our_paths: set[str]) -> None:
+        """Add the user's files and empty folders in the old content to the new.
 
-        A folder with only our files is not kept. A link to a folder is treated like a file.
+        ``our_paths`` are the paths of our files. A folder with only our files is not kept. A link to a folder is
+        treated like a file.
         """
         if not self.target_folder.is_dir():
             return
@@ -280,13 +281,13 @@ class Stage:
             links_to_folders = [name for name in folders if os.path.islink(os.path.join(root, name))]
             for name in (*names, *links_to_folders):
                 path = prefix + name
-                if path not in ours and not os.path.lexists(self.new / path):
-                    self._make(relative_folder)
+                if path not in our_paths and not os.path.lexists(self.new / path):
+                    self._make_new_folder(relative_folder)
                     _link_or_copy(os.path.join(root, name), self.new / path)
             if not names and not folders:
-                self._make(relative_folder)
+                self._make_new_folder(relative_folder)
 
-    def _make(self, path: Path) -> None:
+    def _make_new_folder(self, path: Path) -> None:
         """Create a folder in the new content, if it is not there yet, and the folders above it.
 
         It gets the owner and mode of the old folder of the same name, but stays writable until ``fill`` ends.
@@ -295,7 +296,7 @@ class Stage:
         if new_folder in self._modes:
             return
         if path != Path():
-            self._make(path.parent)
+            self._make_new_folder(path.parent)
         new_folder.mkdir()
         self._modes[new_folder] = 0o700
         if old_folder.is_dir() and not old_folder.is_symlink():
@@ -363,9 +364,9 @@ def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
     """
     if not (saved_folder / LIST).is_file() or not target_folder.is_dir():
         return
-    ours = {*listed_in(saved_folder), *listed_in(target_folder), LIST}
+    our_paths = {*listed_in(saved_folder), *listed_in(target_folder), LIST}
     for path in _files_in(saved_folder):
-        if path in ours:
+        if path in our_paths:
             continue
         saved_file, target_file = saved_folder / path, target_folder / path
         if _is_later(saved_file, target_file):

@@ -23,7 +23,7 @@ from .output_folder import (
     LIST,
     LIST_SIGN,
     PATIENCE_S,
-    PREFIX,
+    STAGE_PREFIX,
     Busy,
     Stage,
     WriteError,
@@ -83,7 +83,7 @@ def digest_on_disk(folder: Path, targets: Iterable[str]) -> str:
         targets: Names of the targets.
     """
     try:
-        has_stages = any(name.startswith(PREFIX) for name in os.listdir(folder))
+        has_stages = any(name.startswith(STAGE_PREFIX) for name in os.listdir(folder))
         return "" if has_stages else _digest(_files_on_disk(folder, targets))
     except (OSError, WriteError):
         return ""

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from codewheel.commands.cloze import check_sheets, read_sheet, vocabulary_of
 from codewheel.commands.outputs import report_unfit_parts, targets_named
 from codewheel.language.document import Document
 from codewheel.language.files import packaged_masters, packaged_specs
@@ -18,10 +19,7 @@ from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_specs
 from codewheel.loading.library import Family, families_of
 from codewheel.loading.manufacturer_rules import check_shared_facts
-from codewheel.readings.cloze import check_sheets, read_sheet, vocabulary_of
-from codewheel.readings.compare import compare
-from codewheel.readings.reading import ComparedFacts, SpecReading
-from codewheel.readings.second_readings import (
+from codewheel.readings import (
     Coverage,
     SecondReading,
     comparable_specs,
@@ -31,6 +29,8 @@ from codewheel.readings.second_readings import (
     read_beside,
     second_of,
 )
+from codewheel.readings.compare import compare
+from codewheel.readings.reading import ComparedFacts, SpecReading
 
 from .effects import Effect, Outputs
 from .mistakes import Change, Mutant, in_both, mutants, mutated

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from codewheel.readings.cloze import Vocabulary
+from codewheel.commands.cloze import Vocabulary
 
 _PAIRS = """\
 before/after, above/below, at least/at most, minimum/maximum, lowest/highest, low/high, lower/higher, on/off

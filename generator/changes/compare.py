@@ -14,8 +14,7 @@ from ..order_codes.reduction import sent_crcs
 from ..say.names_and_places import register_at
 from ..say.plain_text import first_of
 from .counterparts import pair_parts, pair_section
-from .family_pair import FamilyPair
-from .pairs import OldAndNew
+from .family_pair import FamilyPair, OldAndNew
 from .rules import Change, ChangeSubject
 from .values import NumberDifferences, as_plain_data, differing_items, old_to_new, short_value, without_texts
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from ..model import Field
 from ..model.expressions import Expression
 from ..say.plain_text import count_with_unit
-from .family_pair import FamilyPair
-from .pairs import OldAndNew
+from .family_pair import FamilyPair, OldAndNew
 from .rules import RULES, Change, Impact
 
 _Impacts = tuple[Impact, Impact, Impact, Impact]
@@ -329,29 +328,40 @@ _WAIT_OF_REGISTER = "delay after a write "
 def fold_waits(changes: Sequence[Change]) -> Iterator[Change]:
     """Yield the changes, with equal changes of times and of pauses merged into that of the wait after a write.
 
-    The text then ends with ``30 ms → 50 ms, and so BiSS time storing, procedures preset, reset``. The order codes of
-    the changes must be the same.
+    This wait is how long a master must wait after it writes a register. The text then ends with ``30 ms → 50 ms, and so
+    BiSS time storing, procedures preset, reset``. The order codes of the changes must be the same.
     """
-    wait_by_key: dict[object, Change] = {}
+    wait_after_write_by_key: dict[object, Change] = {}
     for change in changes:
         if _value_text(change).startswith(_WAIT_OF_REGISTER):
-            wait_by_key.setdefault(_wait_key(change), change)
-    following_changes: dict[int, list[Change]] = {}
+            wait_after_write_by_key.setdefault(_wait_key(change), change)
+    # The changes to merge by the ``id`` of the change that they are merged into, because a change cannot be a key.
+    merged_changes_by_id: dict[int, list[Change]] = {}
+    ids_of_merged: set[int] = set()
     for change in changes:
-        wait = wait_by_key.get(_wait_key(change))
-        if wait is not None and change is not wait and change.rule.name in _RULES_OF_WAITS:
-            following_changes.setdefault(id(wait), []).append(change)
-    merged_changes = {id(change) for merged in following_changes.values() for change in merged}
+        wait_after_write = wait_after_write_by_key.get(_wait_key(change))
+        is_other_change = wait_after_write is not None and change is not wait_after_write
+        if is_other_change and change.rule.name in _RULES_OF_WAITS:
+            merged_changes_by_id.setdefault(id(wait_after_write), []).append(change)
+            ids_of_merged.add(id(change))
     for change in changes:
-        if id(change) in following_changes:
-            subjects = ", ".join(map(_subject_text, following_changes[id(change)]))
-            impacts = change.rule.impacts
-            for following in following_changes[id(change)]:
-                impacts = _combine_impacts(impacts, following.rule.impacts)
-            rule = replace(change.rule, impacts=impacts)
-            yield replace(change, text=f"{change.text}, and so {subjects}", rule=rule)
-        elif id(change) not in merged_changes:
+        if id(change) in merged_changes_by_id:
+            yield _with_equal_waits(change, merged_changes_by_id[id(change)])
+        elif id(change) not in ids_of_merged:
             yield change
+
+
+def _with_equal_waits(wait_after_write: Change, equal_changes: Sequence[Change]) -> Change:
+    """Return the change of a wait, whose text and impacts also cover equal changes of other waits."""
+    subjects = ", ".join(map(_subject_text, equal_changes))
+    impacts = wait_after_write.rule.impacts
+    for equal_change in equal_changes:
+        impacts = _combine_impacts(impacts, equal_change.rule.impacts)
+    return replace(
+        wait_after_write,
+        text=f"{wait_after_write.text}, and so {subjects}",
+        rule=replace(wait_after_write.rule, impacts=impacts),
+    )
 
 
 def _wait_key(change: Change) -> object:

@@ -10,8 +10,7 @@ from typing import Any, TypeVar
 
 from ..model import Field, Interface, Layout, ModifyStep, Parameter, Procedure, Register, Rs485, Step, WriteStep
 from ..model.members import PARTS_BY_CLASS
-from .family_pair import FamilyPair
-from .pairs import OldAndNew, complete_pairs, pair_by_name
+from .family_pair import FamilyPair, OldAndNew, complete_pairs, pair_by_name
 
 _Item = TypeVar("_Item")
 

@@ -12,16 +12,9 @@ from ..say.plain_text import first_of
 from .compare import compare_members, compare_parts, compare_section
 from .consequences import fold_alike, fold_defaults, fold_types, fold_waits, with_consequences
 from .counterparts import pair_section, remember_all_renamings
-from .family_pair import FamilyPair
-from .interfaces import (
-    compare_contacts,
-    compare_displayed_facts,
-    compare_interfaces,
-    compare_procedure,
-    compare_register,
-    compare_timings,
-)
-from .pairs import OldAndNew, complete_pairs, pair_by_name
+from .family_pair import FamilyPair, OldAndNew, complete_pairs, pair_by_name
+from .interfaces import compare_contacts, compare_displayed_facts, compare_interfaces, compare_timings
+from .layouts_and_procedures import compare_procedure, compare_register
 from .rules import Change, ChangeSubject, Impact
 from .values import codes_as_pattern, old_to_new
 
@@ -429,13 +422,13 @@ def _merge_pair(first_change: Change, repeated_change: Change) -> Change:
     """
     moved_fields = dict.fromkeys((*first_change.moved_fields, *repeated_change.moved_fields))
     codes = tuple(dict.fromkeys((*first_change.codes, *repeated_change.codes)))
-    reach = first_change.reach
+    affected_codes_text = first_change.affected_codes_text
     if codes != first_change.codes:
-        reach += f"; {repeated_change.reach}"
+        affected_codes_text += f"; {repeated_change.affected_codes_text}"
     return replace(
         first_change,
         moved_fields=tuple(moved_fields),
         resized_frames={**first_change.resized_frames, **repeated_change.resized_frames},
         codes=codes,
-        reach=reach,
+        affected_codes_text=affected_codes_text,
     )

@@ -1,15 +1,15 @@
-"""Compare interfaces with their frames, fields and times, registers, procedures, and facts without effect on code."""
+"""Compare interfaces with their frames, clocks and times, connectors, and facts without effect on code."""
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
 from ..model import (
-    Argument,
     Biss,
+    Characteristic,
+    Clock,
     Clocked,
     Connector,
     ControlField,
@@ -17,183 +17,19 @@ from ..model import (
     Interface,
     Layout,
     LayoutRange,
-    Procedure,
-    Register,
     Rs485,
-    Sources,
     Ssi,
-    Step,
+    Timeout,
     Timing,
 )
-from ..model.members import PARTS_BY_CLASS
+from ..model.members import ModelMember
 from ..model.order_codes import repeated_names
-from ..say.register import describe_access
-from .compare import compare_members, compare_pair, compare_parts
+from .compare import compare_member, compare_members, compare_pair, compare_parts
 from .consequences import without_explained_lengths
-from .counterparts import step_with_new_names, step_without_words
-from .facts_by_code import compare_cables, compare_clocks, compare_timeouts, with_distinct_names
-from .family_pair import FamilyPair
-from .layouts import compare_layout
-from .pairs import complete_pairs, match_by_key, pair_by_name
+from .family_pair import FamilyPair, complete_pairs, match_by_key, pair_by_name
+from .layouts_and_procedures import compare_layout
 from .rules import Change, ChangeSubject
-from .values import as_plain_data, old_to_new, short_value
-
-_CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
-
-
-def compare_register(family_pair: FamilyPair, subject: ChangeSubject, old: Register, new: Register) -> Iterator[Change]:
-    """Yield changes of the access, the meanings and the bits of a register. The caller compares its other members.
-
-    If only the bits change, the names of the register in code stay the same, so such a change does not list them.
-    """
-    yield from _compare_access(family_pair, subject, old, new)
-    meaning_subject = replace(subject, label=f"{subject.label}: meaning")
-    yield from compare_parts(
-        family_pair,
-        part_kind="meaning",
-        old_parts=old.meanings,
-        new_parts=new.meanings,
-        section_subject=meaning_subject,
-    )
-    # All other members of the layout follow from the register, which the caller compares.
-    old_layout = replace(new.layout, fields=old.layout.fields, joins=old.layout.joins, gaps=old.layout.gaps)
-    yield from compare_members(family_pair, subject.unnamed, old_layout, new.layout)
-    yield from compare_layout(family_pair, subject.unnamed, old_layout, new.layout)
-
-
-def _compare_access(family_pair: FamilyPair, subject: ChangeSubject, old: Register, new: Register) -> Iterator[Change]:
-    """Yield a change if the access to a register differs.
-
-    The rule is "access-lost" if the register can no longer be read or can no longer be written, and otherwise
-    "access-gained".
-    """
-    if old.access == new.access:
-        return
-    is_read_lost = old.access in _CAN_READ and new.access not in _CAN_READ
-    is_write_lost = old.access in _CAN_WRITE and new.access not in _CAN_WRITE
-    access_subject = subject.inside("access", subject.label)
-    description = f": {describe_access(old)} → {describe_access(new)}"
-    if is_read_lost or is_write_lost:
-        rule = "access-lost"
-    else:
-        # The functions of a register that is still accessible as before keep their names.
-        rule = "access-gained"
-        access_subject = access_subject.unnamed
-    yield family_pair.change(rule, access_subject, description=description, old=old.access, new=new.access)
-
-
-def compare_procedure(
-    family_pair: FamilyPair, subject: ChangeSubject, old: Procedure, new: Procedure
-) -> Iterator[Change]:
-    """Yield a change if the arguments of a procedure differ, and a change if its steps differ.
-
-    The change of the steps is about what they do. If that is the same, it is about their descriptions, and if these are
-    the same too, about their citations. A renamed register or field does not count as a change of the steps.
-    """
-    yield from _compare_arguments(family_pair, subject.inside("arguments", subject.label), old, new)
-    steps_subject = subject.unnamed.inside("steps", subject.label)
-    old_steps = [step_with_new_names(family_pair, step) for step in old.steps]
-    new_steps = [step_without_words(step) for step in new.steps]
-    if old_steps != new_steps:
-        description = _describe_steps(old_steps, new_steps)
-        yield family_pair.change(
-            "procedure-steps", steps_subject, description=description, old=old_steps, new=new_steps
-        )
-    elif _list_meanings(old.steps) != _list_meanings(new.steps):
-        yield family_pair.change("words", steps_subject, description=": steps", old=old.steps, new=new.steps)
-    elif _list_sources(old.steps) != _list_sources(new.steps):
-        yield family_pair.change("source", steps_subject, description=": steps", old=None, new=None)
-
-
-def _compare_arguments(
-    family_pair: FamilyPair, subject: ChangeSubject, old: Procedure, new: Procedure
-) -> Iterator[Change]:
-    """Yield a change if the arguments of a procedure differ in names, registers or units, or only in descriptions."""
-    old_arguments = _describe_arguments(map(family_pair.with_new_names, old.arguments))
-    new_arguments = _describe_arguments(new.arguments)
-    if old_arguments != new_arguments:
-        old_texts, new_texts = _argument_names(old), _argument_names(new)
-        if old_texts == new_texts:
-            # The names are the same, so the register that takes an argument differs, or the unit of the argument.
-            old_texts, new_texts = _argument_texts(old_arguments), _argument_texts(new_arguments)
-        yield family_pair.change(
-            "procedure-arguments",
-            subject,
-            description=f": arguments {old_to_new(old_texts, new_texts)}",
-            old=old_arguments,
-            new=new_arguments,
-        )
-    elif _list_meanings(old.arguments) != _list_meanings(new.arguments):
-        yield family_pair.change(
-            "words", subject.unnamed, description=": arguments", old=old.arguments, new=new.arguments
-        )
-
-
-def _argument_names(procedure: Procedure) -> list[str]:
-    return [argument.name for argument in procedure.arguments]
-
-
-def _describe_arguments(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
-    """Return a tuple for each argument: its name, the register or field that takes it, and what the number counts.
-
-    For example ``("position", "preset", "counts")``, with "" as the last item if the spec does not say what it counts.
-    """
-    return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
-
-
-def _argument_texts(arguments: list[tuple[str, str, str]]) -> list[str]:
-    """Return a text for each argument of a procedure, such as ``position for preset as counts``."""
-    argument_texts = []
-    for argument_name, register_or_field, meaning in arguments:
-        name_and_target = f"{argument_name} for {register_or_field}"
-        argument_texts.append(f"{name_and_target} as {meaning}" if meaning else name_and_target)
-    return argument_texts
-
-
-def _list_meanings(arguments_or_steps: Sequence[Argument | Step]) -> list[str]:
-    return [part.meaning for part in arguments_or_steps]
-
-
-def _list_sources(steps: Sequence[Step]) -> list[Sources]:
-    return [step.source for step in steps]
-
-
-def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
-    """Describe how the steps of a procedure differ, such as ``: steps 2, 3: pause 5 ms → 10 ms``.
-
-    If the steps differ in several ways, the text is ``: steps 2, 3 differ``. If their number differs, it is
-    ``: 4 steps → 5 steps``.
-    """
-    if len(old_steps) != len(new_steps):
-        return f": {len(old_steps)} steps → {len(new_steps)} steps"
-    step_numbers: list[str] = []
-    differences: set[str] = set()
-    for step_number, (old, new) in enumerate(zip(old_steps, new_steps, strict=True), 1):
-        if old != new:
-            step_numbers.append(str(step_number))
-            differences.add(_describe_step(old, new))
-    noun = "steps" if len(step_numbers) > 1 else "step"
-    steps_text = f": {noun} {', '.join(step_numbers)}"
-    if len(differences) > 1:
-        return f"{steps_text} differ"
-    # The caller only passes lists that differ, so there is exactly one difference.
-    (common_difference,) = differences
-    return f"{steps_text}: {common_difference}"
-
-
-def _describe_step(old: Step, new: Step) -> str:
-    """Describe how two steps differ, such as ``pause 5 ms → 10 ms``, or ``read → write`` for different kinds."""
-    if type(old) is not type(new):
-        return f"{old.do} → {new.do}"
-    members = PARTS_BY_CLASS[type(new).__name__].by_attribute
-    member_texts: list[str] = []
-    for attribute in dataclasses.fields(new):
-        old_value, new_value = getattr(old, attribute.name), getattr(new, attribute.name)
-        if old_value != new_value:
-            member = members[attribute.name]
-            values_text = old_to_new(as_plain_data(old_value), as_plain_data(new_value), member.notation)
-            member_texts.append(f"{member.words} {values_text}")
-    return ", ".join(member_texts)
+from .values import old_to_new, short_value
 
 
 def compare_interfaces(family_pair: FamilyPair) -> Iterator[Change]:
@@ -338,6 +174,96 @@ def compare_timings(
         section_subject=timing_subject,
     )
 
+
+# -- facts that may depend on the order code: clocks, timeouts, clocks by cable length, and names of times
+
+_Named = TypeVar("_Named", Characteristic, Timing)
+#: The timeout in descriptions of changes.
+_TIMEOUT_MEMBER = ModelMember("timeout", rule="interface-rule", label="timeout")
+
+
+def compare_clocks(family_pair: FamilyPair, subject: ChangeSubject, old: Clocked, new: Clocked) -> Iterator[Change]:
+    """Yield changes of the limits of the clock. Order codes with the same old and new clock share a change.
+
+    ``clock`` of an interface is None if the clock depends on the order code. Each clock then lists in ``only`` the
+    order codes that it applies to.
+    """
+    if old.clock is not None and new.clock is not None:
+        yield from compare_members(family_pair, subject, old.clock, new.clock)
+        return
+    if old.clock is not new.clock:
+        yield _by_code_change(family_pair, subject, "clock", is_by_code=new.clock is None)
+    codes_by_clocks: dict[tuple[Clock, Clock], list[str]] = {}
+    for code in family_pair.order_codes_over(new.name):
+        old_clock = old.clock_of(family_pair.old_code(code))
+        new_clock = new.clock_of(code)
+        # The lists of order codes are removed, so that equal clocks compare as equal.
+        clocks = replace(old_clock, only=""), replace(new_clock, only="")
+        codes_by_clocks.setdefault(clocks, []).append(code)
+    for (old_clock, new_clock), codes in codes_by_clocks.items():
+        for change in compare_members(family_pair, subject, old_clock, new_clock):
+            yield family_pair.limited_to_codes(change, codes)
+
+
+def compare_timeouts(family_pair: FamilyPair, subject: ChangeSubject, old: Biss, new: Biss) -> Iterator[Change]:
+    """Yield changes of the BiSS timeout. Order codes with the same old and new timeout share a change."""
+    was_by_code, is_by_code = bool(old.timeouts_by_code), bool(new.timeouts_by_code)
+    if not was_by_code and not is_by_code:
+        yield from compare_member(family_pair, subject, _TIMEOUT_MEMBER, old.timeout, new.timeout)
+        return
+    if was_by_code != is_by_code:
+        yield _by_code_change(family_pair, subject, "timeout", is_by_code=is_by_code)
+    codes_by_timeouts: dict[tuple[Timeout | None, Timeout | None], list[str]] = {}
+    for code in family_pair.order_codes_over(new.name):
+        old_timeout = _without_order_codes(old.timeout_of(family_pair.old_code(code)))
+        new_timeout = _without_order_codes(new.timeout_of(code))
+        codes_by_timeouts.setdefault((old_timeout, new_timeout), []).append(code)
+    for (old_timeout, new_timeout), codes in codes_by_timeouts.items():
+        for change in compare_member(family_pair, subject, _TIMEOUT_MEMBER, old_timeout, new_timeout):
+            yield family_pair.limited_to_codes(change, codes)
+
+
+def compare_cables(family_pair: FamilyPair, subject: ChangeSubject, old: Ssi, new: Ssi) -> Iterator[Change]:
+    """Yield a change if the table of clocks by cable length depends on the order code in only one version.
+
+    It depends on the order code if a row of the table lists, in ``only``, the order codes that it applies to.
+    """
+    was_by_code = any(row.only for row in old.cable_lengths)
+    is_by_code = any(row.only for row in new.cable_lengths)
+    if was_by_code != is_by_code:
+        yield _by_code_change(family_pair, subject, "clock by cable", is_by_code=is_by_code)
+
+
+def _by_code_change(family_pair: FamilyPair, subject: ChangeSubject, noun: str, *, is_by_code: bool) -> Change:
+    """Return the change that a fact depends on the order code in only one version.
+
+    ``is_by_code`` is true if it depends on the order code in the new version. ``noun`` names the fact.
+    """
+    if is_by_code:
+        old, new = "all order codes", "some order codes"
+    else:
+        old, new = "some order codes", "all order codes"
+    return family_pair.change("facts-by-code", subject, description=f": {noun} of {old} → {new}", old=old, new=new)
+
+
+def _without_order_codes(timeout: Timeout | None) -> Timeout | None:
+    """Return a timeout without the list of order codes that it applies to, so that equal timeouts compare as equal."""
+    return replace(timeout, only="") if timeout is not None else None
+
+
+def with_distinct_names(facts: Sequence[_Named], shared_names: Container[str]) -> tuple[_Named, ...]:
+    """Return the facts with distinct names: ``pause, X-24`` for a pause that applies to the order code X-24.
+
+    Names in ``shared_names`` belong to several facts, each of which applies to other order codes, listed in ``only``.
+    """
+    facts_with_distinct_names: list[_Named] = []
+    for fact in facts:
+        name = f"{fact.name}, {fact.only}" if fact.name in shared_names else fact.name
+        facts_with_distinct_names.append(replace(fact, name=name))
+    return tuple(facts_with_distinct_names)
+
+
+# -- contacts of connectors, and facts without effect on code
 
 _Part = TypeVar("_Part")
 #: Sections without effect on code: rule, member of the device, member that identifies each item, and word in texts.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 _MACRO_DEFINITION = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)(\([^)\n]*\))?[ \t]*((?:\\\n|[^\n])*)$", re.MULTILINE)
@@ -107,21 +107,21 @@ def _changes_in_file(family: str, path: str, old_text: str, new_text: str) -> It
 
     New names are not listed. For other files and private modules, nothing is listed.
     """
-    parse: Callable[[str], dict[tuple[str, str], str]]
     if path.endswith(".h"):
-        parse, prefix = _c_names, ""
+        old_values, new_values, prefix = _c_names(old_text), _c_names(new_text), ""
     elif path.endswith(".py") and not _is_private_module(path):
-        parse, prefix = _python_names, f"{family}."
+        old_values, new_values, prefix = _python_names(old_text), _python_names(new_text), f"{family}."
     else:
         return
-    new_values = parse(new_text)
-    for (kind, name), old_value in parse(old_text).items():
+    for (kind, name), old_value in old_values.items():
         new_value = new_values.get((kind, name))
         if new_value == old_value:
             continue
-        change = NameChange(family=family, kind=kind, name=f"{prefix}{name}", old=old_value, new=new_value)
-        # The code of a function is too long to be shown.
-        yield replace(change, old="", new=new_value and "") if kind in _KINDS_OF_FUNCTIONS else change
+        shown_old, shown_new = old_value, new_value
+        if kind in _KINDS_OF_FUNCTIONS:
+            # The code of a function is too long to be shown. None still says that the function is gone.
+            shown_old, shown_new = "", None if new_value is None else ""
+        yield NameChange(family=family, kind=kind, name=f"{prefix}{name}", old=shown_old, new=shown_new)
 
 
 def _c_names(header: str) -> _Values:
@@ -131,20 +131,28 @@ def _c_names(header: str) -> _Values:
     """
     header_without_comments = _C_COMMENT.sub("", header)
     values = {("C macro", name): value for name, value in _parse_macros(header_without_comments).items()}
-    for enumerators in _C_ENUMERATION.findall(header_without_comments):
-        for enumerator in filter(None, map(str.strip, enumerators.split(","))):
+    for enumerators_text in _C_ENUMERATION.findall(header_without_comments):
+        for enumerator in _split_and_strip(enumerators_text, ","):
             name, _, value = enumerator.partition(" = ")
             values["C enumerator", name] = value
     for name, value in _C_CONSTANT.findall(header_without_comments):
         values["C constant", name] = value
-    for members, structure in _C_STRUCTURE.findall(header_without_comments):
-        for declaration in filter(None, map(str.strip, members.split(";"))):
-            name_of_member = _NAME_OF_MEMBER.search(declaration)
-            if name_of_member is not None:
-                values["C member", f"{structure}.{name_of_member[1]}"] = " ".join(declaration.split())
-    for function in _C_FUNCTION.finditer(header_without_comments):
-        values["C function", function[1]] = " ".join(function[0].split())
+    for members_text, structure in _C_STRUCTURE.findall(header_without_comments):
+        for declaration in _split_and_strip(members_text, ";"):
+            member_match = _NAME_OF_MEMBER.search(declaration)
+            if member_match is not None:
+                member = member_match[1]
+                values["C member", f"{structure}.{member}"] = " ".join(declaration.split())
+    for function_match in _C_FUNCTION.finditer(header_without_comments):
+        function_code, function_name = function_match[0], function_match[1]
+        values["C function", function_name] = " ".join(function_code.split())
     return values
+
+
+def _split_and_strip(text: str, separator: str) -> list[str]:
+    """Return the pieces of a text between separators, without spaces around them and without empty pieces."""
+    pieces = [piece.strip() for piece in text.split(separator)]
+    return [piece for piece in pieces if piece]
 
 
 def _parse_macros(header: str) -> dict[str, str]:

@@ -1,11 +1,11 @@
-"""Reports on changes: as data, as text, and as files about a release."""
+"""Reports on changes, as data, Markdown and text, without the changes that a maintainer accepted."""
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +13,14 @@ from ..language.files import top_keys
 from ..loading.history import history_beside, history_text, with_release
 from ..loading.overlays import Family
 from ..model import Release, ReleasedChange
+from ..language.document import Document
+from ..language.problems import ProblemReport, join_words, quoted, suggest_word
+from ..language.read import read_document
 from ..say.markdown import code_span as in_code
 from ..say.markdown import escape as escaped
 from ..say.plain_text import WIDTH, count_with_unit, first_of, wrap_text
 from .names import NameChange
-from .rules import OUTPUTS, TITLES, Change, Impact, PackageVersions
+from .rules import OUTPUTS, RULES, TITLES, Change, Impact, PackageVersions
 
 #: Version of the JSON data, whose structure ``language/diff.schema.json`` describes.
 VERSION = 2
@@ -81,7 +84,7 @@ def _describe_output(change: Change, output: str, code_format: str) -> str:
 def describe_effect(change: Change, code_format: str = "{}") -> str:
     """Return the affected order codes and outputs, if there are any: ``all 12 order codes; C, Python``."""
     outputs_text = describe_outputs(change, code_format)
-    return "; ".join(text for text in (change.reach, outputs_text) if text)
+    return "; ".join(text for text in (change.affected_codes_text, outputs_text) if text)
 
 
 def summary(changes: Sequence[Change]) -> str:
@@ -155,7 +158,7 @@ def _change_data(change: Change) -> dict[str, Any]:
         "old": change.old,
         "new": change.new,
         "order_codes": list(change.codes),
-        "reach": change.reach,
+        "reach": change.affected_codes_text,
         "names": dict(change.names),
     }
 
@@ -194,13 +197,13 @@ def _family_section(result: DiffResult, family: str) -> Iterator[str]:
         changes_of_impact = [change for change in family_changes if change.impact is impact]
         if changes_of_impact:
             yield from (f"#### {title}", "", *map(_list_item, changes_of_impact), "")
-    name_texts = _name_change_texts(result, family)
+    name_texts = name_change_texts(result, family)
     if name_texts:
         name_items = [f"- {escaped(name_text)}" for name_text in name_texts]
         yield from ("#### Names in code", "", *name_items, "")
 
 
-def _name_change_texts(result: DiffResult, family: str) -> list[str]:
+def name_change_texts(result: DiffResult, family: str) -> list[str]:
     """Return texts on the names in generated files of a family that are gone or have a different value.
 
     Functions whose code differs share one text: ``C functions with different code: x24_read, x24_decode``.
@@ -227,11 +230,13 @@ def _list_item(change: Change) -> str:
 
 def _effect_in_markdown(change: Change) -> str:
     """Return the affected order codes and outputs in Markdown: names in code as code, all other text escaped."""
-    # A NUL before and after each name marks where to split. Then even items are prose, and odd items are names.
+    # A NUL before and after each name marks where to split. Then prose and names alternate, beginning with prose.
     prose_and_names = describe_effect(change, code_format="\0{}\0").split("\0")
-    prose_and_names[::2] = map(_escape_between_spaces, prose_and_names[::2])
-    prose_and_names[1::2] = map(in_code, prose_and_names[1::2])
-    return "".join(prose_and_names)
+    pieces_in_markdown: list[str] = []
+    for index, piece in enumerate(prose_and_names):
+        is_prose = index % 2 == 0
+        pieces_in_markdown.append(_escape_between_spaces(piece) if is_prose else in_code(piece))
+    return "".join(pieces_in_markdown)
 
 
 def _escape_between_spaces(prose: str) -> str:
@@ -265,7 +270,7 @@ def as_text(result: DiffResult) -> str:
                 lines += _change_lines(change)
         documentation_changes = [change for change in family_changes if change.impact is Impact.DOCUMENTATION]
         lines += _documentation_lines(documentation_changes)
-        lines += _name_lines(_name_change_texts(result, family))
+        lines += _name_lines(name_change_texts(result, family))
     lines.append(summary(result.changes) if result.changes else "no differences")
     if result.changes:
         lines += _result_lines(result)
@@ -325,98 +330,110 @@ def _result_lines(result: DiffResult) -> Iterator[str]:
         yield wrap_text(f"generated: {'; '.join(statements)}", WIDTH, prefix="  ", first="")
 
 
-#: The version of a package if the manufacturer's file states none.
-_NO_VERSION = "0.0.0"
-#: The line with the package version in a manufacturer's file. The first group precedes the number.
-_VERSION_LINE = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
+#: Name of the file next to the new specs.
+ACCEPTED_FILE = "accepted.yaml"
+_ENTRY_KEYS = ("family", "rule", "path", "why", "until")
 
 
-class NotRecorded(ValueError):
-    """A file cannot be updated for a release. The message names the file."""
+class NotAccepted(ValueError):
+    """The file with accepted changes is not valid. The message says where and why."""
 
 
-def files_of_release(result: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
-    """Yield the files to write for a release, with their new texts.
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """A change that a maintainer accepted. After the day ``until``, it must be accepted again."""
 
-    These are the histories of changed families, and the manufacturer's file if its package gets a new version.
-    Manufacturers without changed families are left out. Special models have no history of their own, so their changes
-    are in the history of their family.
+    family: str
+    rule: str
+    path: str
+    why: str
+    until: date
 
-    Raises:
-        NotRecorded: A manufacturer's file has no version to replace.
-    """
-    changed_names = {change.family for change in result.changes}
-    for package in result.packages:
-        families_of_package = [family for family in families if family.device.manufacturer.name == package.manufacturer]
-        changed_families = [family for family in families_of_package if family.device.name in changed_names]
-        if not changed_families:
-            continue
-        if package.new != package.stated:
-            yield from _files_with_new_version(package, _files_of_manufacturer(families_of_package))
-        families_by_spec: dict[str, list[Family]] = {}
-        for family in changed_families:
-            families_by_spec.setdefault(family.document.file, []).append(family)
-        for file, families_of_spec in families_by_spec.items():
-            release = _release_of(families_of_spec, package, result)
-            earlier_releases = families_of_spec[0].device.releases
-            yield history_beside(Path(file)), history_text(with_release(earlier_releases, release))
+    def covers(self, change: Change) -> bool:
+        """Return whether this is the accepted change: the same rule at the same path of the same family."""
+        return (self.family, self.rule, self.path) == (change.family, change.rule.name, change.path)
 
 
-def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:
-    """Return the files that describe the manufacturer of these families: all files except their specs and overlays."""
-    files: set[str] = set()
-    for family in families:
-        files |= family.files - {family.document.file}
-    return {file for file in files if "overlay" not in (top_keys(Path(file)) or ())}
-
-
-def _files_with_new_version(package: PackageVersions, files: set[str]) -> Iterator[tuple[Path, str]]:
-    """Yield each file with its text, in which the version of the package is replaced by the new one.
-
-    A file without a version, such as one that ``codewheel new`` wrote, gets a line at its end.
+def read_accepted(file: Path) -> list[Accepted]:
+    """Return the accepted changes in a file.
 
     Raises:
-        NotRecorded: The version of a file is not on a line of its own, or several lines contain it.
+        NotAccepted: The file cannot be read, or it has a different structure. Or an entry lacks a key, or its rule or
+            date is not valid.
     """
-    for path in map(Path, sorted(files)):
-        old_text = path.read_text(encoding="utf-8")
-        new_text, replacement_count = _VERSION_LINE.subn(rf'\g<1>"{package.new}"', old_text)
-        if replacement_count == 0 and package.stated == _NO_VERSION:
-            new_text = f'{old_text.rstrip()}\nversion: "{package.new}"\n'
-        elif replacement_count != 1:
-            raise NotRecorded(f'{path} has no line like version: "{package.stated}"; set it to {package.new} by hand')
-        yield path, new_text
+    report = ProblemReport()
+    document = read_document(file, report)
+    if document is None or report.problems:
+        first_problem = report.problems[0].format()
+        raise NotAccepted(first_problem.splitlines()[0])
+    acceptances = document.data.get("accepted")
+    if set(document.data) != {"accepted"} or not isinstance(acceptances, list):
+        raise NotAccepted(f"{file}:1: the file must have only the key 'accepted', with a list of accepted changes")
+    return [_read_acceptance(document, index, acceptance) for index, acceptance in enumerate(acceptances)]
 
 
-def _release_of(families: Sequence[Family], package: PackageVersions, result: DiffResult) -> Release:
-    """Return a release for the history of a spec, with the edition of the manual, all changes and the changed names.
+def _read_acceptance(document: Document, index: int, acceptance: object) -> Accepted:
+    """Return the accepted change at this index of the file.
 
-    ``families`` are the family of this spec and its special models, if they have changed. A change that concerns
-    several of them is listed once.
+    Raises:
+        NotAccepted: The entry is not a map with exactly the keys ``_ENTRY_KEYS``, or its rule or date is not valid.
     """
-    manual = families[0].device.manual
-    manual_text = f"{manual.revision} of {manual.date}" if manual.date else manual.revision
-    changes: list[ReleasedChange] = []
-    names: list[str] = []
-    for family in families:
-        name = family.device.name
-        changes += [_released_change(change) for change in result.changes if change.family == name]
-        names += _name_change_texts(result, name)
-    return Release(
-        version=package.new,
-        since=package.old,
-        manual=manual_text,
-        changes=tuple(dict.fromkeys(changes)),
-        names=tuple(dict.fromkeys(names)),
+    line, _ = document.position(("accepted", index))
+    location = f"{document.file}:{line}"
+    if not isinstance(acceptance, dict) or set(acceptance) != set(_ENTRY_KEYS) or not _has_texts(acceptance):
+        raise NotAccepted(f"{location}: an accepted change has the keys {join_words(_ENTRY_KEYS)}, each with text")
+    rule = acceptance["rule"]
+    until = acceptance["until"]
+    if rule not in RULES:
+        raise NotAccepted(f"{location}: there is no rule {quoted(rule)}{suggest_word(rule, RULES)}")
+    try:
+        last_day = date.fromisoformat(until)
+    except ValueError:
+        raise NotAccepted(f"{location}: 'until' is a date such as 2027-03-31, not {quoted(until)}") from None
+    return Accepted(
+        family=acceptance["family"], rule=rule, path=acceptance["path"], why=acceptance["why"], until=last_day
     )
 
 
-def _released_change(change: Change) -> ReleasedChange:
-    """Return a change as the history of releases records it."""
-    return ReleasedChange(
-        rule=change.rule.name,
-        impact=change.impact.word,
-        text=change.text,
-        reach=change.reach,
-        outputs=describe_outputs(change),
-    )
+def _has_texts(acceptance: dict[object, object]) -> bool:
+    """Return whether all values of an entry are texts."""
+    return all(isinstance(value, str) for value in acceptance.values())
+
+
+def changes_to_accept(
+    changes: Sequence[Change], acceptances: Sequence[Accepted], today: date
+) -> tuple[list[Change], Sequence[str]]:
+    """Return the changes that are not accepted on this day, and one notice about each acceptance.
+
+    An acceptance covers a change of the same family, rule and path, up to and including its last day.
+    """
+    valid_acceptances = [acceptance for acceptance in acceptances if acceptance.until >= today]
+    open_changes: list[Change] = []
+    for change in changes:
+        if not any(acceptance.covers(change) for acceptance in valid_acceptances):
+            open_changes.append(change)
+    return open_changes, [_describe_acceptance(acceptance, changes, today) for acceptance in acceptances]
+
+
+def _describe_acceptance(acceptance: Accepted, changes: Sequence[Change], today: date) -> str:
+    """Return a sentence on an acceptance: the change does not exist, the acceptance has expired, or it is valid."""
+    accepted_change = f"{acceptance.family}: {acceptance.rule} {acceptance.path}"
+    has_change = any(acceptance.covers(change) for change in changes)
+    if not has_change:
+        return f"accepted, but not found: {accepted_change}{_suggest_correction(acceptance, changes)}"
+    if acceptance.until < today:
+        return f"accepted until {acceptance.until} only, so asked again: {accepted_change}: {acceptance.why}"
+    return f"accepted until {acceptance.until}: {accepted_change}: {acceptance.why}"
+
+
+def _suggest_correction(acceptance: Accepted, changes: Sequence[Change]) -> str:
+    """Return a suggestion for an acceptance that matches no change, such as a similar family or path, or "".
+
+    If its family has changes, the path may be misspelled, so the paths of changes by its rule are suggested.
+    """
+    families = {change.family for change in changes}
+    if acceptance.family not in families:
+        return suggest_word(acceptance.family, sorted(families), "families with changes")
+    family_changes = [change for change in changes if change.family == acceptance.family]
+    paths_of_rule = [change.path for change in family_changes if change.rule.name == acceptance.rule]
+    return suggest_word(acceptance.path, paths_of_rule, "paths of this rule")

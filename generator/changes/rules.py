@@ -75,10 +75,10 @@ class ChangeRule:
 class Change:
     """One difference, described by ``text``. ``old`` and ``new`` are plain data, or None.
 
-    ``codes`` are the order codes that it affects, ``reach`` describes them in words, and ``names`` contains the name of
-    the changed part in each output that names it. The change moves the fields ``moved_fields``. ``resized_frames``
-    contains the frames whose length it changes, with the bits that they gain, or 0 if the gain depends on the order
-    code.
+    ``codes`` are the order codes that it affects, and ``affected_codes_text`` describes them in words. ``names``
+    contains the name of the changed part in each output that names it. The change moves the fields ``moved_fields``.
+    ``resized_frames`` contains the frames whose length it changes, with the bits that they gain, or 0 if the gain
+    depends on the order code.
     """
 
     family: str
@@ -88,7 +88,7 @@ class Change:
     old: Any
     new: Any
     codes: tuple[str, ...]
-    reach: str
+    affected_codes_text: str
     names: Mapping[str, str]
     moved_fields: tuple[str, ...] = ()
     resized_frames: Mapping[str, int] = field(default_factory=dict)
@@ -394,4 +394,6 @@ def _parse_impacts(letters: str) -> tuple[Impact, Impact, Impact, Impact]:
 #: Every rule by its name.
 RULES: Mapping[str, ChangeRule] = MappingProxyType({rule.name: rule for rule in _all_rules()})
 #: The property by which a renamed part of each kind is recognized.
-SAME: Mapping[str, str] = MappingProxyType({kind: common for kind, _, _, _, _, common in _NAMED_KINDS})
+COMMON_PROPERTY_BY_KIND: Mapping[str, str] = MappingProxyType(
+    {kind: common for kind, _, _, _, _, common in _NAMED_KINDS}
+)

@@ -87,21 +87,21 @@ def compare_at_points(
         if has_same_text:
             return None
         return NumberDifferences(codes=(), value_pairs=_constant_pairs(old, new))
-    differing_codes: list[str] = []
+    code_of_each_difference: list[str] = []
     value_pairs: list[tuple[int | None, int | None]] = []
     for point in points:
         old_value = _value_or_none(old, point.compared_parameters)
         new_value = _value_or_none(new, point.new_parameters)
         if old_value != new_value:
-            differing_codes.append(point.code)
+            code_of_each_difference.append(point.code)
             value_pairs.append((old_value, new_value))
-    if not differing_codes:
+    if not code_of_each_difference:
         return None
-    # ``differing_codes`` contains an order code once for each point at which its values differ.
-    points_of_codes = [point for point in points if point.code in differing_codes]
-    differ_at_all_points = len(points_of_codes) == len(differing_codes)
+    # An order code has a point for each setting. The list contains it once for each of these points that differs.
+    points_of_codes = [point for point in points if point.code in code_of_each_difference]
+    differ_at_all_points = len(points_of_codes) == len(code_of_each_difference)
     return NumberDifferences(
-        codes=tuple(dict.fromkeys(differing_codes)),
+        codes=tuple(dict.fromkeys(code_of_each_difference)),
         value_pairs=tuple(dict.fromkeys(value_pairs)),
         is_everywhere=differ_at_all_points,
     )
@@ -173,7 +173,8 @@ def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
     if len(affected_variants) < 2 or matching_variants != affected_variants:
         return ""
     all_part_texts = _texts_by_part(device, device.variants)
-    # The pieces alternate between fixed texts and names of parts, so the parts have odd indices.
+    # Fixed texts and names of parts alternate, so the parts have odd indices: ``X-{bits}-{output}`` is split into
+    # "X-", "bits", "-", "output" and "".
     pieces = _PART_IN_BRACES.split(device.order_code.pattern)
     last_restricted_index = 0
     for index in range(1, len(pieces), 2):
@@ -181,10 +182,10 @@ def codes_as_pattern(device: Device, codes: Collection[str]) -> str:
         pieces[index] = _part_pattern(used_texts[part_name], all_part_texts[part_name])
         if pieces[index] != _ANY_TEXT:
             last_restricted_index = index
-    has_open_parts_at_end = last_restricted_index + 2 < len(pieces)
-    if not has_open_parts_at_end:
+    last_part_index = len(pieces) - 2
+    if last_restricted_index == last_part_index:
         return "".join(pieces)
-    # One mark represents all open parts at the end.
+    # One mark represents all parts at the end that can have any text.
     return "".join(pieces[: last_restricted_index + 1]) + _ANY_TEXT
 
 
@@ -214,6 +215,8 @@ def _part_pattern(used_texts: tuple[str, ...], all_texts: tuple[str, ...]) -> st
 #: Highest number of characters of a shown value, and members that are left out of it.
 _LONGEST_SHOWN_VALUE = 60
 _TEXT_MEMBERS = ("meaning", "note", "printed")
+#: Values of members without content.
+_EMPTY_VALUES: tuple[object, ...] = (None, "", (), [], {})
 _FORMAT_BY_UNIT: Mapping[str, Callable[[int], str]] = {
     # In whole bytes, which have two digits each: 0Ah, 01FFh.
     "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",
@@ -253,7 +256,7 @@ def short_value(model_value: Any, notation: str = "") -> str:
     A missing or empty value becomes "none". A part of the model becomes ``min = 1, max = 5``, without descriptive texts
     and empty members, or just the value of its only member.
     """
-    if model_value is None or model_value in ("", (), [], {}):
+    if model_value in _EMPTY_VALUES:
         return "none"
     if isinstance(model_value, (bool, int)):
         return _number_text(model_value, notation)
@@ -265,7 +268,7 @@ def short_value(model_value: Any, notation: str = "") -> str:
         return _quantity_text(model_value)
     if is_dataclass(model_value):
         members = without_texts(model_value).items()
-        model_value = {name: member for name, member in members if member not in (None, "", [], {})}
+        model_value = {name: member for name, member in members if member not in _EMPTY_VALUES}
         if len(model_value) == 1:
             (only_member,) = model_value.values()
             return short_value(only_member, notation)
@@ -368,16 +371,16 @@ def _differing_members(old: Any, new: Any) -> tuple[Any, Any]:
         return old, new
     old_members, new_members = without_texts(old), without_texts(new)
     differing_names = [name for name in old_members if old_members[name] != new_members[name]]
-    values = [members[name] for members in (old_members, new_members) for name in differing_names]
-    has_all_values = bool(values) and all(value not in (None, "", [], {}) for value in values)
+    old_differences = {name: old_members[name] for name in differing_names}
+    new_differences = {name: new_members[name] for name in differing_names}
+    differing_values = [*old_differences.values(), *new_differences.values()]
+    is_value_missing = any(value in _EMPTY_VALUES for value in differing_values)
+    filled_members = [member for member in new_members.values() if member not in _EMPTY_VALUES]
     # A part with a single member is shown as this member, without its name.
-    has_one_member = len([member for member in new_members.values() if member not in (None, "", [], {})]) == 1
-    if has_one_member or not has_all_values:
+    has_one_member = len(filled_members) == 1
+    if not differing_names or is_value_missing or has_one_member:
         return old, new
-    return (
-        {name: old_members[name] for name in differing_names},
-        {name: new_members[name] for name in differing_names},
-    )
+    return old_differences, new_differences
 
 
 #: Number of words that are shown before the first difference of two long texts.

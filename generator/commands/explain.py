@@ -6,7 +6,7 @@ import json
 import textwrap
 from typing import TYPE_CHECKING, TypedDict
 
-from .arguments import Parser
+from .cli import Parser
 from .terminal import CommandError
 
 if TYPE_CHECKING:

@@ -1,27 +1,86 @@
-"""Find the family or the order code that the user named. Families that the cache contains are not loaded again."""
+"""The encoder that the user asks about: found by its order code or family, or described in one line, with his answers.
+
+Families that the cache contains are not loaded again.
+"""
 
 from __future__ import annotations
 
+import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..cache import Cache
+from ..one_line.line import EncoderLine, LineError
+from ..one_line.parse import is_line, parse_line
 from ..say.plain_text import count_with_unit, first_of
-from .arguments import bytes_by_address
-from .line_encoder import WITHOUT_SPEC, encoder_in_line, is_line, refuse_line
-from .specs_by_text import families_for, has_family, has_same_spec
+from .cli import bytes_by_address
+from .families_in_specs import families_for, has_family, has_same_spec, in_requested_edition
 from .terminal import CommandError, error_after_printing
 
 if TYPE_CHECKING:
     import argparse
 
     from ..language.problems import ProblemReport
-    from ..model import Device
+    from ..model import Alternative, Device, Layout, Variant
     from ..order_codes.labels import LabelMatch
     from .read_specs import Specs
+
+#: Hint for an unknown order code.
+WITHOUT_SPEC = "To describe an encoder without a spec, write it in one line, such as ssi:position=25,error=low"
+#: End of the help of an order code.
+OR_A_LINE = ", or the encoder in one line, such as biss:position=32,error,warning,crc=6:0x43"
+
+
+def encoder_in_line(text: str) -> tuple[Device, LabelMatch]:
+    """Return the device that a line describes, and the line as its order code.
+
+    Raises:
+        CommandError: The line has problems, which are printed. The exit code is 2.
+    """
+    from ..one_line.encoder import device_of_line
+
+    try:
+        return device_of_line(text)
+    except LineError as error:
+        raise line_problems(error) from None
+
+
+def checked_line(text: str) -> EncoderLine:
+    """Return a line whose spec has no problems.
+
+    Raises:
+        CommandError: The line has problems, which are printed. The exit code is 2.
+    """
+    # Called for its error only, because the parser does not find all problems.
+    encoder_in_line(text)
+    return parse_line(text)
+
+
+def line_problems(error: LineError) -> CommandError:
+    """Print all problems of a line to standard error, and return the ``CommandError`` to raise."""
+    from ..language.excerpt import excerpt, visible
+
+    for column, message in error.problems:
+        print(f"column {column}: {visible(message)}", *excerpt(error.text, column), sep="\n", file=sys.stderr)
+    return CommandError(f"{count_with_unit(len(error.problems), 'problem')} in the line", 2)
+
+
+def refuse_line(text: str, action: str) -> None:
+    """Check that a text is not an encoder in one line. ``action`` is why it must not be: ``has no editions``.
+
+    Raises:
+        CommandError: It is a line. The exit code is 2.
+    """
+    if is_line(text):
+        raise CommandError(f"a line {action}; to write it as a spec: {command_for_spec(text)}", 2)
+
+
+def command_for_spec(text: str) -> str:
+    """Return the command that writes a line as a spec."""
+    return f"codewheel new my_encoder --line {shlex.quote(text.strip())}"
 
 
 #: Most files in a message.
@@ -68,8 +127,6 @@ def find_requested(
     if arguments.edition is None:
         return device, code_match, register_bytes
     refuse_line(arguments.order_code, "has no editions")
-    from .edition_devices import in_requested_edition
-
     device_in_edition, match_in_edition, remaining_bytes = in_requested_edition(
         device,
         code_match,
@@ -238,10 +295,12 @@ def find_among(devices: Sequence[Device], text: str) -> tuple[Device, LabelMatch
     Raises:
         CommandError: There is no such code. The exit code is 2.
     """
-    device, code_match = _best_match(devices, text, accepts_family=False) or (None, None)
-    if device is None or code_match is None:
-        raise _unknown_code_error(devices, text)
-    return device, code_match
+    best_match = _best_match(devices, text, accepts_family=False)
+    if best_match is not None:
+        device, code_match = best_match
+        if code_match is not None:
+            return device, code_match
+    raise _unknown_code_error(devices, text)
 
 
 def _candidate_families(devices: Sequence[Device], text: str) -> list[Device]:
@@ -299,3 +358,89 @@ def _family_named(devices: Sequence[Device], text: str) -> Device | None:
         if device.name == name:
             return device
     return None
+
+
+# -- questions that the manual leaves open
+
+
+class UndecidedError(ValueError):
+    """A frame cannot be decoded until the user answers a question. The message lists the question and all answers."""
+
+
+def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[str, str]:
+    """Return pairs such as ``adf_layout=as_printed`` as ``{"adf_layout": "as_printed"}``.
+
+    Each pair consists of an alternative, which is a question that the manual leaves open for this order code, and the
+    answer that the user chose.
+
+    Raises:
+        CommandError: This order code does not have the alternative or answer, or an alternative has two answers. The
+            exit code is 2.
+    """
+    from ..language.excerpt import visible
+    from ..language.problems import quoted
+    from ..order_codes.reduction import for_interface, reduced_to_codes
+
+    reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
+    alternatives = {alternative.name: alternative for alternative in reduced_device.alternatives}
+    answers: dict[str, str] = {}
+    for pair in pairs:
+        question, _, answer_name = pair.partition("=")
+        if not alternatives:
+            raise CommandError(f"{variant.code} has nothing to choose", 2)
+        if question not in alternatives:
+            options: list[str] = []
+            for alternative in alternatives.values():
+                options += _choose_options(alternative)
+            problem = f"{variant.code} has no choice {quoted(visible(question))}"
+            raise CommandError(f"{problem}; write {' or '.join(options)}", 2)
+        known_answers = [answer.name for answer in alternatives[question].answers]
+        if answer_name not in known_answers:
+            options = _choose_options(alternatives[question])
+            problem = f"{quoted(question)} has no answer {quoted(visible(answer_name))}"
+            raise CommandError(f"{problem}; write {' or '.join(options)}", 2)
+        previous_answer = answers.setdefault(question, answer_name)
+        if previous_answer != answer_name:
+            both_answers = f"as {quoted(previous_answer)} and as {quoted(answer_name)}"
+            raise CommandError(f"{quoted(question)} is chosen twice, {both_answers}", 2)
+    return answers
+
+
+def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) -> None:
+    """Refuse to decode a frame while a question about it is open.
+
+    Raises:
+        UndecidedError: The layout needs an answer that is not among ``answers``.
+    """
+    message = describe_open_questions(device, layout, answers)
+    if message:
+        raise UndecidedError(message)
+
+
+def describe_open_questions(
+    device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded"
+) -> str:
+    """Return a message with the questions of a layout that ``answers`` does not answer, or "" if there are none.
+
+    ``answers`` contains the names of the answered questions. ``predicate`` follows the name of the layout in the
+    message: ``'position' cannot be decoded until you decide. …``
+    """
+    from ..language.problems import quoted
+
+    unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
+    if not unanswered:
+        return ""
+    questions = " ".join(map(_question_with_options, unanswered))
+    return f"{quoted(layout.name)} {predicate} until you decide. {questions}".removesuffix(".")
+
+
+def _question_with_options(alternative: Alternative) -> str:
+    """Return a question, and the option for each answer with its meaning."""
+    options = zip(_choose_options(alternative), alternative.answers, strict=True)
+    explained_options = [f"{option} ({answer.meaning})" for option, answer in options]
+    return f"{alternative.meaning}: add {' or '.join(explained_options)}."
+
+
+def _choose_options(alternative: Alternative) -> list[str]:
+    """Return the option for each answer, such as ``--choose adf_layout=as_printed``."""
+    return [f"--choose {alternative.name}={answer.name}" for answer in alternative.answers]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
-from .arguments import AND_PACKAGED, Parser, add_cache_option, add_specs, cache_for
+from .cli import AND_PACKAGED, Parser, add_cache_option, add_specs, cache_for
 from .terminal import error_after_printing, print_json
 
 if TYPE_CHECKING:
@@ -54,8 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         CommandError: The specs have problems, or a path does not exist.
     """
+    from .families_in_specs import has_same_spec
     from .read_specs import specs_to_read
-    from .specs_by_text import has_same_spec
 
     cache = cache_for(arguments)
     specs = specs_to_read([*arguments.specs, *arguments.more_specs])
@@ -78,9 +78,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _rows_of_specs(paths: Sequence[Path], cache: Cache) -> list[FamilyRow]:
     """Return the facts about the families of specs, from an earlier run if they have not changed."""
-    from .cached_result import cached_result
+    from ..cache import CachedResult
 
-    cached_rows = cached_result(cache, "list", paths)
+    cached_rows = CachedResult(cache, "list", paths)
     stored_rows: list[FamilyRow] | None = cached_rows.get()
     if stored_rows is not None:
         return stored_rows

@@ -7,16 +7,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .arguments import (
-    Parser,
-    a_path,
-    add_choose_option,
-    add_edition_option,
-    add_register_option,
-    add_specs_option,
-    cache_for,
-)
-from .line_encoder import OR_A_LINE
+from .cli import Parser, a_path, add_choose_option, add_edition_option, add_register_option, add_specs_option, cache_for
+from .find_encoder import OR_A_LINE
 from .terminal import CommandError, error_after_printing, print_json, refuse_missing
 
 if TYPE_CHECKING:
@@ -144,27 +136,27 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     from ..masters.frame_parts import NoRecord
     from ..masters.record import Undecided, record
     from ..order_codes.parameters import RegisterError, with_registers
-    from .find_encoder import find_requested
-    from .open_questions import answers_of, open_questions
+    from .find_encoder import answers_of, describe_open_questions, find_requested
     from .read_specs import specs_to_read
 
     cache = cache_for(arguments)
     device, code_match, register_bytes = find_requested(arguments, specs_to_read(arguments.specs), cache)
     try:
         variant = with_registers(device, code_match.variant, register_bytes)
-        answers = answers_of(device, code_match.variant, arguments.choose)
-        has_factory_defaults = not register_bytes
+    except RegisterError as error:
+        raise CommandError(str(error), 2) from None
+    answers = answers_of(device, code_match.variant, arguments.choose)
+    has_factory_defaults = not register_bytes
+    try:
         encoder_record = record(
             device, variant, as_delivered=has_factory_defaults, cable_m=arguments.cable, answers=answers
         )
-        return device, code_match, encoder_record
-    except RegisterError as error:
-        raise CommandError(str(error), 2) from None
     except Undecided as error:
-        message = open_questions(device, error.layout, answers, predicate="has no settings")
+        message = describe_open_questions(device, error.layout, answers, predicate="has no settings")
         raise CommandError(message, 2) from None
     except NoRecord as error:
         raise CommandError(str(error), 1) from None
+    return device, code_match, encoder_record
 
 
 def _file_for_master(

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..say.plain_text import count_with_unit
-from .arguments import Parser, add_specs_argument
+from .cli import Parser, add_specs_argument
 from .terminal import CommandError
 
 if TYPE_CHECKING:

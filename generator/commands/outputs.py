@@ -1,6 +1,7 @@
 """Targets of a run: find those that the user named, with their options and families, and render their outputs.
 
-Parts of a spec that a target cannot express are reported.
+Parts of a spec that a target cannot express are reported. Parts of outputs that depend on only one family are rendered
+once, and stored in the cache.
 """
 
 from __future__ import annotations
@@ -9,20 +10,29 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from ..cache import Cache, content_of
+from ..language.files import packaged_masters
 from ..language.problems import ProblemReport, TemplateFault, join_words, suggest_word
 from ..loading.configuration import BUILT_IN, NO_FILTERS, FamilyFilters
 from ..loading.library import families_without_problems, load_families
 from ..loading.overlays import Family
+from ..loading.stored import digest_of
 from ..model import Device
-from ..removable_outputs import family_of
 from ..render import unused_templates
 from ..say.plain_text import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import PackageMissing, files_of, load_target, problems_of, target_names
-from .edition_devices import edition_devices
+from .families_in_specs import edition_devices
 from .terminal import CommandError
+
+if TYPE_CHECKING:
+    from ..model import Device
+
 
 #: Families named in a message. If there are more, the list ends with their number.
 _MOST_FAMILIES = 8
@@ -259,3 +269,80 @@ def _wrap_paragraph(text: str, first: str, indent: str) -> list[str]:
     # One column less than the terminal, like the rest of the help: 79 if the width is unknown.
     width = shutil.get_terminal_size().columns - 1
     return textwrap.wrap(text, width, initial_indent=first, subsequent_indent=indent, break_on_hyphens=False)
+
+
+class FamilyParts:
+    """Parts by target and model, from this run or from the cache."""
+
+    def __init__(self, cache: Cache, only_paths: frozenset[str] = frozenset()) -> None:
+        """Set the cache, and the names of families for which only the paths of files are needed, not their texts."""
+        self._cache = cache
+        self._only_paths = only_paths
+        self._masters = content_of(sorted(packaged_masters().iterdir()))
+        self._parts: dict[tuple[str, str], Any] = {}
+        self._digests: dict[int, tuple[Device, str]] = {}
+
+    def files_of(self, target: Target, library: Library, options: Options) -> Mapping[str, str]:
+        """Return the files of a target like ``registry.files_of``, but render only parts that were not rendered before.
+
+        Raises:
+            TargetError: The target cannot express something, or fails.
+            TemplateFault: A user's template has an error.
+        """
+        if target.name in BUILT_IN and options == target.defaults and library.own_templates is None:
+            stored_part = partial(self._part, target.name)
+            library = replace(library, stored_part=stored_part, only_paths=self._only_paths)
+        return files_of(target, library, options)
+
+    def _part(self, target_name: str, device: Device, render: Callable[[], Any]) -> Any:
+        """Return the part of a target for one family, from this run or the cache, or rendered.
+
+        A device without a digest is always rendered. Parts of families in ``only_paths`` are cached separately.
+        """
+        digest = self._digest_of(device)
+        if not digest:
+            return render()
+        key = (target_name, digest)
+        if key not in self._parts:
+            kind = "paths" if device.name in self._only_paths else "part"
+            self._parts[key] = self._from_cache(f"{kind} {target_name}", digest, render)
+        return self._parts[key]
+
+    def _from_cache(self, kind: str, digest: str, render: Callable[[], Any]) -> Any:
+        """Return the part in the cache, or render and store it.
+
+        The key also contains the descriptions of all masters.
+        """
+        content = [digest, *self._masters]
+        stored = self._cache.get(kind, content)
+        if stored is not None:
+            return stored
+        part = render()
+        self._cache.put(kind, content, part)
+        return part
+
+    def _digest_of(self, device: Device) -> str:
+        """Return the digest of a device, or "" if it has none. It is computed once for all targets.
+
+        The device is stored with its digest, because Python would otherwise reuse its ``id`` for another device.
+        """
+        if id(device) not in self._digests:
+            self._digests[id(device)] = (device, digest_of(device))
+        _, digest = self._digests[id(device)]
+        return digest
+
+
+def owners(devices: Iterable[Device]) -> list[str]:
+    """Return the families as ``manufacturer/family``. Other editions belong to their family."""
+    families = (device for device in devices if family_of(device) == device.name)
+    return sorted(f"{device.manufacturer.name}/{device.name}" for device in families)
+
+
+def family_of(device: Device) -> str:
+    """Return the name of the family of a device. A special model is a family, another edition is not."""
+    return device.name if not device.base or _is_special(device) else device.base
+
+
+def _is_special(device: Device) -> bool:
+    """Return True for a special model, which is described by an overlay."""
+    return any(overlay.special for overlay in device.overlays)

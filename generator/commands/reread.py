@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..language.problems import joined_lines
 from ..say.plain_text import count_with_unit
-from .arguments import Parser, a_path, add_specs_option
+from .cli import Parser, a_path, add_specs_option
 from .facts import facts_data
 from .terminal import CommandError, Progress, error_after_printing, print_json
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ..loading.library import Family
+    from ..reread import TouchedFacts
     from ..reread.facts import CitingFact
     from ..reread.passages import Passage
-    from ..reread.ranking import TouchedFacts
     from ..reread.sections import Manual
 
 EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",)
@@ -69,9 +69,9 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         CommandError: A manual cannot be read, or the family is not known.
     """
+    from ..reread import TouchedFacts
     from ..reread.facts import facts_with_citations
     from ..reread.passages import differing_passages, numbers_changed, same_language
-    from ..reread.ranking import TouchedFacts
     from ..reread.sections import NoText, read_manual
     from .read_specs import specs_to_judge
 
@@ -182,7 +182,7 @@ def _text_lines(
             # The paths of the facts that were listed in this section, by the old and the new text.
             paths_by_change: dict[tuple[Sequence[str], Sequence[str]], set[str]] = {}
             yield f"\n{heading}"
-        change = (changed_passage.passage.old, changed_passage.passage.new)
+        change = (changed_passage.passage.old_words, changed_passage.passage.new_words)
         listed_paths = paths_by_change.setdefault(change, set())
         yield from _passage_lines(changed_passage, listed_paths)
     section_numbers = {changed_passage.passage.section.number for changed_passage in changed_passages}
@@ -205,7 +205,7 @@ def _passage_lines(changed_passage: _ChangedPassage, listed_paths: set[str]) -> 
     the paths of the facts listed now are added to them.
     """
     yield ""
-    old_text, new_text = changed_passage.passage.shown
+    old_text, new_text = changed_passage.passage.shown_texts
     for edition, passage_text in (("old", old_text), ("new", new_text)):
         if passage_text:
             yield f"  {edition}: {_shorten_text(passage_text)}"
@@ -240,7 +240,7 @@ def _line_of_equal_facts(facts: Sequence[CitingFact]) -> str:
 
 def _groups_of_equal_facts(facts: Sequence[CitingFact]) -> list[list[CitingFact]]:
     """Return the facts in groups. Successive facts with the same key and value are one group, such as equal waits."""
-    from ..reread.ranking import key_of
+    from ..reread import key_of
 
     def key_and_value(fact: CitingFact) -> object:
         return key_of(fact), fact.value
@@ -269,8 +269,8 @@ def _passage_data(changed_passage: _ChangedPassage) -> Mapping[str, Any]:
     return {
         "section": passage.section.number,
         "title": passage.section.title,
-        "old": " ".join(passage.old),
-        "new": " ".join(passage.new),
+        "old": " ".join(passage.old_words),
+        "new": " ".join(passage.new_words),
         "facts": facts_data(changed_passage.facts),
         "facts_of_section": changed_passage.facts_of_section,
     }

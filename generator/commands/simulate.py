@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .arguments import Parser, a_path, add_choose_option, add_register_option, bytes_by_address, cache_for
-from .line_encoder import OR_A_LINE, encoder_in_line, is_line
+from ..one_line.parse import is_line
+from .cli import Parser, a_path, add_choose_option, add_register_option, bytes_by_address, cache_for
+from .find_encoder import OR_A_LINE, encoder_in_line
 from .terminal import CommandError
 
 if TYPE_CHECKING:

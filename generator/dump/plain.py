@@ -192,11 +192,11 @@ class _Dump:
             "supply": self.plain(device.supply, ()),
         }
 
-    def plain(self, value: Any, inherited: Sources) -> Any:
+    def plain(self, value: Any, inherited_sources: Sources) -> Any:
         """Return any part of the model as plain data: maps, lists, texts, numbers, Booleans and None.
 
         The members of a dataclass are those that ``model/members`` lists for its class. If it does not list the class,
-        they are all attributes. A part without sources has the ``inherited`` sources of its parent.
+        they are all attributes. A part without sources has the ``inherited_sources`` of its parent.
         """
         if isinstance(value, Expression):
             return self._number_or_text(value)
@@ -205,12 +205,12 @@ class _Dump:
         if isinstance(value, bytes):
             return value.hex(" ").upper()
         if isinstance(value, Mapping):
-            return {key: self.plain(member, inherited) for key, member in value.items()}
+            return {key: self.plain(member, inherited_sources) for key, member in value.items()}
         if isinstance(value, tuple):
-            return [self.plain(member, inherited) for member in value]
+            return [self.plain(member, inherited_sources) for member in value]
         if not is_dataclass(value) or isinstance(value, type):
             return value
-        own_sources: Sources = getattr(value, "source", ()) or inherited
+        own_sources: Sources = getattr(value, "source", ()) or inherited_sources
         described_part = PARTS_BY_CLASS.get(type(value).__name__)
         if described_part is None:
             names = [attribute.name for attribute in fields(value)]
@@ -222,11 +222,11 @@ class _Dump:
                 plain_members[member.name] = self._member_data(member, attribute, own_sources)
         return plain_members | _sources_data(own_sources) if described_part.is_sourced else plain_members
 
-    def _member_data(self, member: ModelMember, value: Any, inherited: Sources) -> Any:
+    def _member_data(self, member: ModelMember, value: Any, inherited_sources: Sources) -> Any:
         """Return a member as plain data. A missing member that would be one of several words is an empty string."""
         # The shape of such a member begins with ``|``, followed by the possible words: ``|low|high``.
         is_missing_word = value is None and member.shape.startswith("|")
-        return "" if is_missing_word else self.plain(value, inherited)
+        return "" if is_missing_word else self.plain(value, inherited_sources)
 
     def _number_or_text(self, expression: Expression) -> int | str:
         """Return the number for an order code. For a family, it may be a text, such as ``48 - singleturn_bits``."""
@@ -250,9 +250,9 @@ class _Dump:
         interface_data["layouts"] = [layout.name for layout in interface.layouts]
         return fill_members(interface_data, "interface")
 
-    def _layout_data(self, layout: Layout, interface: str, inherited: Sources) -> Item:
+    def _layout_data(self, layout: Layout, interface: str, inherited_sources: Sources) -> Item:
         """Return a layout with its interface, the open questions about it, its joined numbers and its fields."""
-        own_sources = layout.source or inherited
+        own_sources = layout.source or inherited_sources
         # The fields come last, in a different form.
         layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface}
@@ -261,7 +261,7 @@ class _Dump:
         layout_data["fields"] = self._fields_data(layout, own_sources)
         return layout_data
 
-    def _fields_data(self, layout: Layout, inherited: Sources) -> list[Item]:
+    def _fields_data(self, layout: Layout, inherited_sources: Sources) -> list[Item]:
         """Return the fields of a layout, each with its highest bit.
 
         For a family, these are all fields. For an order code, fields without bits are left out.
@@ -270,29 +270,31 @@ class _Dump:
         if self.variant is None:
             for field in layout.fields:
                 high = field.low + field.width - Expression(1)
-                fields_data.append(self._field_data(field, high, inherited))
+                fields_data.append(self._field_data(field, high, inherited_sources))
         else:
             for placed_field in layout.place(self.variant.parameters).fields:
-                fields_data.append(self._field_data(placed_field.field, Expression(placed_field.high), inherited))
+                fields_data.append(
+                    self._field_data(placed_field.field, Expression(placed_field.high), inherited_sources)
+                )
         return fields_data
 
-    def _field_data(self, field: Field, high: Expression, inherited: Sources) -> Item:
+    def _field_data(self, field: Field, high: Expression, inherited_sources: Sources) -> Item:
         """Return a field with the name and the members of its kind, such as ``choice`` and ``values``.
 
         ``high`` is the highest bit of the field.
         """
         # The members of the kind are added below. Those of a plain number conflict with none of them.
-        field_data: Item = self.plain(replace(field, kind=Number()), inherited)
+        field_data: Item = self.plain(replace(field, kind=Number()), inherited_sources)
         field_data["high"] = self._number_or_text(high)
         if isinstance(field.equals, str):
             field_data["equals"] = None
             field_data["equals_text"] = field.equals
         else:
             field_data["equals_text"] = ""
-        field_data["kind"], members_of_kind = self._kind_data(field.kind, field.source or inherited)
+        field_data["kind"], members_of_kind = self._kind_data(field.kind, field.source or inherited_sources)
         return fill_members(field_data | members_of_kind, "field")
 
-    def _kind_data(self, kind: Kind, inherited: Sources) -> tuple[str, Item]:
+    def _kind_data(self, kind: Kind, inherited_sources: Sources) -> tuple[str, Item]:
         """Return the name of a kind in the data, and its own members: ``("unused", {"unused": 0, …})``."""
         match kind:
             case Number():
@@ -300,7 +302,7 @@ class _Dump:
             case Flag():
                 return "flag", _flag_members(kind)
             case Choice(values):
-                return "choice", {"values": self.plain(values, inherited)}
+                return "choice", {"values": self.plain(values, inherited_sources)}
             case Constant(value, padding_of):
                 return "constant", {"constant": value, "padding_of": padding_of}
             case Unused(value, verdict):
@@ -311,7 +313,7 @@ class _Dump:
                 sense = "odd" if parity.is_odd else "even"
                 return "parity", {"parity_of": list(parity.covers), "parity": sense, "over": parity.over}
             case Decimal(runs):
-                return "digits", {"digits": self.plain(runs, inherited)}
+                return "digits", {"digits": self.plain(runs, inherited_sources)}
             case Text():
                 return "text", {}
             case _:
@@ -337,8 +339,8 @@ class _Dump:
         register_data["fields"] = self._fields_data(layout, register.source)
         return register_data
 
-    def _step_data(self, step: Step, inherited: Sources) -> Item:
-        return fill_members(self.plain(step, inherited), "step")
+    def _step_data(self, step: Step, inherited_sources: Sources) -> Item:
+        return fill_members(self.plain(step, inherited_sources), "step")
 
     def _example_data(self, example: Example) -> Item:
         # An example that is not a frame has no sender. In the data, it has always been the encoder.

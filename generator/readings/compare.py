@@ -1,23 +1,24 @@
 """Compare two readings of a manual fact by fact, including the numbers and citations of their texts.
 
-Texts are compared by their places in the file, because two readers use different words for them.
+Texts are compared by their places in the file, because two readers use different words for them. Connectors and table
+rows are paired first, so that an additional one does not shift all others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from difflib import SequenceMatcher
 from functools import partial
 from itertools import chain
+from typing import Any
 
 from ..language.document import Path
-from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, missing_in_spec, value_text
-from .compare_words import compare_word
-from .comparison import Comparison, Disagreement, HowOftenRead
-from .names import use_same_names
-from .pairing import with_order_of, with_rows_of
-from .reading import NOTHING, ComparedFact, ComparedFacts, FactClass, FactKey
-from .texts import NUMBERS, dotted_path
+from .compare_facts import CHOSEN_BY_READER, compare_facts, compare_names, compare_word, missing_in_spec, value_text
+from .disagreements import Comparison, Disagreement, HowOftenRead
+from .reading import NOTHING, ComparedFact, ComparedFacts, FactClass, FactKey, FactNames, FactValue
+from .stated import NUMBERS, dotted_path
 
 #: Classes of facts in texts. A second reading can also give these facts by their paths.
 _TEXT_CLASSES = frozenset((FactClass.TEXT, FactClass.SECTION))
@@ -29,7 +30,7 @@ def compare(spec: ComparedFacts, second: ComparedFacts) -> Comparison:
     Facts with the same key are compared, and frames and registers are compared bit by bit. Facts that the second
     reading only gives by their path, and facts that no manual prints, are counted separately at the end.
     """
-    spec = with_rows_of(with_order_of(spec, second), second)
+    spec = with_row_numbers_of(with_connector_numbers_of(spec, second), second)
     comparison = Comparison(has_names_of_spec=use_same_names(spec, second))
     place_in_spec = partial(_nearest_place, comparison, spec, second)
     # A fact that the second reading gives by its path gets the key of the fact in the spec.
@@ -200,3 +201,166 @@ def _describe_with_count(facts: Sequence[ComparedFact]) -> str:
     if len(facts) == 1:
         return description
     return f"{description} and of {len(facts) - 1} more"
+
+
+# -- names that the readers chose
+
+#: If at least this share of names is equal, the second reading is assumed to use the names of the spec.
+_SHARE_OF_EQUAL_NAMES = 0.9
+
+
+def use_same_names(spec: ComparedFacts, second: ComparedFacts) -> bool:
+    """Return whether the second reading uses the names of the spec, so that any different name is a mistake.
+
+    This is assumed if at least 90 % of the names of common items are equal.
+    """
+    compared_count, equal_count = 0, 0
+    for spec_names, second_names in _name_maps_of_both(spec, second):
+        for key in spec_names.keys() & second_names.keys():
+            compared_count += 1
+            if spec_names[key].value == second_names[key].value:
+                equal_count += 1
+    return equal_count >= _SHARE_OF_EQUAL_NAMES * compared_count
+
+
+def _name_maps_of_both(spec: ComparedFacts, second: ComparedFacts) -> Iterator[tuple[FactNames, FactNames]]:
+    """Yield the names of each kind of item in both readings, by key.
+
+    Names of fields are taken from the first case of a frame or register that both readings have.
+    """
+    yield from _names_by_kind(spec.names, second.names)
+    for key in spec.words.keys() & second.words.keys():
+        spec_cases, second_cases = spec.words[key].cases, second.words[key].cases
+        common_cases = [case for case in spec_cases if case in second_cases]
+        if common_cases:
+            first_case = common_cases[0]
+            yield from _names_by_kind(spec_cases[first_case].names, second_cases[first_case].names)
+
+
+def _names_by_kind(
+    spec: Mapping[FactKey, FactNames], second: Mapping[FactKey, FactNames]
+) -> Iterator[tuple[FactNames, FactNames]]:
+    for kind in spec.keys() & second.keys():
+        yield spec[kind], second[kind]
+
+
+# -- rows of tables and connectors, numbered as in the second reading
+
+#: The cells with numbers in a row, each with its column.
+_Row = tuple[tuple[int, FactValue], ...]
+#: Steps of the key that identifies a connector: ``("connector", "ssi", "cable", 1)``.
+_STEPS_TO_CONNECTOR = 4
+
+
+def with_row_numbers_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
+    """Return the facts of a spec with the rows of its tables numbered as in the second reading.
+
+    Only tables whose numbers of rows differ between the readings are renumbered. Rows that only the spec has get the
+    last numbers.
+    """
+    new_keys: dict[FactKey, FactKey] = {}
+    # The key of a table is ("table", name), and the keys of the facts about it are longer.
+    table_keys = [key for key in spec.facts if key[0] == "table" and len(key) == 2]
+    for table_key in table_keys:
+        spec_rows, second_rows = _rows_of(spec, table_key), _rows_of(second, table_key)
+        if len(spec_rows) == len(second_rows) or not second_rows:
+            continue
+        new_numbers = _paired_numbers(spec_rows, second_rows)
+        for number, row in spec_rows.items():
+            for column, _ in row:
+                new_keys[_cell_key(table_key, number, column)] = _cell_key(table_key, new_numbers[number], column)
+    if not new_keys:
+        return spec
+    facts = {}
+    for key, fact in spec.facts.items():
+        new_key = new_keys.get(key, key)
+        facts[new_key] = replace(fact, key=new_key)
+    return replace(spec, facts=facts)
+
+
+def _cell_key(table_key: FactKey, row_number: int, column: int) -> FactKey:
+    return (*table_key, f"{row_number} {column}")
+
+
+def _rows_of(facts: ComparedFacts, table_key: FactKey) -> Mapping[int, _Row]:
+    """Return the rows of a table that contain numbers, by the number of the row."""
+    cells_by_row: dict[int, list[tuple[int, FactValue]]] = defaultdict(list)
+    for key, fact in facts.facts.items():
+        # The key of a cell is that of its table, and then its row and column: ("table", "limits", "3 0").
+        *key_before, last_step = key
+        is_cell = tuple(key_before) == table_key and " " in str(last_step)
+        if is_cell:
+            row_number, column = map(int, str(last_step).split())
+            cells_by_row[row_number].append((column, fact.value))
+    return {row_number: tuple(cells) for row_number, cells in cells_by_row.items()}
+
+
+def _paired_numbers(spec_rows: Mapping[int, _Row], second_rows: Mapping[int, _Row]) -> Mapping[int, int]:
+    """Return the number of each row in the second reading, by its number in the spec: ``{0: 0, 1: 2}``.
+
+    A row that is not in the second reading gets a number after the last row.
+    """
+    spec_numbers, second_numbers = list(spec_rows), list(second_rows)
+    new_numbers: dict[int, int] = {}
+    for spec_index, second_index in _pairs_of_row_indices(list(spec_rows.values()), list(second_rows.values())):
+        new_numbers[spec_numbers[spec_index]] = second_numbers[second_index]
+    number_after_last = max(second_numbers) + 1
+    for spec_number in spec_numbers:
+        if spec_number not in new_numbers:
+            new_numbers[spec_number] = number_after_last
+            number_after_last += 1
+    return new_numbers
+
+
+def _pairs_of_row_indices(spec_rows: Sequence[_Row], second_rows: Sequence[_Row]) -> Iterator[tuple[int, int]]:
+    """Yield pairs of row indices: for equal rows, and for rows between these, as far as both readings have rows."""
+    matcher = SequenceMatcher(a=spec_rows, b=second_rows, autojunk=False)
+    for _, spec_start, spec_end, second_start, second_end in matcher.get_opcodes():
+        spec_indices, second_indices = range(spec_start, spec_end), range(second_start, second_end)
+        yield from zip(spec_indices, second_indices, strict=False)
+
+
+def with_connector_numbers_of(spec: ComparedFacts, second: ComparedFacts) -> ComparedFacts:
+    """Return the facts of a spec with its connectors numbered as in the second reading.
+
+    Connectors that only the spec has get the last numbers. Connectors of an interface and kind are only renumbered if
+    the second reading uses the names of the spec for all of them, because readers choose names freely.
+    """
+    new_keys: dict[FactKey, FactKey] = {}
+    for (_, interface, kind), keys_by_name in _connector_keys(spec).items():
+        second_keys_by_name = _connector_keys(second).get(("connector", interface, kind), {})
+        are_names_of_spec = second_keys_by_name.keys() <= keys_by_name.keys()
+        if not second_keys_by_name or not are_names_of_spec:
+            continue
+        numbered_names = list(second_keys_by_name)
+        numbered_names += [name for name in keys_by_name if name not in second_keys_by_name]
+        for number, name in enumerate(numbered_names, 1):
+            new_keys[keys_by_name[name]] = ("connector", interface, kind, number)
+    if all(key == new_key for key, new_key in new_keys.items()):
+        return spec
+
+    def renumbered(key: FactKey) -> FactKey:
+        connector_key, steps_inside = key[:_STEPS_TO_CONNECTOR], key[_STEPS_TO_CONNECTOR:]
+        return (*new_keys.get(connector_key, connector_key), *steps_inside)
+
+    facts: dict[FactKey, ComparedFact] = {}
+    for key, fact in spec.facts.items():
+        facts[renumbered(key)] = replace(fact, key=renumbered(fact.key), depends_on=renumbered(fact.depends_on))
+    names: dict[FactKey, dict[FactKey, ComparedFact]] = {}
+    for kind, names_of_kind in spec.names.items():
+        names[kind] = {}
+        for key, name_fact in names_of_kind.items():
+            names[kind][renumbered(key)] = replace(name_fact, key=renumbered(name_fact.key))
+    return replace(spec, facts=facts, names=names)
+
+
+def _connector_keys(facts: ComparedFacts) -> dict[tuple[Any, ...], dict[str, FactKey]]:
+    """Return the keys of connectors by name, for each interface and kind, in the order of their numbers."""
+    keys_by_kind: dict[tuple[Any, ...], dict[str, FactKey]] = defaultdict(dict)
+    for kind, names in facts.names.items():
+        if kind[0] != "connector":
+            continue
+        for key, name in names.items():
+            interface_and_kind = key[: _STEPS_TO_CONNECTOR - 1]
+            keys_by_kind[interface_and_kind].setdefault(str(name.value), key)
+    return keys_by_kind

@@ -1,4 +1,4 @@
-"""Facts about interfaces: frames, clocks, times, ports and data IDs."""
+"""Facts about interfaces: frames, their data channels, clocks, times, ports and data IDs."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from ..model import (
     Spi,
     Ssi,
     Timing,
+    channel_frame,
 )
 from ..model.order_codes import Restricted, fits, repeated_names
 from ..say.names_and_places import bits
-from .channels import channel_facts
-from .frame_bits import word_bits
+from .bits_and_registers import word_bits
 from .reading import (
     CodeAndState,
     ComparedFact,
@@ -37,6 +37,42 @@ from .reading import (
     interface_label,
 )
 from .stated import FactSubject
+
+
+def channel_facts(reading: SpecReading, interface: Biss) -> Iterator[ComparedFact]:
+    """Yield facts about a BiSS frame with several data channels: their order, and the bits that decoders compare.
+
+    Channels are identified by their numbers: ``1, 2``.
+    """
+    frame = channel_frame(interface)
+    if frame is None:
+        return
+    channels_place: Path = ("interfaces", interface.name, "channels")
+    yield ComparedFact(
+        fact_class=FactClass.POSITION,
+        key=("channels", "order"),
+        value=", ".join(f"{layout.channel}" for layout in frame.layouts),
+        description="order of the data channels in a frame",
+        place=(*channels_place, "order"),
+    )
+    for compared in frame.compared:
+        bits_by_case: dict[CodeAndState, str] = {}
+        for case, parameters in reading.cases(interface.name).items():
+            placed_layout = compared.layout.place(parameters)
+            compared_field = placed_layout.field(compared.name)
+            number_of_compared_bits = frame.compared_bits.value(parameters)
+            # The highest bits of the field are compared.
+            lowest_compared_bit = compared_field.high + 1 - number_of_compared_bits
+            bits_by_case[case] = bits(compared_field.high, lowest_compared_bit)
+        channel = compared.layout.channel or 0
+        yield ComparedFact(
+            fact_class=FactClass.POSITION,
+            key=("channels", "compared", channel),
+            value=bits_by_case,
+            description=f"compared bits of data channel {channel}",
+            place=(*channels_place, "compared", compared.layout.name),
+        )
+
 
 #: Identity of a frame that has no selector and belongs to no exchange.
 _NOT_EXCHANGED = -1

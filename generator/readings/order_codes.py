@@ -29,19 +29,14 @@ def add_codes(reading: SpecReading, facts: ComparedFacts) -> None:
     for interface in reading.device.interfaces:
         facts.add(_measurement_facts(reading, interface))
     movement = reading.device.movement
-    facts.add(
-        iter(
-            (
-                ComparedFact(
-                    fact_class=FactClass.MEASUREMENT,
-                    key=("movement",),
-                    value=movement,
-                    description="movement",
-                    place=("movement",),
-                ),
-            )
-        )
+    movement_fact = ComparedFact(
+        fact_class=FactClass.MEASUREMENT,
+        key=("movement",),
+        value=movement,
+        description="movement",
+        place=("movement",),
     )
+    facts.add(iter([movement_fact]))
     facts.derived[FactClass.LIMIT] += len(reading.device.definitions)
 
 

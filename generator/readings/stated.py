@@ -1,14 +1,22 @@
-"""Facts that a reader states about a part of the model, by the table of members, and about its procedures."""
+"""Facts that a reader states: about a part of the model, by the table of members, and in texts.
+
+Two readers write texts in different words, so only their numbers and cited sections are compared.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..language.document import Path
 from ..language.rules.quantities import kind_of_unit
+from ..language.document import Path, label_of
+from ..language.rules.parameters import kind_of_unit
+from ..language.schema_files import PROSE
+from ..loading.from_mapping import parse_sources
 from ..model import (
     Digits,
     ModifyStep,
@@ -32,197 +40,12 @@ from .reading import (
     FactClass,
     FactKey,
     FactValue,
+    PrintedNumbers,
     SpecReading,
     count_text,
     in_hex,
-    interface_label,
     register_text,
 )
-
-
-class _Detail(NamedTuple):
-    """A fact about part of a procedure. Its key and its place are within the procedure."""
-
-    fact_class: FactClass
-    key: FactKey
-    place: Path
-    value: str
-    description: str
-
-
-def procedures(reading: SpecReading) -> Iterator[ComparedFact]:
-    """Yield the facts of every procedure: its steps as text, and its argument limits, waits and repetitions.
-
-    Two readers give procedures different names. A procedure is therefore identified by its interface and the text of
-    its steps, such as ``write 0x49 = 05; read 0x4A``.
-    """
-    for procedure in reading.device.procedures:
-        steps_text = program_text(reading, procedure)
-        procedure_key: FactKey = ("procedure", procedure.interface, steps_text)
-        procedure_place: Path = ("procedures", procedure.name)
-        yield ComparedFact(
-            fact_class=FactClass.PROCEDURE,
-            key=procedure_key,
-            value=steps_text,
-            description=f"a procedure over {interface_label(procedure.interface)}",
-            place=procedure_place,
-            name=procedure.name,
-            name_place=(*procedure_place, "name"),
-        )
-        for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
-            yield ComparedFact(
-                fact_class=detail.fact_class,
-                key=(*procedure_key, *detail.key),
-                value=detail.value,
-                description=detail.description,
-                place=(*procedure_place, *detail.place),
-                depends_on=procedure_key,
-            )
-
-
-def _argument_limits(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
-    """Yield for each argument the register whose limits apply to it: ``register 0x49``.
-
-    If another register determines what the argument means, the condition for its meaning follows: ``register 0x49 while
-    register 0x4A bits 1:0 is 3``.
-    """
-    for number, argument in enumerate(procedure.arguments, 1):
-        register = reading.device.register(argument.of)
-        while_text = ""
-        for meaning in register.meanings:
-            if meaning.name == argument.meant_as:
-                while_text = f" while {reading.state(meaning.when, meaning.value)}"
-        yield _Detail(
-            fact_class=FactClass.LIMIT,
-            key=("argument", number),
-            place=("arguments", argument.name, "of"),
-            value=f"{register_text(register)}{while_text}",
-            description=f"limits of argument {number} of the procedure '{procedure.name}'",
-        )
-
-
-def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
-    """Yield the waits, the bits that are read, and the repetitions of requests.
-
-    A step is identified by its number, for which waits are not counted. Consecutive waits are added up, and are
-    identified by the number of the step before them, or 0 at the start.
-    """
-    step_number, total_wait_us, position_text = 0, 0, "at its start"
-    for index, step in enumerate(procedure.steps):
-        step_place = ("steps", index)
-        if isinstance(step, WaitStep):
-            total_wait_us += step.microseconds
-            following_steps = procedure.steps[index + 1 :]
-            is_last_of_waits = not following_steps or not isinstance(following_steps[0], WaitStep)
-            if is_last_of_waits:
-                yield _Detail(
-                    fact_class=FactClass.WAIT,
-                    key=("wait", step_number),
-                    place=(*step_place, "at_least_ms"),
-                    value=f"{total_wait_us // 1000} ms",
-                    description=f"wait {position_text} in the procedure '{procedure.name}'",
-                )
-            continue
-        step_text = f"'{_step_text(reading, step, procedure)}'"
-        # Another step begins a new wait.
-        step_number, total_wait_us, position_text = step_number + 1, 0, f"after {step_text}"
-        if isinstance(step, ReadStep) and step.field:
-            bits_read = _register_and_bits(reading, step.register, step.field)
-            description = f"bits used by {step_text}"
-            yield _Detail(
-                fact_class=FactClass.PROCEDURE,
-                key=("bits", step_number),
-                place=(*step_place, "field"),
-                value=bits_read,
-                description=description,
-            )
-        if isinstance(step, SendStep):
-            yield from _repetition_details(
-                step, step_number, step_place, f"{step_text} in the procedure '{procedure.name}'"
-            )
-
-
-def _repetition_details(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
-    """Yield how often a request is sent, at which interval, and whether in succession without other requests."""
-    yield _Detail(
-        fact_class=FactClass.PROCEDURE,
-        key=("times", step_number),
-        place=(*place, "times"),
-        value=str(step.times),
-        description=f"repetitions of {request_text}",
-    )
-    if step.microseconds:
-        yield _Detail(
-            fact_class=FactClass.WAIT,
-            key=("every", step_number),
-            place=(*place, "every_at_least_us"),
-            value=f"{step.microseconds} µs",
-            description=f"interval of {request_text}",
-        )
-    if step.in_succession:
-        yield _Detail(
-            fact_class=FactClass.PROCEDURE,
-            key=("succession", step_number),
-            place=(*place, "in_succession"),
-            value="yes",
-            description=f"succession of {request_text}",
-        )
-
-
-def program_text(reading: SpecReading, procedure: Procedure) -> str:
-    """Return the steps of a procedure as text, without waits and repetitions: ``write 0x49 = 05; read 0x4A``."""
-    texts = (_step_text(reading, step, procedure) for step in procedure.steps)
-    return "; ".join(text for text in texts if text)
-
-
-def _step_text(reading: SpecReading, step: Step, procedure: Procedure) -> str:
-    """Return a step in words without names, such as ``set 0x49 bits 3:0 to argument 1``, or "" for a wait."""
-    match step:
-        case WriteStep(register, name, value):
-            written_register = reading.device.register(register)
-            value_text = _argument_text(procedure, name)
-            if value is not None:
-                value_text = written_register.bytes_of(value).hex(" ").upper()
-            return f"write {_register_and_bits(reading, register, '')} = {value_text}"
-        case ModifyStep(register, field, name, value):
-            value_text = in_hex(value) if value is not None else _argument_text(procedure, name)
-            return f"set {_register_and_bits(reading, register, field)} to {value_text}"
-        case ReadStep(register):
-            return f"read {_register_and_bits(reading, register, '')}"
-        case PollStep(register, field, value):
-            return f"poll {_register_and_bits(reading, register, field)} until {value}"
-        case SendStep():
-            return f"send {step.request.hex(' ').upper()}"
-        case WaitStep():
-            return ""
-        case _:
-            assert_never(step)
-
-
-def _argument_text(procedure: Procedure, value_name: str) -> str:
-    """Return ``argument 2`` for an argument of the procedure, or the name if it is not an argument."""
-    names = [argument.name for argument in procedure.arguments]
-    return f"argument {names.index(value_name) + 1}" if value_name in names else value_name
-
-
-def _register_and_bits(reading: SpecReading, register_name: str, field_name: str) -> str:
-    """Return ``0x49 bits 3:0``, or only ``0x49`` for a field that is the whole register, or without a field."""
-    register = reading.device.register(register_name)
-    bits_text = ""
-    register_bits = 8 * register.length
-    for field in register.layout.fields:
-        is_whole_register = field.width.is_constant and field.width.constant == register_bits
-        if field.name == field_name and not is_whole_register:
-            bits_text = f" {reading.bits_of(register.interface, field)}"
-    return f"{register_text(register).removeprefix('register ')}{bits_text}"
-
-
-def program_texts(reading: SpecReading, names: tuple[str, ...]) -> str:
-    """Return the steps of several procedures as text, in the order of these texts: ``read 0x4A | write 0x49 = 05``."""
-    procedures_by_name = {procedure.name: procedure for procedure in reading.device.procedures}
-    texts = [program_text(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
-    return " | ".join(sorted(texts))
-
 
 _UNIT_BY_ENDING = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
 
@@ -381,6 +204,7 @@ def _value_text(reading: SpecReading, member: ModelMember, member_value: Any, in
     """
     if member.refers_to:
         return _referred_text(reading, member, member_value, interface)
+    unit = _UNIT_BY_ENDING.get(member.notation, "")
     if isinstance(member_value, Expression):
         return {
             case: count_text(member_value.value(parameters)) for case, parameters in reading.cases(interface).items()
@@ -388,17 +212,15 @@ def _value_text(reading: SpecReading, member: ModelMember, member_value: Any, in
     if isinstance(member_value, bool):
         return _bool_text(member, member_value)
     if isinstance(member_value, int):
-        return (
-            in_hex(member_value)
-            if member.notation == "hex"
-            else f"{member_value}{_UNIT_BY_ENDING.get(member.notation, '')}"
-        )
+        number_text = in_hex(member_value) if member.notation == "hex" else str(member_value)
+        return f"{number_text}{unit}"
     if isinstance(member_value, float):
         return f"{member_value:g}"
     if isinstance(member_value, Enum):
         return str(member_value.value)
     if isinstance(member_value, tuple):
-        return f"{' '.join(map(_part_text, member_value))}{_UNIT_BY_ENDING.get(member.notation, '')}"
+        values_text = " ".join(map(_part_text, member_value))
+        return f"{values_text}{unit}"
     if isinstance(member_value, Scale):
         # Two readers may write the same formula with different numbers, so it is reduced to a factor and an offset.
         factor = member_value.quantity(1) - member_value.quantity(0)
@@ -451,3 +273,172 @@ def _register_text(reading: SpecReading, register_name: str) -> str:
     """Return the address of a register, or its name if there is no such register."""
     register = reading.register(register_name)
     return register_text(register) if register is not None else register_name
+
+
+# -- steps of procedures, as texts
+
+
+def program_text(reading: SpecReading, procedure: Procedure) -> str:
+    """Return the steps of a procedure as text, without waits and repetitions: ``write 0x49 = 05; read 0x4A``."""
+    texts = (step_text(reading, step, procedure) for step in procedure.steps)
+    return "; ".join(text for text in texts if text)
+
+
+def step_text(reading: SpecReading, step: Step, procedure: Procedure) -> str:
+    """Return a step in words without names, such as ``set 0x49 bits 3:0 to argument 1``, or "" for a wait."""
+    match step:
+        case WriteStep(register, name, value):
+            written_register = reading.device.register(register)
+            value_text = _argument_text(procedure, name)
+            if value is not None:
+                value_text = written_register.bytes_of(value).hex(" ").upper()
+            return f"write {register_and_bits(reading, register, '')} = {value_text}"
+        case ModifyStep(register, field, name, value):
+            value_text = in_hex(value) if value is not None else _argument_text(procedure, name)
+            return f"set {register_and_bits(reading, register, field)} to {value_text}"
+        case ReadStep(register):
+            return f"read {register_and_bits(reading, register, '')}"
+        case PollStep(register, field, value):
+            return f"poll {register_and_bits(reading, register, field)} until {value}"
+        case SendStep():
+            return f"send {step.request.hex(' ').upper()}"
+        case WaitStep():
+            return ""
+        case _:
+            assert_never(step)
+
+
+def _argument_text(procedure: Procedure, value_name: str) -> str:
+    """Return ``argument 2`` for an argument of the procedure, or the name if it is not an argument."""
+    names = [argument.name for argument in procedure.arguments]
+    return f"argument {names.index(value_name) + 1}" if value_name in names else value_name
+
+
+def register_and_bits(reading: SpecReading, register_name: str, field_name: str) -> str:
+    """Return ``0x49 bits 3:0``, or only ``0x49`` for a field that is the whole register, or without a field."""
+    register = reading.device.register(register_name)
+    bits_text = ""
+    register_bits = 8 * register.length
+    for field in register.layout.fields:
+        is_whole_register = field.width.is_constant and field.width.constant == register_bits
+        if field.name == field_name and not is_whole_register:
+            bits_text = f" {reading.bits_of(register.interface, field)}"
+    return f"{register_text(register).removeprefix('register ')}{bits_text}"
+
+
+def program_texts(reading: SpecReading, names: tuple[str, ...]) -> str:
+    """Return the steps of several procedures as text, in the order of these texts: ``read 0x4A | write 0x49 = 05``."""
+    procedures_by_name = {procedure.name: procedure for procedure in reading.device.procedures}
+    texts = [program_text(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
+    return " | ".join(sorted(texts))
+
+
+# -- texts: their numbers, the sections that they cite, and the pages of the contents
+
+#: First part of the keys of numbers in texts, and of cited sections.
+NUMBERS, CITED = "numbers", "cited"
+_UNITS = (
+    r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|AWG|k?g)"
+)
+_NUMBER_IN_TEXT = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?:/s|/km|²| ?{_UNITS}(?!\w))?")
+#: Maps of a second reading by path, which are not texts.
+_MAPS_WITHOUT_TEXTS = frozenset((("found",), ("sections",)))
+_KEYS_OF_TEXTS = PROSE | {"printed", "used"}
+_THOUSANDS_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
+
+
+def numbers_in(text: str) -> str:
+    """Return the numbers in a text in their order, each with its unit: ``5V 10ms``. Return "" if there are none."""
+    # 4,096 is read as 4096.
+    without_commas = _THOUSANDS_COMMA.sub("", text)
+    # The pattern also matches a comma, point or hyphen after a number.
+    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER_IN_TEXT.findall(without_commas))
+    return " ".join(numbers).replace("−", "-")
+
+
+def text_facts(reading: SpecReading) -> Iterator[ComparedFact]:
+    """Yield a fact for every text with numbers, and one for every source with sections, identified by their places."""
+    for place, text in prose_texts((), reading.document.data):
+        numbers_or_sections = _numbers_or_sections(place[-1], text)
+        if not numbers_or_sections:
+            continue
+        if is_source(place[-1]):
+            yield ComparedFact(
+                fact_class=FactClass.SECTION,
+                key=(CITED, *place),
+                value=numbers_or_sections,
+                description=f"section cited at {dotted_path(place)}",
+                place=place,
+            )
+        else:
+            yield ComparedFact(
+                fact_class=FactClass.TEXT,
+                key=(NUMBERS, *place),
+                value=numbers_or_sections,
+                description=f"numbers in {dotted_path(place)}",
+                place=place,
+            )
+
+
+def is_source(key: str | int) -> bool:
+    """Return whether a key of a spec contains a citation of a manual, such as ``source`` or ``default_source``."""
+    return key == "source" or str(key).endswith("_source")
+
+
+def _numbers_or_sections(key: str | int, text: str) -> str:
+    """Return the part of a text that is compared: its numbers, or the sections of the manual that a source cites.
+
+    Citations of other documents are left out.
+    """
+    if not is_source(key):
+        return numbers_in(text)
+    # A source without a document cites the manual itself.
+    sections = {cited.section for cited in parse_sources(text) if not cited.document and cited.section}
+    return ", ".join(sorted(sections))
+
+
+def printed_numbers_by_path(reading: SpecReading) -> dict[str, PrintedNumbers]:
+    """Return the numbers, or cited sections, that the second reader of a manual read for texts of the spec.
+
+    A second reading is a transcript of the same manual that was written without the spec. Its key ``found`` lists texts
+    by the path of the text in the spec, such as ``registers.mode.meaning``. From ``at 5 V, 10 ms`` there, the result is
+    ``5V 10ms`` with its place in the second reading.
+    """
+    printed_numbers: dict[str, PrintedNumbers] = {}
+    for path, text in reading.document.data.get("found", {}).items():
+        member_name = path.rpartition(".")[2]
+        printed_numbers[path] = PrintedNumbers(text=_numbers_or_sections(member_name, text), place=("found", path))
+    return printed_numbers
+
+
+def sections_by_path(reading: SpecReading) -> dict[str, list[str]]:
+    """Return the sections that a second reading cites for whole parts of the spec: ``{"registers": ["4.3"]}``."""
+    cited_sections: dict[str, list[str]] = {}
+    for section, paths in reading.document.data.get("sections", {}).items():
+        for path in paths:
+            cited_sections.setdefault(path, []).append(section)
+    return cited_sections
+
+
+def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
+    """Yield every text and source in a spec, with its place.
+
+    Call it with ``()`` and the data of the spec. It calls itself for each part. In a place, an item of a list is given
+    by its name, or by its index if it has none.
+    """
+    if isinstance(node, dict):
+        for key, member in node.items():
+            if (*place, key) not in _MAPS_WITHOUT_TEXTS:
+                yield from prose_texts((*place, key), member)
+    elif isinstance(node, list):
+        for index, member in enumerate(node):
+            yield from prose_texts((*place, label_of(member) or index), member)
+    elif isinstance(node, str):
+        is_characteristic = (place[0], place[-1]) == ("characteristics", "value")
+        if is_characteristic or place[-1] in _KEYS_OF_TEXTS:
+            yield place, node
+
+
+def dotted_path(place: Path) -> str:
+    """Return a place as a path with dots."""
+    return ".".join(map(str, place))

@@ -1,16 +1,35 @@
-"""Facts other than frames and registers: alarms, connectors, inputs, editions, characteristics, tables and LEDs."""
+"""Facts other than frames and registers: procedures, alarms, connectors, inputs, editions, tables and so on."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import NamedTuple
 
 from ..language.document import Path
-from ..model import Alarm, Connector, Edition, Field, Layout, Manual
-from .reading import ComparedFact, FactClass, FactKey, SpecReading, comparable_text, interface_label, register_text
-from .stated import FactSubject
-from .texts import numbers_in
+from ..model import (
+    Alarm,
+    Connector,
+    Edition,
+    Field,
+    Layout,
+    Manual,
+    Procedure,
+    ReadStep,
+    SendStep,
+    WaitStep,
+)
+from .reading import (
+    ComparedFact,
+    FactClass,
+    FactKey,
+    SpecReading,
+    comparable_text,
+    interface_label,
+    register_text,
+)
+from .stated import FactSubject, dotted_path, numbers_in, program_text, register_and_bits, step_text
 
 
 def surroundings(reading: SpecReading) -> Iterator[ComparedFact]:
@@ -168,3 +187,156 @@ def _led_facts(reading: SpecReading) -> Iterator[ComparedFact]:
             )
             yield state_subject.detail_fact(FactClass.LED, name="state", value=led_state.state.casefold(), noun="words")
             yield from state_subject.stated_facts(led_state)
+
+
+class _Detail(NamedTuple):
+    """A fact about part of a procedure. Its key and its place are within the procedure."""
+
+    fact_class: FactClass
+    key: FactKey
+    place: Path
+    value: str
+    description: str
+
+
+def procedures(reading: SpecReading) -> Iterator[ComparedFact]:
+    """Yield the facts of every procedure: its steps as text, and its argument limits, waits and repetitions.
+
+    Two readers give procedures different names. A procedure is therefore identified by its interface and the text of
+    its steps, such as ``write 0x49 = 05; read 0x4A``.
+    """
+    for procedure in reading.device.procedures:
+        steps_text = program_text(reading, procedure)
+        procedure_key: FactKey = ("procedure", procedure.interface, steps_text)
+        procedure_place: Path = ("procedures", procedure.name)
+        yield ComparedFact(
+            fact_class=FactClass.PROCEDURE,
+            key=procedure_key,
+            value=steps_text,
+            description=f"a procedure over {interface_label(procedure.interface)}",
+            place=procedure_place,
+            name=procedure.name,
+            name_place=(*procedure_place, "name"),
+        )
+        for detail in (*_argument_limits(reading, procedure), *_waits_and_repetitions(reading, procedure)):
+            yield ComparedFact(
+                fact_class=detail.fact_class,
+                key=(*procedure_key, *detail.key),
+                value=detail.value,
+                description=detail.description,
+                place=(*procedure_place, *detail.place),
+                depends_on=procedure_key,
+            )
+
+
+def _argument_limits(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
+    """Yield for each argument the register whose limits apply to it: ``register 0x49``.
+
+    If another register determines what the argument means, the condition for its meaning follows: ``register 0x49 while
+    register 0x4A bits 1:0 is 3``.
+    """
+    for number, argument in enumerate(procedure.arguments, 1):
+        register = reading.device.register(argument.of)
+        while_text = ""
+        for meaning in register.meanings:
+            if meaning.name == argument.meant_as:
+                while_text = f" while {reading.state(meaning.when, meaning.value)}"
+        yield _Detail(
+            fact_class=FactClass.LIMIT,
+            key=("argument", number),
+            place=("arguments", argument.name, "of"),
+            value=f"{register_text(register)}{while_text}",
+            description=f"limits of argument {number} of the procedure '{procedure.name}'",
+        )
+
+
+def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterator[_Detail]:
+    """Yield the waits, the bits that are read, and the repetitions of requests.
+
+    A step is identified by its number, for which waits are not counted. Consecutive waits are added up, and are
+    identified by the number of the step before them, or 0 at the start.
+    """
+    step_number = 0
+    total_wait_us = 0
+    # The position of the next wait, in words.
+    position_text = "at its start"
+    for index, step in enumerate(procedure.steps):
+        step_place = ("steps", index)
+        if isinstance(step, WaitStep):
+            total_wait_us += step.microseconds
+            following_steps = procedure.steps[index + 1 :]
+            is_last_of_waits = not following_steps or not isinstance(following_steps[0], WaitStep)
+            if is_last_of_waits:
+                yield _Detail(
+                    fact_class=FactClass.WAIT,
+                    key=("wait", step_number),
+                    place=(*step_place, "at_least_ms"),
+                    value=f"{total_wait_us // 1000} ms",
+                    description=f"wait {position_text} in the procedure '{procedure.name}'",
+                )
+            continue
+        quoted_step = f"'{step_text(reading, step, procedure)}'"
+        step_number += 1
+        # Waits after this step are added up from zero again.
+        total_wait_us = 0
+        position_text = f"after {quoted_step}"
+        if isinstance(step, ReadStep) and step.field:
+            bits_read = register_and_bits(reading, step.register, step.field)
+            description = f"bits used by {quoted_step}"
+            yield _Detail(
+                fact_class=FactClass.PROCEDURE,
+                key=("bits", step_number),
+                place=(*step_place, "field"),
+                value=bits_read,
+                description=description,
+            )
+        if isinstance(step, SendStep):
+            yield from _repetition_details(
+                step, step_number, step_place, f"{quoted_step} in the procedure '{procedure.name}'"
+            )
+
+
+def _repetition_details(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
+    """Yield how often a request is sent, at which interval, and whether in succession without other requests."""
+    yield _Detail(
+        fact_class=FactClass.PROCEDURE,
+        key=("times", step_number),
+        place=(*place, "times"),
+        value=str(step.times),
+        description=f"repetitions of {request_text}",
+    )
+    if step.microseconds:
+        yield _Detail(
+            fact_class=FactClass.WAIT,
+            key=("every", step_number),
+            place=(*place, "every_at_least_us"),
+            value=f"{step.microseconds} µs",
+            description=f"interval of {request_text}",
+        )
+    if step.in_succession:
+        yield _Detail(
+            fact_class=FactClass.PROCEDURE,
+            key=("succession", step_number),
+            place=(*place, "in_succession"),
+            value="yes",
+            description=f"succession of {request_text}",
+        )
+
+
+def content_facts(reading: SpecReading) -> Iterator[ComparedFact]:
+    """Yield the page of every section and of every entry in the table of contents, if it has one."""
+    for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
+        place: Path = ("manual", "contents", section)
+        pages = {(*place, "page"): section_contents.get("page")}
+        for entry, page in section_contents.get("entries", {}).items():
+            pages[(*place, "entries", entry)] = page
+        for page_place, page in pages.items():
+            if page is not None:
+                description = f"page of {dotted_path(page_place[2:])} in the contents"
+                yield ComparedFact(
+                    fact_class=FactClass.CONTENTS,
+                    key=("contents", *page_place),
+                    value=str(page),
+                    description=description,
+                    place=page_place,
+                )

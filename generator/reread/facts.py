@@ -44,7 +44,7 @@ _PATHS_OF_EDITION = ("manual.revision", "manual.date", "manual.history")
 _REVISION_NUMBER = re.compile(r"\d+(?:\.\d+)+")
 _PRINTED_DATE = re.compile(r"\d{1,2}[./-]\d{1,2}[./-]\d{4}|\d{4}-\d\d-\d\d")
 #: An order code that ends in a number, such as the resolution.
-ORDER_CODE = re.compile(r"[a-z]{2}\w*?(\d\d)")
+ORDER_CODE = re.compile(r"[a-z]{2}\w*?(?P<number>\d\d)")
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class CitingFact:
             return frozenset()
         return frozenset(_words_of_name(self.names[-1]))
 
-    def is_at(self, sections: Collection[str], passage: Passage) -> bool:
+    def may_change_with(self, sections: Collection[str], passage: Passage) -> bool:
         """Return whether a change of the passage can affect the fact.
 
         The fact cites one of the sections, or is about an option of the order code that the passage contains. Manuals
@@ -127,8 +127,8 @@ class CitingFact:
         change a word of the fact on the cover, or add a row to the history below the row of the fact.
         """
         if self.is_of_edition:
-            is_on_cover = passage.section.number == COVER and not self.words.isdisjoint(passage.old)
-            has_date = any(_PRINTED_DATE.fullmatch(word) for word in (*passage.old, *passage.new))
+            is_on_cover = passage.section.number == COVER and not self.words.isdisjoint(passage.old_words)
+            has_date = any(_PRINTED_DATE.fullmatch(word) for word in (*passage.old_words, *passage.new_words))
             return is_on_cover or has_date or self._is_above_new_row_of_history(passage)
         return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
 
@@ -138,13 +138,14 @@ class CitingFact:
         If the row is part of a larger change, the words of the fact are among the old words. Otherwise they are close
         to the passage.
         """
-        added_words = [word for word in passage.new if word not in passage.old]
+        added_words = [word for word in passage.new_words if word not in passage.old_words]
         adds_revision = any(_REVISION_NUMBER.fullmatch(word) for word in added_words)
         if not adds_revision or self.path == "manual.date":
             return False
-        if passage.old:
-            return bool(self.words) and self.words <= {word.casefold() for word in passage.old}
-        return _REVISION_NUMBER.fullmatch(passage.new[0]) is not None and not self.words.isdisjoint(passage.close)
+        if passage.old_words:
+            return bool(self.words) and self.words <= {word.casefold() for word in passage.old_words}
+        begins_with_revision = _REVISION_NUMBER.fullmatch(passage.new_words[0]) is not None
+        return begins_with_revision and not self.words.isdisjoint(passage.words_in_row)
 
     def _is_option_named_in(self, passage: Passage) -> bool:
         """Return whether the fact is about an option of the order code whose label is in the passage.
@@ -153,17 +154,20 @@ class CitingFact:
         an order code, the words around it count as the old words, since tables list similar order codes in adjacent
         rows.
         """
-        option_match = _PATH_OF_OPTION.fullmatch(self.path)
-        if option_match is None:
+        path_with_label = _PATH_OF_OPTION.fullmatch(self.path)
+        if path_with_label is None:
             return False
-        label = option_match[1].casefold()
-        adds_order_code = not passage.old and bool(_last_digits(word.casefold() for word in passage.new))
-        words_of_passage = passage.close if adds_order_code else passage.old
-        folded_words = {word.casefold() for word in words_of_passage}
-        if _is_order_code_label(label) and label in folded_words:
+        option_label = path_with_label[1].casefold()
+        compared_words = passage.old_words
+        new_words_end_with_digits = bool(_last_digits(word.casefold() for word in passage.new_words))
+        only_adds_order_code = not passage.old_words and new_words_end_with_digits
+        if only_adds_order_code:
+            compared_words = passage.words_in_row
+        lowercase_words = {word.casefold() for word in compared_words}
+        if _is_order_code_label(option_label) and option_label in lowercase_words:
             return True
         # Labels of digits are often printed only at the end of an order code.
-        return label.isdigit() and label in _last_digits(folded_words)
+        return option_label.isdigit() and option_label in _last_digits(lowercase_words)
 
 
 def _words_of_name(name: str) -> list[str]:
@@ -288,9 +292,8 @@ def _facts_in(document: Document, node: Any, path: Path, around: _Surroundings) 
             is_fact = key not in _KEYS_WITHOUT_FACTS and not str(key).endswith("_source")
             if is_fact:
                 printed_key = _PRINTED_FOR_KEY.get(str(key), str(key))
-                around_member = replace(
-                    in_map, source=_source_of_member(node, path, key, in_map), names=(*in_map.names, printed_key)
-                )
+                member_source = _source_of_member(node, path, key, in_map)
+                around_member = replace(in_map, source=member_source, names=(*in_map.names, printed_key))
                 yield from _facts_in(document, member, (*path, key), around_member)
     elif isinstance(node, list):
         for index, member in enumerate(node):

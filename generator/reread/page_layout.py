@@ -111,12 +111,9 @@ def _is_regular(indices: Sequence[int]) -> bool:
     distances = sorted(following - previous for previous, following in pairwise(indices))
     median_index = len(distances) // 2
     usual_distance = distances[median_index]
-    # From usual / factor to usual * factor, multiplied by the factor to avoid fractions.
-    distances_near_usual = [
-        distance
-        for distance in distances
-        if usual_distance <= _LARGEST_PAGE_FACTOR * distance <= _LARGEST_PAGE_FACTOR**2 * usual_distance
-    ]
+    shortest_usual = usual_distance / _LARGEST_PAGE_FACTOR
+    longest_usual = usual_distance * _LARGEST_PAGE_FACTOR
+    distances_near_usual = [distance for distance in distances if shortest_usual <= distance <= longest_usual]
     are_mostly_near_usual = len(distances_near_usual) >= _LEAST_HEAD_SHARE * len(distances)
     return usual_distance >= _SHORT_PAGE and are_mostly_near_usual
 

@@ -332,9 +332,10 @@ def _find_headings(
     first_numbered_heading = min(headings, default=len(lines))
     lines_before = lines[:first_numbered_heading]
     # Headings without a number are only searched for before the numbered headings.
-    entry_index_by_title = {
-        _entry_title(line): index for index, line in enumerate(lines_before) if _IN_CONTENTS.search(line)
-    }
+    entry_index_by_title: dict[str, int] = {}
+    for index, line in enumerate(lines_before):
+        if _IN_CONTENTS.search(line):
+            entry_index_by_title[_entry_title(line)] = index
     page_by_title: dict[str, int] = {}
     for index, line in enumerate(lines_before):
         is_after_its_entry = line in entry_index_by_title and entry_index_by_title[line] < index

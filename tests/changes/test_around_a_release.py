@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 import yaml
-from codewheel.changes.accepted import read_accepted
 from codewheel.changes.families import compare
+from codewheel.changes.report import read_accepted
 from codewheel.commands.cli import main, parser_for
-from codewheel.commands.edition_entry import edition_entries
+from codewheel.commands.diff.spec_entries import edition_entries
 from codewheel.commands.new import device_text, manufacturer_text
 from codewheel.loading.library import load_families
 

@@ -325,7 +325,7 @@ def test_the_new_specs_have_to_be_sound(git: Git, tmp_path: Path, capsys: pytest
 
 
 def _rules(old: Device, new: Device) -> set[tuple[str, str]]:
-    return {(change.rule.name, change.reach) for change in compare([old], [new])}
+    return {(change.rule.name, change.affected_codes_text) for change in compare([old], [new])}
 
 
 def test_amm5_needs_a_decision(amm5: Device) -> None:
@@ -339,12 +339,12 @@ def test_amm5_needs_a_decision(amm5: Device) -> None:
 def test_what_order_codes_of_amm5_are_called(amm5: Device) -> None:
     """As the manual's edition 1.8 had it, which introduced AMM5B."""
     before = replace(amm5, variants=tuple(variant for variant in amm5.variants if variant.parts["mount"] == "A"))
-    texts = [(change.text, change.reach) for change in compare([before], [amm5])]
+    texts = [(change.text, change.affected_codes_text) for change in compare([before], [amm5])]
     assert ("order codes AMM5B…: 18 new", "") in texts
     register = replace(amm5.register("preset"), default=1)
     registers = tuple(register if candidate.name == "preset" else candidate for candidate in amm5.registers)
     changed = compare([amm5], [replace(amm5, registers=registers)])
-    assert [(change.text, change.reach) for change in changed] == [
+    assert [(change.text, change.affected_codes_text) for change in changed] == [
         ("registers 11h to 17h preset: default 00h → 01h", "all 12 BiSS order codes")
     ]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from codewheel.cache import NO_CACHE, Cache
 from codewheel.commands.generate.files import changed_files, unchanged_families
-from codewheel.family_parts import FamilyParts
+from codewheel.commands.outputs import FamilyParts
 from codewheel.loading import library
 from codewheel.loading.configuration import BUILT_IN, FamilyFilter
 from codewheel.loading.library import load_families

@@ -103,7 +103,7 @@ def test_an_entry_that_is_no_file_is_ignored(kept: tuple[Cache, Path], tmp_path:
 
 def test_another_version_has_other_entries(kept: tuple[Cache, Path], monkeypatch: pytest.MonkeyPatch) -> None:
     cache, place = kept
-    monkeypatch.setattr(cache_module, "_tool", lambda: "another version")
+    monkeypatch.setattr(cache_module, "_hash_of_tool", lambda: "another version")
     assert cache.get("number", ["a"]) is None
     cache.put("number", ["a"], "of the other")
     monkeypatch.undo()
@@ -115,12 +115,12 @@ def test_the_code_of_the_tool_is_part_of_the_key(tmp_path: Path, monkeypatch: py
     package.mkdir()
     (package / "some.py").write_text("A = 1", encoding="utf-8")
     monkeypatch.setattr(cache_module, "__file__", str(package / "cache.py"))
-    first = cache_module._tool.__wrapped__()
-    assert cache_module._tool.__wrapped__() == first
+    first = cache_module._hash_of_tool.__wrapped__()
+    assert cache_module._hash_of_tool.__wrapped__() == first
     times = (package / "some.py").stat()
     (package / "some.py").write_text("A = 2", encoding="utf-8")
     os.utime(package / "some.py", ns=(times.st_atime_ns, times.st_mtime_ns))
-    assert cache_module._tool.__wrapped__() != first
+    assert cache_module._hash_of_tool.__wrapped__() != first
 
 
 def test_the_cache_has_a_limit(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,8 +15,8 @@ import pytest
 from codewheel import cache as cache_module
 from codewheel.cache import Cache, default_folder
 from codewheel.commands.cli import main
+from codewheel.commands.outputs import FamilyParts
 from codewheel.commands.terminal import CommandError
-from codewheel.family_parts import FamilyParts
 from codewheel.loading.configuration import BUILT_IN
 from codewheel.loading.library import Family, load_families
 from codewheel.targets import Library

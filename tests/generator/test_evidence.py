@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.commands.outputs import family_of
 from codewheel.loading.configuration_file import read_configuration
 from codewheel.loading.library import load_library
 from codewheel.output_folder import families_in
-from codewheel.removable_outputs import family_of
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.commands.edition_devices import check_editions, edition_devices
+from codewheel.commands.families_in_specs import check_editions, edition_devices
 from codewheel.commands.terminal import CommandError
 from codewheel.language.read import parse
 from codewheel.loading.library import load_families

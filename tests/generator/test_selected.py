@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from codewheel.cache import Cache
-from codewheel.commands import specs_by_text
-from codewheel.commands.specs_by_text import families_for
+from codewheel.commands import families_in_specs
+from codewheel.commands.families_in_specs import families_for
 from codewheel.loading import library as library_module
 from codewheel.loading.library import load_library
 
@@ -38,7 +38,7 @@ def test_only_the_family_of_the_order_code_is_loaded(folder: Path, monkeypatch: 
     assert names(" AMM5 ") == ["amm5"]
     # The pattern of AM36 begins with a part, whose values are read once, without the rest of the spec.
     assert names("AMM5A21/65KSC1-K") == ["amm5"]
-    monkeypatch.setattr(specs_by_text, "_read_beginnings", None)
+    monkeypatch.setattr(families_in_specs, "_read_beginnings", None)
     assert names("AMM5A21/65KSC1-K") == ["amm5"]
     assert names("asc8525/BG1") == ["asc85"]
     assert names("am36 16/4096-I7") == ["am36"]
@@ -74,7 +74,7 @@ def test_the_beginnings_of_order_codes_are_read_alone(tmp_path: Path, old: str, 
     """If anything is unusual, the family may have any order code, so its whole spec is read."""
     spec = tmp_path / "x.yaml"
     spec.write_text(f"codewheel: 1\ndevice: x\n{PART.replace(old, new)}title: X\n", encoding="utf-8")
-    assert specs_by_text._read_beginnings(spec) == found
+    assert families_in_specs._read_beginnings(spec) == found
 
 
 @pytest.mark.slow

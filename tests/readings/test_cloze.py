@@ -8,9 +8,9 @@ import shutil
 import pytest
 from codewheel.commands.check.specs import check_specs
 from codewheel.commands.cli import main
+from codewheel.commands.cloze import Vocabulary
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
-from codewheel.readings.cloze import Vocabulary
 from mutation.words import opposites
 
 pytestmark = pytest.mark.slow

@@ -6,7 +6,7 @@ import random
 import time
 
 import pytest
-from codewheel.reread.alignment import differing_ranges
+from codewheel.reread.passages import differing_ranges
 
 #: Nine words, so that every phrase of a few of them occurs many times.
 WORDS = "clock data position bits error warning register value note".split()

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
+from codewheel.reread import TouchedFacts
 from codewheel.reread.facts import facts_with_citations
 from codewheel.reread.passages import Passage
-from codewheel.reread.ranking import TouchedFacts
 from codewheel.reread.sections import Section
 
 SPEC = Path(__file__).parents[2] / "specs/lika/sma21.yaml"
@@ -47,11 +47,11 @@ def test_touched_facts_are_among_the_first_ten(
     words = (*before.split(), *old.split(), *after.split())
     passage = Passage(
         section=Section(section, section, words),
-        old=tuple(old.split()),
-        new=tuple(new.split()),
-        close=(*words, *new.split()),
-        around=(*words, *new.split()),
-        shown=(f"{before} [ {old} ] {after}", f"{before} [ {new} ] {after}"),
+        old_words=tuple(old.split()),
+        new_words=tuple(new.split()),
+        words_in_row=(*words, *new.split()),
+        words_in_paragraph=(*words, *new.split()),
+        shown_texts=(f"{before} [ {old} ] {after}", f"{before} [ {new} ] {after}"),
     )
     touched_facts, _ = TouchedFacts(facts_with_citations(document)).touched_by(passage, {section})
     assert set(facts) <= {fact.path for fact in touched_facts[:10]}

@@ -1,23 +1,33 @@
-"""``codewheel check``: report all problems in specs and second readings, and facts that targets cannot express."""
+"""``codewheel check``: report all problems in specs and second readings, and facts that targets cannot express.
+
+Other commands also use the line about the specs that were read, and the formats for review tools.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+import json
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypedDict
+from urllib.parse import quote
 
-from ..arguments import FORMATS, FORMATS_HELP, Parser, add_cache_option, add_specs, cache_for
+from ... import __version__
+from ...say.plain_text import count_with_unit, first_of
+from ..cli import FORMATS, FORMATS_HELP, Parser, add_cache_option, add_specs, cache_for
 from ..terminal import CommandError, Progress, print_json
 
 if TYPE_CHECKING:
     import argparse
-    from pathlib import Path
 
-    from ...cache import Cache
+    from ...cache import Cache, CachedResult
+    from ...language.document import Document
+    from ...language.document import Path as SpecPath
     from ...language.problems import Problem, ProblemReport
     from ...loading.configuration import Configuration
-    from ...readings.second_readings import Coverage
-    from ..cached_result import CachedResult
-    from ..review_formats import ReviewFinding
+    from ...readings import Coverage
 
 JSON_VERSION = 1
 EXAMPLES = ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json")
@@ -62,9 +72,8 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         CommandError: There are no specs, options contradict each other, or a target fails.
     """
-    from ...cache import NO_CACHE
+    from ...cache import NO_CACHE, CachedResult
     from ...loading.configuration import filters_as_texts
-    from ..cached_result import cached_result
     from ..read_specs import specs_to_judge
 
     if arguments.write and not arguments.coverage:
@@ -80,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
     # The coverage and the problems of chosen targets depend on more than the inputs of the cached result.
     is_storable = not arguments.coverage and not arguments.target
     options = filters_as_texts(settings.only) if settings is not None else []
-    cached_check = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options=options)
+    cached_check = CachedResult(cache if is_storable else NO_CACHE, "check", specs.paths, options=options)
     if _print_stored(cached_check, arguments):
         # Only runs without problems are stored.
         return 0
@@ -92,7 +101,6 @@ def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
 
     Only results without problems are cached.
     """
-    from ..cached_result import report_of
 
     specs_read = result.get()
     if specs_read is None:
@@ -116,7 +124,6 @@ def _check_and_print(
     """
     from ...cache import NO_CACHE
     from ...targets.registry import WITH_PROBLEMS
-    from ..cached_result import specs_read
     from ..outputs import are_built_in, targets_named
     from ..read_specs import report_unknown_families
     from . import specs as coverage
@@ -158,7 +165,7 @@ def _print_problems(
 
 def as_data(report: ProblemReport) -> dict[str, Any]:
     """Return the problems as plain data for ``--json``."""
-    from ..placeholders import placeholders_data
+    from ..new import placeholders_data
 
     return {
         "files": report.files,
@@ -175,8 +182,7 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
     """
     if form in ("github", "sarif"):
         return _review_text(report, form)
-    from ...say.plain_text import count_with_unit
-    from ..placeholders import placeholder_lines, read_line
+    from ..new import placeholder_lines
 
     lines = [problem.format() for problem in report.shown]
     lines += placeholder_lines(report.files)
@@ -193,14 +199,12 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
 
 def _review_text(report: ProblemReport, form: str) -> str:
     """Return the problems in a form for review tools, ``github`` or ``sarif``."""
-    from ..review_formats import as_review
 
     return as_review([_review_finding(problem) for problem in report.shown], form)
 
 
 def _review_finding(problem: Problem) -> ReviewFinding:
     """Return a problem in the form for review tools."""
-    from ..review_formats import ReviewFinding
 
     return ReviewFinding(
         file=problem.file,
@@ -209,3 +213,183 @@ def _review_finding(problem: Problem) -> ReviewFinding:
         rule=problem.rule,
         message=problem.message,
     )
+
+
+#: Highest number of files in the line about the specs that were read. The others are counted.
+_MAX_FILES = 8
+
+
+def read_line(
+    families: Iterable[str], report: ProblemReport, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
+) -> str:
+    """Return a line that names the specs that were read, so that users notice a forgotten path.
+
+    ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` are the specs that they refer to.
+    """
+    # A file that was skipped in a folder may have been read because the user named it.
+    skipped_files = [file for file in report.passed_over if file not in report.files]
+    skipped_text = f"; skipped: {first_of(skipped_files, _MAX_FILES)}" if skipped_files else ""
+    if packaged:
+        packaged_text = _packaged_text(families, report, packaged, packaged_files)
+        return f"{packaged_text}{skipped_text}"
+    number_of_specs = count_with_unit(len(report.files), "spec")
+    listed_files = first_of(report.files, _MAX_FILES)
+    return f"read {number_of_specs}: {listed_files}{skipped_text}"
+
+
+def _packaged_text(
+    families: Iterable[str], report: ProblemReport, packaged: Sequence[str], packaged_files: Sequence[Path]
+) -> str:
+    """Return a text on the packaged families and the user's specs that were read.
+
+    ``packaged`` are the names of families or manufacturers on the command line. Files outside the folders of
+    ``packaged_files`` are the user's.
+    """
+    # A file is named after its family.
+    packaged_families_found = {path.stem for path in packaged_files}
+    families_read = ", ".join(name for name in families if name in packaged_families_found)
+    beginning = f"read the packaged specs of {', '.join(packaged)}: {families_read}"
+    packaged_folders = {os.path.realpath(path.parent) for path in packaged_files}
+    user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
+    if not user_files:
+        return beginning
+    number_of_files = count_with_unit(len(user_files), "spec")
+    return f"{beginning}, and {number_of_files} of yours: {first_of(user_files, _MAX_FILES)}"
+
+
+class SpecsRead(TypedDict):
+    """Names of families without problems, and the files that were read and skipped."""
+
+    families: list[str]
+    files: list[str]
+    skipped: list[str]
+
+
+def specs_read(families: Sequence[str], report: ProblemReport) -> SpecsRead:
+    """Return the result of reading specs without problems."""
+    return SpecsRead(families=list(families), files=report.files, skipped=report.passed_over)
+
+
+def report_of(specs: SpecsRead) -> ProblemReport:
+    """Return the report of a run that read these specs."""
+    from ...language.problems import ProblemReport
+
+    report = ProblemReport()
+    report.files += specs["files"]
+    report.passed_over += specs["skipped"]
+    return report
+
+
+# -- findings for review tools
+
+_SARIF_SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+#: Levels of SARIF by levels of GitHub.
+_SARIF_LEVELS = {"error": "error", "warning": "warning", "notice": "note"}
+
+
+@dataclass(frozen=True, slots=True)
+class ReviewFinding:
+    """A finding at a place of a file. ``level`` is ``error``, ``warning`` or ``notice``."""
+
+    file: str
+    line: int
+    column: int
+    rule: str
+    message: str
+    level: str = "error"
+
+
+def as_review(findings: Sequence[ReviewFinding], form: str) -> str:
+    """Return findings in the format ``github`` or ``sarif``, without a final line break."""
+    if form == "github":
+        return "\n".join(map(_workflow_command, findings))
+    return json.dumps(_sarif_log(findings), indent=2, ensure_ascii=False)
+
+
+def _workflow_command(finding: ReviewFinding) -> str:
+    """Return a finding as a GitHub workflow command, in which line breaks and percent signs are escaped.
+
+    For example ``::error file=x24.yaml,line=3,col=5,title=not-allowed::the message``.
+    """
+    # In the properties, a comma or a colon would end the value.
+    file = _escape_workflow_text(finding.file, ",:")
+    rule = _escape_workflow_text(finding.rule, ",:")
+    place = f"file={file},line={finding.line},col={finding.column},title={rule}"
+    return f"::{finding.level} {place}::{_escape_workflow_text(finding.message)}"
+
+
+def _escape_workflow_text(text: str, more_characters: str = "") -> str:
+    """Return a text in which line breaks, percent signs and ``more_characters`` are escaped, such as ``%0A``."""
+    # The percent sign comes first, so that the percent signs of the escapes are not escaped.
+    for character in f"%\r\n{more_characters}":
+        text = text.replace(character, f"%{ord(character):02X}")
+    return text
+
+
+def _sarif_log(findings: Sequence[ReviewFinding]) -> dict[str, object]:
+    rule_names = sorted({finding.rule for finding in findings})
+    driver = {"name": "codewheel", "version": __version__, "rules": [{"id": name} for name in rule_names]}
+    results = [_sarif_result(finding) for finding in findings]
+    run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
+    return {"$schema": _SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}
+
+
+def _sarif_result(finding: ReviewFinding) -> dict[str, object]:
+    """Return a finding as a SARIF result."""
+    location = {
+        "artifactLocation": {"uri": _uri_of_file(finding.file)},
+        "region": {"startLine": finding.line, "startColumn": finding.column},
+    }
+    return {
+        "ruleId": finding.rule,
+        "level": _SARIF_LEVELS[finding.level],
+        "message": {"text": finding.message},
+        "locations": [{"physicalLocation": location}],
+    }
+
+
+def _uri_of_file(file: str) -> str:
+    path = Path(file)
+    return path.as_uri() if path.is_absolute() else quote(path.as_posix())
+
+
+_PATH_STEPS = re.compile(r"[^.\[\]]+")
+
+
+def place_in_spec(document: Document, text: str) -> SpecPath:
+    """Return the place of a path of keys and names, such as ``registers.mode.fields``, as far as it exists in a spec.
+
+    In the result, indices replace the names of list items: ``("registers", 3, "fields")``.
+    """
+    from ...language.schema_check import value_at
+
+    path: SpecPath = ()
+    for step in _PATH_STEPS.findall(text):
+        paths_to_step = list(_paths_to_step(step, value_at(document.data, path)))
+        if not paths_to_step:
+            break
+        # The first path is the shortest.
+        path = (*path, *paths_to_step[0])
+    return path
+
+
+def _paths_to_step(step: str, node: Any) -> Iterator[SpecPath]:
+    """Yield the paths from ``node`` to a key or name in it: directly, or one level deeper if it is a map.
+
+    Paths of changes leave out some keys, so ``position`` in ``{"fields": [{"name": "position"}]}`` is at
+    ``("fields", 0)``.
+    """
+    yield from _children_named(step, node)
+    if isinstance(node, dict):
+        for key, inner_node in node.items():
+            yield from ((key, *path) for path in _children_named(step, inner_node))
+
+
+def _children_named(step: str, node: Any) -> Iterator[SpecPath]:
+    """Yield the path ``(index,)`` to each item of a list with this name, or ``(key,)`` for a map with this key."""
+    from ...language.document import label_of
+
+    if isinstance(node, list):
+        yield from ((index,) for index, child in enumerate(node) if label_of(child) == step)
+    elif isinstance(node, dict) and step in node:
+        yield (step,)

@@ -18,21 +18,13 @@ from ...loading.history import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
 from ...loading.overlays import Family
 from ...model import TimesRead
-from ...readings.cloze import Reader as SheetReader
-from ...readings.cloze import check_sheets, read_sheet
+from ...readings import Coverage, Reader, SecondReading, add_counts, comparable_specs, compare_readings, read_beside
 from ...readings.reading import FactClass
-from ...readings.second_readings import (
-    Coverage,
-    Reader,
-    SecondReading,
-    add_counts,
-    comparable_specs,
-    compare_readings,
-    read_beside,
-)
 from ...say.plain_text import count_with_unit
 from ...targets import Target
-from ..edition_devices import check_editions
+from ..cloze import Reader as SheetReader
+from ..cloze import check_sheets, read_sheet
+from ..families_in_specs import check_editions
 from ..outputs import report_unfit_parts
 from ..terminal import CommandError
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..arguments import Parser, add_choose_option, add_edition_option, add_register_option, add_specs_option, cache_for
-from ..line_encoder import OR_A_LINE, command_for_spec, is_line
+from ...one_line.parse import is_line
+from ..cli import Parser, add_choose_option, add_edition_option, add_register_option, add_specs_option, cache_for
+from ..find_encoder import OR_A_LINE, command_for_spec
 from ..terminal import CommandError, release_streams
 
 if TYPE_CHECKING:
@@ -94,8 +95,7 @@ def _request_of(arguments: argparse.Namespace) -> DecodeRequest:
     from ...order_codes.parameters import RegisterError, with_answers, with_registers
     from ...order_codes.reduction import reduced_to_codes
     from ...reference.registers import compare_identifying_registers, identifying_addresses
-    from ..find_encoder import find_requested
-    from ..open_questions import answers_of
+    from ..find_encoder import answers_of, find_requested
     from ..read_specs import specs_to_read
     from .decoding import DecodeRequest
 

@@ -18,7 +18,7 @@ from ...reference import codec
 from ...reference.findings import Findings, ValueDifference, findings
 from ...reference.registers import values_of_older_edition
 from ...why import LEAST_FAILED, MOST_FRAMES
-from ..open_questions import UndecidedError, refuse_undecided
+from ..find_encoder import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
 from .frames import FrameLine, FrameTextError, decode_register_text, frame_lines, text_decoder, why_text, why_valid_text
 from .other_frames import OtherFrames, frame_of_other_code, is_frame_of_other_kind, other_frames_line

@@ -5,24 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
-from ..arguments import Parser, a_path, add_cache_option, add_specs, cache_for
+from ...say.plain_text import count_with_unit
+from ..cli import Parser, a_path, add_cache_option, add_specs, cache_for
 from ..terminal import CommandError, Progress, error_after_printing
 
 if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
-    from ...cache import Cache
+    from ...cache import Cache, CachedResult
     from ...language.problems import ProblemReport
     from ...loading.library import Family
     from ...model import Device
     from ...targets import Library, Options, Target
-    from ..cached_result import CachedResult
-    from ..selection import Selection
-
-
+    from .selection import Selection
+#: The files of each target, as texts by path.
+Files = Mapping[str, Mapping[str, str]]
+#: The families of each target, as ``owners`` returns them.
+Families = Mapping[str, Sequence[str]]
 EXAMPLES = (
     "codewheel generate",
     "codewheel generate my_encoder.yaml -o out --target c",
@@ -116,8 +118,7 @@ def run(arguments: argparse.Namespace) -> int:
         CommandError: The specs or the arguments have problems, a target fails, or the output differs or cannot be
             written.
     """
-    from ..selection import select_specs
-    from .earlier_run import is_unchanged
+    from .selection import select_specs
 
     cache = cache_for(arguments)
     selection = select_specs(arguments, cache)
@@ -138,11 +139,10 @@ def _refuse_unproved_specs(arguments: argparse.Namespace, families: Sequence[Fam
 def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
     """Render the outputs, store the result, write or compare the files, and return the exit code."""
     from ...loading.library import load_families
-    from ...removable_outputs import owners
     from ...targets import Library
     from .. import outputs
+    from ..outputs import owners
     from ..read_specs import report_unknown_families
-    from .earlier_run import result_to_store
     from .files import write_or_compare
 
     with Progress("codewheel: reading the specs"):
@@ -179,15 +179,14 @@ def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, 
 
     With templates of the user or ``--biss-dtd``, no result is stored.
     """
-    from ...cache import NO_CACHE
+    from ...cache import NO_CACHE, CachedResult
     from ...loading.configuration import filters_as_texts
-    from ..cached_result import cached_result
 
     # Empty texts separate the lists, so that the same values in other lists lead to another key.
     options = [*(arguments.target or ()), "", *selection.options, "", *arguments.edition, "", *arguments.packaged, ""]
     options += filters_as_texts(selection.only)
     is_cacheable = arguments.templates is None and arguments.biss_dtd is None
-    return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options=options)
+    return CachedResult(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options=options)
 
 
 def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Target]) -> None:
@@ -209,7 +208,8 @@ def _line_about_specs(
 
     ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """
-    from ..placeholders import placeholder_line, read_line
+    from ..check import read_line
+    from ..new import placeholder_line
 
     specs_line = read_line([device.name for device in devices], report, packaged, packaged_files)
     todo_line = placeholder_line(report.files)
@@ -228,9 +228,8 @@ def _render_targets(
 
     Parts of unchanged families come from the cache. A target writes the devices that it accepts.
     """
-    from ...family_parts import FamilyParts
     from ...targets.registry import files_of
-    from ..outputs import render_targets
+    from ..outputs import FamilyParts, render_targets
 
     render_target = FamilyParts(cache).files_of if cache else files_of
     with Progress("codewheel: rendering") as progress:
@@ -241,3 +240,49 @@ def _render_targets(
             return render_target(target, library_of_target, target_options)
 
         return render_targets(library, targets, options, render_with_progress)
+
+
+# -- result of a run, which a later run with the same input repeats
+
+
+class Generated(TypedDict):
+    """Result of a run: the line about the specs, the targets, and the number and digest of their files."""
+
+    read_line: str
+    targets: list[str]
+    count: int
+    digest: str
+
+
+def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> bool:
+    """Return True if the files on the disk come from an earlier run, and repeat its output.
+
+    ``generated`` is the result of that run, or None if there is none with the same input.
+    """
+    from ...write import digest_on_disk
+
+    if generated is None or digest_on_disk(arguments.output, generated["targets"]) != generated["digest"]:
+        return False
+    print(generated["read_line"])
+    print_summary(arguments, generated["count"], changed=0)
+    return True
+
+
+def result_to_store(read_line: str, files: Files, families: Families) -> Generated:
+    """Return the result of a run that rendered these files."""
+    from ...write import digest_of
+
+    count = sum(map(len, files.values()))
+    return Generated(read_line=read_line, targets=list(files), count=count, digest=digest_of(files, families))
+
+
+def print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
+    """Print the number of files. With ``--check``, raise ``CommandError`` with code 1 if ``changed`` of them differ."""
+    if arguments.check and changed:
+        raise CommandError(f"{count_with_unit(changed, 'file')} out of date; run: {arguments.again}", 1)
+    if arguments.check:
+        print(f"{count_with_unit(count, 'file')} up to date")
+    elif changed:
+        print(f"{count_with_unit(changed, 'file')} changed, {count - changed} unchanged")
+    else:
+        print(f"all {count} files unchanged")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..arguments import Parser, add_specs_option, cache_for
-from ..line_encoder import OR_A_LINE, refuse_line
+from ..cli import Parser, add_specs_option, cache_for
+from ..find_encoder import OR_A_LINE, refuse_line
 from ..terminal import print_json
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     device, code_match, paths = find_family_or_code(specs, arguments.what, cache)
     if arguments.edition is not None:
         refuse_line(arguments.what, "has no editions")
-        from ..edition_devices import in_requested_edition
+        from ..families_in_specs import in_requested_edition
 
         device, code_match, _ = in_requested_edition(
             device,

@@ -192,13 +192,12 @@ def _how_to_choose(alternative: Alternative) -> str:
 
     The example is the first answer that is not the default.
     """
+    example, *other_answers = alternative.answers
+    default_sentence = ""
     if alternative.default:
-        default_sentence = f"{alternative.default} applies without a choice. "
         # The default is the first answer.
-        _, example, *_ = alternative.answers
-    else:
-        default_sentence = ""
-        example = alternative.answers[0]
+        example = other_answers[0]
+        default_sentence = f"{alternative.default} applies without a choice. "
     return f"{default_sentence}Give decode the answer with --choose {alternative.name}={example.name}"
 
 
@@ -418,15 +417,12 @@ def _about_field(device: Device, field: Field, style: Style) -> str:
 def _input_and_procedure_lines(device: Device) -> list[str]:
     """Return a section about the hardware inputs and one about the procedures, each item with its citation."""
     lines: list[str] = []
-    if device.inputs:
-        input_rows = []
-        for device_input in device.inputs:
-            input_rows.append((device_input.name, _append_source(device_input.meaning, device_input.source)))
+    input_rows = [(pin.name, _append_source(pin.meaning, pin.source)) for pin in device.inputs]
+    if input_rows:
         lines += ["", "Inputs", *two_columns(input_rows, indent=2)]
-    if device.procedures:
-        procedure_rows = []
-        for procedure in device.procedures:
-            procedure_rows.append((procedure.name, _append_source(procedure.title, procedure.source)))
+    procedures = device.procedures
+    procedure_rows = [(procedure.name, _append_source(procedure.title, procedure.source)) for procedure in procedures]
+    if procedure_rows:
         lines += ["", "Procedures", *two_columns(procedure_rows, indent=2)]
     return lines
 

@@ -12,21 +12,21 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..changes.rules import IMPACTS, Impact
-from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option, cache_for
-from .terminal import CommandError, Progress, print_json, refuse_missing
+from ...changes.rules import IMPACTS, Impact
+from ..cli import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option, cache_for
+from ..terminal import CommandError, Progress, print_json, refuse_missing
 
 if TYPE_CHECKING:
-    from ..cache import Cache
-    from ..changes.report import DiffResult, Files
-    from ..changes.rules import Change
-    from ..language.document import Document
-    from ..language.document import Path as SpecPath
-    from ..language.problems import Problem, ProblemReport
-    from ..loading.configuration import FamilyFilters
-    from ..loading.library import Family
-    from ..model import Device
-    from .review_formats import ReviewFinding
+    from ...cache import Cache
+    from ...changes.report import DiffResult, Files
+    from ...changes.rules import Change
+    from ...language.document import Document
+    from ...language.document import Path as SpecPath
+    from ...language.problems import Problem, ProblemReport
+    from ...loading.configuration import FamilyFilters
+    from ...loading.library import Family
+    from ...model import Device
+    from ..check import ReviewFinding
 
 EXAMPLES = (
     "codewheel diff old/my_encoder.yaml my_encoder.yaml",
@@ -121,7 +121,7 @@ def run(arguments: argparse.Namespace) -> int:
     relevant_changes, notices_about_accepted = _without_accepted(comparison.changes, arguments)
     comparison = replace(comparison, notices=(*comparison.notices, *notices_about_accepted))
     if arguments.format in ("github", "sarif"):
-        from .review_formats import as_review
+        from ..check import as_review
 
         print(as_review(_findings_in_new_specs(relevant_changes, new), arguments.format))
     else:
@@ -145,20 +145,20 @@ def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, 
 def _print_comparison(comparison: DiffResult, old_side: _Side, new_side: _Side, arguments: argparse.Namespace) -> None:
     """Print the changes as JSON, Markdown or text. With ``--editions``, the entries for the spec follow the text."""
     if arguments.json or arguments.format == "json":
-        from ..changes.report import as_data
+        from ...changes.report import as_data
 
         print_json(as_data(comparison))
     elif arguments.markdown:
-        from ..changes.report import as_markdown
+        from ...changes.report import as_markdown
 
         print(as_markdown(comparison))
     else:
-        from ..changes.report import as_text
-        from .terminal import with_coloured_impacts
+        from ...changes.report import as_text
+        from ..terminal import with_coloured_impacts
 
         print(with_coloured_impacts(as_text(comparison)))
         if arguments.editions:
-            from .edition_entry import edition_entries
+            from .spec_entries import edition_entries
 
             for entry in edition_entries(old_side.families, new_side.families, comparison.changes):
                 print(f"\n{entry}")
@@ -171,7 +171,7 @@ def _changed_files(
     olds: Sequence[Device], news: Sequence[Device], cache: Cache, filters: FamilyFilters
 ) -> Files | None:
     """Return the generated files that differ, or None if nothing can be generated."""
-    files: Files | None = import_module(f"{__package__}.generate.files").changed_files(olds, news, cache, filters)
+    files: Files | None = import_module("codewheel.commands.generate.files").changed_files(olds, news, cache, filters)
     return files
 
 
@@ -181,8 +181,8 @@ def _filters_for(specs: str) -> FamilyFilters:
     ``specs`` is NEW of the command line. If this is a path outside the folder of the settings, the specs belong to a
     different project, and there are no conditions.
     """
-    from ..loading.configuration import NO_FILTERS
-    from .read_specs import find_settings
+    from ...loading.configuration import NO_FILTERS
+    from ..read_specs import find_settings
 
     settings = find_settings()
     path = Path(specs)
@@ -195,7 +195,7 @@ def _filters_for(specs: str) -> FamilyFilters:
 
 def _require_releasable(families: Sequence[Family], cache: Cache) -> None:
     """Raise ``CommandError`` if second readings of families disagree, or their coverage is out of date."""
-    import_module(f"{__package__}.check.specs").refuse_unproved(families, "recorded", cache)
+    import_module("codewheel.commands.check.specs").refuse_unproved(families, "recorded", cache)
 
 
 def _without_accepted(
@@ -209,13 +209,13 @@ def _without_accepted(
     Raises:
         CommandError: The file with accepted changes is missing or not valid. The exit code is 2.
     """
-    from ..changes.accepted import NAME, NotAccepted, changes_to_accept, read_accepted
+    from ...changes.report import ACCEPTED_FILE, NotAccepted, changes_to_accept, read_accepted
 
     accepted_file = arguments.accepted
     if accepted_file is None:
         new = Path(arguments.new)
         folder_of_specs = new if new.is_dir() else new.parent
-        accepted_file = folder_of_specs / NAME
+        accepted_file = folder_of_specs / ACCEPTED_FILE
         if not accepted_file.is_file():
             return changes, ()
     today = datetime.now().astimezone().date()
@@ -231,9 +231,9 @@ def _compare_families(old_side: _Side, new_side: _Side, cache: Cache, filters: F
     Generated files are only compared if the families differ. ``files`` of the result is None if they are not compared
     or cannot be generated.
     """
-    from ..changes.families import compare
-    from ..changes.report import DiffResult
-    from ..changes.rules import packages
+    from ...changes.families import compare
+    from ...changes.report import DiffResult
+    from ...changes.rules import packages
 
     old_devices, new_devices = _comparable_devices(old_side, new_side), _comparable_devices(new_side, old_side)
     changes = compare(old_devices, new_devices)
@@ -260,7 +260,7 @@ def _write_records(comparison: DiffResult, new_side: _Side) -> DiffResult:
     Raises:
         CommandError: Part of a family could not be compared, or a file cannot be written.
     """
-    from ..changes.report import NotRecorded, files_of_release
+    from .spec_entries import NotRecorded, files_of_release
 
     if comparison.notices:
         raise CommandError(f"nothing is recorded: {comparison.notices[0]}", 1)
@@ -286,8 +286,8 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
     Raises:
         CommandError: The specs do not exist, or have problems that prevent a comparison.
     """
-    from ..loading.library import families_without_problems
-    from ..say.plain_text import count_with_unit
+    from ...loading.library import families_without_problems
+    from ...say.plain_text import count_with_unit
 
     is_old = old_side is None
     families, report, file_names = _read_side(text, cache, old_side)
@@ -328,9 +328,9 @@ def _read_side(
     """
     from tempfile import TemporaryDirectory
 
-    from ..language.schema_check import migrate
-    from ..loading.library import load_families
-    from ..loading.revisions import RevisionError, revision_in, write_revision
+    from ...language.schema_check import migrate
+    from ...loading.library import load_families
+    from ...loading.revisions import RevisionError, revision_in, write_revision
 
     place_in_revision = revision_in(text)
     with ExitStack() as stack:
@@ -364,7 +364,7 @@ def _print_first_problems(problems: Sequence[Problem]) -> None:
 
 def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> CommandError:
     """Print the first problems in a version, and return the error. For the old version, it suggests a remedy."""
-    from ..say.plain_text import count_with_unit
+    from ...say.plain_text import count_with_unit
 
     _print_first_problems(problems)
     problems_text = count_with_unit(len(problems), "problem")
@@ -382,7 +382,7 @@ def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Revie
 
     A change in a family that is not in the new specs is reported at the beginning of the first spec.
     """
-    from .review_formats import place_in_spec
+    from ..check import place_in_spec
 
     documents = {family.device.name: family.document for family in side.families}
     if not documents:
@@ -405,8 +405,8 @@ def _review_finding(
 
     ``original_names`` has the names of files from a git revision, by the names of the temporary files that were read.
     """
-    from ..changes.report import describe_effect
-    from .review_formats import ReviewFinding
+    from ...changes.report import describe_effect
+    from ..check import ReviewFinding
 
     line_number, column = document.position(path)
     file = document.file_of(path) or document.file

@@ -1,9 +1,13 @@
-"""The ``editions`` entry for the facts that a new edition of a manual no longer contains."""
+"""Texts that ``diff`` writes about a new version: the ``editions`` entry of a spec, and the files of a release.
+
+The entry describes the facts that a new edition of a manual no longer contains.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -13,6 +17,14 @@ from ..language.document import label_of, resolve, steps_of, value_at
 from ..language.rules.numbers import HEXADECIMAL
 from ..loading.library import Family
 from ..model import Variant
+from ...changes.report import DiffResult, describe_outputs, name_change_texts
+from ...changes.rules import Change, PackageVersions
+from ...language.document import label_of, resolve, steps_of, value_at
+from ...language.files import top_keys
+from ...language.rules.values import HEXADECIMAL
+from ...loading.evidence import history_beside, history_text, with_release
+from ...loading.library import Family
+from ...model import Release, ReleasedChange, Variant
 
 #: Parts of a spec that editions do not describe.
 _NOT_IN_EDITIONS = frozenset("manual errata examples editions documents lost_figures printed_defaults".split())
@@ -323,3 +335,102 @@ def _with_hexadecimal(node: Any, key: str = "") -> Any:
         return [_with_hexadecimal(child) for child in node]
     is_hexadecimal = key in HEXADECIMAL and type(node) is int
     return _Hexadecimal(node) if is_hexadecimal else node
+
+
+#: The version of a package if the manufacturer's file states none.
+_NO_VERSION = "0.0.0"
+
+
+#: The line with the package version in a manufacturer's file. The first group precedes the number.
+_VERSION_LINE = re.compile(r"^(version:[ \t]*)(['\"]?)[0-9.]+\2", re.MULTILINE)
+
+
+class NotRecorded(ValueError):
+    """A file cannot be updated for a release. The message names the file."""
+
+
+def files_of_release(result: DiffResult, families: Sequence[Family]) -> Iterator[tuple[Path, str]]:
+    """Yield the files to write for a release, with their new texts.
+
+    These are the histories of changed families, and the manufacturer's file if its package gets a new version.
+    Manufacturers without changed families are left out. Special models have no history of their own, so their changes
+    are in the history of their family.
+
+    Raises:
+        NotRecorded: A manufacturer's file has no version to replace.
+    """
+    changed_names = {change.family for change in result.changes}
+    for package in result.packages:
+        families_of_package = [family for family in families if family.device.manufacturer.name == package.manufacturer]
+        changed_families = [family for family in families_of_package if family.device.name in changed_names]
+        if not changed_families:
+            continue
+        if package.new != package.stated:
+            yield from _files_with_new_version(package, _files_of_manufacturer(families_of_package))
+        families_by_spec: dict[str, list[Family]] = {}
+        for family in changed_families:
+            families_by_spec.setdefault(family.document.file, []).append(family)
+        for file, families_of_spec in families_by_spec.items():
+            release = _release_of(families_of_spec, package, result)
+            earlier_releases = families_of_spec[0].device.releases
+            yield history_beside(Path(file)), history_text(with_release(earlier_releases, release))
+
+
+def _files_of_manufacturer(families: Iterable[Family]) -> set[str]:
+    """Return the files that describe the manufacturer of these families: all files except their specs and overlays."""
+    files: set[str] = set()
+    for family in families:
+        files |= family.files - {family.document.file}
+    return {file for file in files if "overlay" not in (top_keys(Path(file)) or ())}
+
+
+def _files_with_new_version(package: PackageVersions, files: set[str]) -> Iterator[tuple[Path, str]]:
+    """Yield each file with its text, in which the version of the package is replaced by the new one.
+
+    A file without a version, such as one that ``codewheel new`` wrote, gets a line at its end.
+
+    Raises:
+        NotRecorded: The version of a file is not on a line of its own, or several lines contain it.
+    """
+    for path in map(Path, sorted(files)):
+        old_text = path.read_text(encoding="utf-8")
+        new_text, replacement_count = _VERSION_LINE.subn(rf'\g<1>"{package.new}"', old_text)
+        if replacement_count == 0 and package.stated == _NO_VERSION:
+            new_text = f'{old_text.rstrip()}\nversion: "{package.new}"\n'
+        elif replacement_count != 1:
+            raise NotRecorded(f'{path} has no line like version: "{package.stated}"; set it to {package.new} by hand')
+        yield path, new_text
+
+
+def _release_of(families: Sequence[Family], package: PackageVersions, result: DiffResult) -> Release:
+    """Return a release for the history of a spec, with the edition of the manual, all changes and the changed names.
+
+    ``families`` are the family of this spec and its special models, if they have changed. A change that concerns
+    several of them is listed once.
+    """
+    manual = families[0].device.manual
+    manual_text = f"{manual.revision} of {manual.date}" if manual.date else manual.revision
+    changes: list[ReleasedChange] = []
+    names: list[str] = []
+    for family in families:
+        name = family.device.name
+        changes += [_released_change(change) for change in result.changes if change.family == name]
+        names += name_change_texts(result, name)
+    return Release(
+        version=package.new,
+        since=package.old,
+        manual=manual_text,
+        changes=tuple(dict.fromkeys(changes)),
+        names=tuple(dict.fromkeys(names)),
+    )
+
+
+def _released_change(change: Change) -> ReleasedChange:
+    """Return a change as the history of releases records it."""
+    return ReleasedChange(
+        rule=change.rule.name,
+        impact=change.impact.word,
+        text=change.text,
+        reach=change.affected_codes_text,
+        outputs=describe_outputs(change),
+    )

@@ -10,16 +10,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..cache import Cache
-from ..language.files import MANUFACTURER, find_files, packaged_families
-from ..loading.configuration import NO_FILTERS, Configuration, FamilyFilters
-from .find_encoder import find_family_or_code
-from .read_specs import Specs, find_settings, find_specs, find_specs_to_judge, refuse_unknown_targets
-from .terminal import CommandError, refuse_missing
+from ...cache import Cache
+from ...language.files import MANUFACTURER, find_files, packaged_families
+from ...loading.configuration import NO_FILTERS, Configuration, FamilyFilters
+from ..find_encoder import find_family_or_code
+from ..read_specs import Specs, find_settings, find_specs, find_specs_to_judge, refuse_unknown_targets
+from ..terminal import CommandError, refuse_missing
 
 if TYPE_CHECKING:
-    from ..model import Device
-    from ..removable_outputs import Guard
+    from ...model import Device
+    from .files import Guard
 
 OUTPUT = Path("generated")
 
@@ -62,7 +62,7 @@ class Selection:
 
     def guard(self, arguments: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
         """Return a check that prevents the run from changing outputs that belong to other specs."""
-        from ..removable_outputs import Guard
+        from .files import Guard
 
         return Guard(arguments.output, devices, files, self.command_with, is_comparison=arguments.check)
 
@@ -112,31 +112,41 @@ def select_specs(arguments: argparse.Namespace, cache: Cache) -> Selection:
 def _command_with(families: Sequence[str], user_arguments: argparse.Namespace, settings: Configuration | None) -> str:
     """Return a command like the user's that also reads the families in ``families``, such as ``maker/my_encoder``.
 
-    Packaged families are named with ``--packaged``. For other families, the command contains the placeholder
-    ``FOLDER``. Specs that the user's command reads without naming them are named too, because naming any specs excludes
-    all others.
+    Packaged families are named with ``--packaged``, and the folders of other families as arguments.
     """
     packaged_families_to_add = [family for family in families if _is_packaged(family)]
-    are_all_packaged = len(packaged_families_to_add) == len(families)
-    needs_folder = not packaged_families_to_add or not are_all_packaged
-    folders = ["FOLDER"] if needs_folder else []
-    if user_arguments.specs or user_arguments.more_specs:
-        # The user named some specs, and the settings list all. Without names, the command reads all specs in the
-        # settings.
-        lists_specs = settings is not None and bool(settings.specs)
-        if lists_specs and not packaged_families_to_add:
-            return "codewheel generate"
-    elif not user_arguments.packaged:
-        # The user's command has no names and reads all own specs, which a name would exclude.
-        folders = [*_own_specs(settings), *folders]
-    elif needs_folder:
-        # The user's command reads only packaged specs, and the other families may be among the user's own.
-        folders = _own_specs(settings) or folders
+    names_specs = bool(user_arguments.specs or user_arguments.more_specs)
+    settings_list_specs = settings is not None and bool(settings.specs)
+    if names_specs and settings_list_specs and not packaged_families_to_add:
+        # The user named some specs. Without names, the command reads all specs that the settings list.
+        return "codewheel generate"
+    are_only_packaged = bool(families) and len(packaged_families_to_add) == len(families)
+    folders = _folders_to_add(user_arguments, settings, needs_own_specs=not are_only_packaged)
     arguments = argparse.Namespace(**vars(user_arguments))
     for family in packaged_families_to_add:
         _, _, name = family.partition("/")
         arguments.packaged = [*arguments.packaged, name]
     return command_again(arguments, *folders)
+
+
+def _folders_to_add(
+    user_arguments: argparse.Namespace, settings: Configuration | None, *, needs_own_specs: bool
+) -> list[str]:
+    """Return the folders to add to the user's command, so that it also reads more of the user's own specs.
+
+    A folder that only the user knows is the placeholder ``FOLDER``. If ``needs_own_specs`` is false, the added families
+    are all packaged. Then folders are only added to name what the command has read without names.
+    """
+    unknown_folder = ["FOLDER"] if needs_own_specs else []
+    if user_arguments.specs or user_arguments.more_specs:
+        return unknown_folder
+    if not user_arguments.packaged:
+        # The user's command has no names and reads all own specs, which a name would exclude.
+        return [*_own_specs(settings), *unknown_folder]
+    if needs_own_specs:
+        # The user's command reads only packaged specs, and the other families may be among the user's own.
+        return _own_specs(settings) or unknown_folder
+    return []
 
 
 def command_again(arguments: argparse.Namespace, *more_specs: str) -> str:
@@ -277,8 +287,8 @@ def _no_packaged_error(name: str, stop: CommandError, folders: Mapping[str, Path
     """
     from difflib import get_close_matches
 
-    from ..language.problems import nearest_choice
-    from ..order_codes import labels
+    from ...language.problems import nearest_choice
+    from ...order_codes import labels
 
     unknown_code = labels.unknown_code(name)
     if not str(stop).startswith(unknown_code):  # The name is close to an order code, and the message says how.

@@ -1,11 +1,13 @@
-"""Compare the fields of a frame or register."""
+"""Compare the fields of frames and registers, the other facts about registers, and procedures."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Sequence
+import dataclasses
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from ..model import (
+    Argument,
     Choice,
     Constant,
     Decimal,
@@ -14,17 +16,22 @@ from ..model import (
     Join,
     Layout,
     Number,
+    Procedure,
+    Register,
     Rs485,
+    Sources,
+    Step,
     Text,
     Unused,
 )
+from ..model.members import PARTS_BY_CLASS
+from ..say.register import describe_access
 from .compare import compare_members, compare_parts
 from .consequences import ComparedField, fold_length, fold_moves
-from .counterparts import pair_fields
-from .family_pair import FamilyPair
-from .pairs import OldAndNew
+from .counterparts import pair_fields, step_with_new_names, step_without_words
+from .family_pair import FamilyPair, OldAndNew, complete_pairs
 from .rules import Change, ChangeSubject
-from .values import short_value
+from .values import as_plain_data, old_to_new, short_value
 
 #: Kinds that all read their bits as a number or text. A change from one to another only affects how the bits are read.
 _KINDS_OF_NUMBERS = (Number, Decimal, Text)
@@ -89,28 +96,32 @@ def _without_exchanged_filling(
 
     If ``speed`` moves from bit 6 to the unused bit 7, bit 6 becomes unused. Its name, which a reader chose, may differ.
     """
-    moves: set[tuple[Hashable, Hashable]] = set()
-    for pair in pairs:
-        if pair.old is not None and pair.new is not None and pair.new.carries_data:
-            old_bits = family_pair.low_bits_and_widths(pair.old, interface, is_old=True)
-            moves.add((old_bits, family_pair.low_bits_and_widths(pair.new, interface, is_old=False)))
-    # Bits and kinds of the fields without data.
-    old_filling: dict[Hashable, object] = {}
-    new_filling: dict[Hashable, object] = {}
-    for pair in pairs:
-        if pair.old is not None and not pair.old.carries_data:
-            old_filling[family_pair.low_bits_and_widths(pair.old, interface, is_old=True)] = pair.old.kind
-        if pair.new is not None and not pair.new.carries_data:
-            new_filling[family_pair.low_bits_and_widths(pair.new, interface, is_old=False)] = pair.new.kind
+    old_kind_by_bits = _kinds_of_fields_without_data(family_pair, interface, [pair.old for pair in pairs], is_old=True)
+    new_kind_by_bits = _kinds_of_fields_without_data(family_pair, interface, [pair.new for pair in pairs], is_old=False)
     exchanged_bits: set[Hashable] = set()
-    for bits_before, bits_after in moves:
-        if bits_after in old_filling and old_filling[bits_after] == new_filling.get(bits_before):
-            exchanged_bits |= {bits_before, bits_after}
+    for old_field, new_field in complete_pairs(pairs):
+        old_bits = family_pair.low_bits_and_widths(old_field, interface, is_old=True)
+        new_bits = family_pair.low_bits_and_widths(new_field, interface, is_old=False)
+        # If the field moved to bits without data, its old bits must now be of the kind that its new bits had.
+        moves_to_filling = new_field.carries_data and new_bits in old_kind_by_bits
+        if moves_to_filling and old_kind_by_bits[new_bits] == new_kind_by_bits.get(old_bits):
+            exchanged_bits |= {old_bits, new_bits}
     for pair in pairs:
         field = pair.new_or_old
         bits = family_pair.low_bits_and_widths(field, interface, is_old=pair.new is None)
         if field.carries_data or bits not in exchanged_bits:
             yield pair
+
+
+def _kinds_of_fields_without_data(
+    family_pair: FamilyPair, interface: str, fields: Iterable[Field | None], *, is_old: bool
+) -> dict[Hashable, object]:
+    """Return the kinds of the fields that carry no data, such as unused bits, by their bits."""
+    kind_by_bits: dict[Hashable, object] = {}
+    for field in fields:
+        if field is not None and not field.carries_data:
+            kind_by_bits[family_pair.low_bits_and_widths(field, interface, is_old=is_old)] = field.kind
+    return kind_by_bits
 
 
 def _is_padding(field: Field, layout: Layout) -> bool:
@@ -278,3 +289,161 @@ def _digits_by_name(decimal: Decimal) -> dict[str, int]:
 def _digits_text(digits_by_name: dict[str, int]) -> str:
     """Return a text such as ``year (2), week (2)``, shortened if it is long."""
     return short_value(", ".join(f"{name} ({digits})" for name, digits in digits_by_name.items()))
+
+
+_CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
+
+
+def compare_register(family_pair: FamilyPair, subject: ChangeSubject, old: Register, new: Register) -> Iterator[Change]:
+    """Yield changes of the access, the meanings and the bits of a register. The caller compares its other members.
+
+    If only the bits change, the names of the register in code stay the same, so such a change does not list them.
+    """
+    yield from _compare_access(family_pair, subject, old, new)
+    meaning_subject = replace(subject, label=f"{subject.label}: meaning")
+    yield from compare_parts(
+        family_pair,
+        part_kind="meaning",
+        old_parts=old.meanings,
+        new_parts=new.meanings,
+        section_subject=meaning_subject,
+    )
+    # All other members of the layout follow from the register, which the caller compares.
+    old_layout = replace(new.layout, fields=old.layout.fields, joins=old.layout.joins, gaps=old.layout.gaps)
+    yield from compare_members(family_pair, subject.unnamed, old_layout, new.layout)
+    yield from compare_layout(family_pair, subject.unnamed, old_layout, new.layout)
+
+
+def _compare_access(family_pair: FamilyPair, subject: ChangeSubject, old: Register, new: Register) -> Iterator[Change]:
+    """Yield a change if the access to a register differs.
+
+    The rule is "access-lost" if the register can no longer be read or can no longer be written, and otherwise
+    "access-gained".
+    """
+    if old.access == new.access:
+        return
+    is_read_lost = old.access in _CAN_READ and new.access not in _CAN_READ
+    is_write_lost = old.access in _CAN_WRITE and new.access not in _CAN_WRITE
+    access_subject = subject.inside("access", subject.label)
+    description = f": {describe_access(old)} → {describe_access(new)}"
+    if is_read_lost or is_write_lost:
+        rule = "access-lost"
+    else:
+        # The functions of a register that is still accessible as before keep their names.
+        rule = "access-gained"
+        access_subject = access_subject.unnamed
+    yield family_pair.change(rule, access_subject, description=description, old=old.access, new=new.access)
+
+
+def compare_procedure(
+    family_pair: FamilyPair, subject: ChangeSubject, old: Procedure, new: Procedure
+) -> Iterator[Change]:
+    """Yield a change if the arguments of a procedure differ, and a change if its steps differ.
+
+    The change of the steps is about what they do. If that is the same, it is about their descriptions, and if these are
+    the same too, about their citations. A renamed register or field does not count as a change of the steps.
+    """
+    yield from _compare_arguments(family_pair, subject.inside("arguments", subject.label), old, new)
+    steps_subject = subject.unnamed.inside("steps", subject.label)
+    old_steps = [step_with_new_names(family_pair, step) for step in old.steps]
+    new_steps = [step_without_words(step) for step in new.steps]
+    if old_steps != new_steps:
+        description = _describe_steps(old_steps, new_steps)
+        yield family_pair.change(
+            "procedure-steps", steps_subject, description=description, old=old_steps, new=new_steps
+        )
+    elif _list_meanings(old.steps) != _list_meanings(new.steps):
+        yield family_pair.change("words", steps_subject, description=": steps", old=old.steps, new=new.steps)
+    elif _list_sources(old.steps) != _list_sources(new.steps):
+        yield family_pair.change("source", steps_subject, description=": steps", old=None, new=None)
+
+
+def _compare_arguments(
+    family_pair: FamilyPair, subject: ChangeSubject, old: Procedure, new: Procedure
+) -> Iterator[Change]:
+    """Yield a change if the arguments of a procedure differ in names, registers or units, or only in descriptions."""
+    old_arguments = _describe_arguments(map(family_pair.with_new_names, old.arguments))
+    new_arguments = _describe_arguments(new.arguments)
+    if old_arguments != new_arguments:
+        old_texts, new_texts = _argument_names(old), _argument_names(new)
+        if old_texts == new_texts:
+            # The names are the same, so the register that takes an argument differs, or the unit of the argument.
+            old_texts, new_texts = _argument_texts(old_arguments), _argument_texts(new_arguments)
+        yield family_pair.change(
+            "procedure-arguments",
+            subject,
+            description=f": arguments {old_to_new(old_texts, new_texts)}",
+            old=old_arguments,
+            new=new_arguments,
+        )
+    elif _list_meanings(old.arguments) != _list_meanings(new.arguments):
+        yield family_pair.change(
+            "words", subject.unnamed, description=": arguments", old=old.arguments, new=new.arguments
+        )
+
+
+def _argument_names(procedure: Procedure) -> list[str]:
+    return [argument.name for argument in procedure.arguments]
+
+
+def _describe_arguments(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
+    """Return a tuple for each argument: its name, the register or field that takes it, and what the number counts.
+
+    For example ``("position", "preset", "counts")``, with "" as the last item if the spec does not say what it counts.
+    """
+    return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
+
+
+def _argument_texts(arguments: list[tuple[str, str, str]]) -> list[str]:
+    """Return a text for each argument of a procedure, such as ``position for preset as counts``."""
+    argument_texts = []
+    for argument_name, register_or_field, meaning in arguments:
+        name_and_target = f"{argument_name} for {register_or_field}"
+        argument_texts.append(f"{name_and_target} as {meaning}" if meaning else name_and_target)
+    return argument_texts
+
+
+def _list_meanings(arguments_or_steps: Sequence[Argument | Step]) -> list[str]:
+    return [part.meaning for part in arguments_or_steps]
+
+
+def _list_sources(steps: Sequence[Step]) -> list[Sources]:
+    return [step.source for step in steps]
+
+
+def _describe_steps(old_steps: list[Step], new_steps: list[Step]) -> str:
+    """Describe how the steps of a procedure differ, such as ``: steps 2, 3: pause 5 ms → 10 ms``.
+
+    If the steps differ in several ways, the text is ``: steps 2, 3 differ``. If their number differs, it is
+    ``: 4 steps → 5 steps``.
+    """
+    if len(old_steps) != len(new_steps):
+        return f": {len(old_steps)} steps → {len(new_steps)} steps"
+    step_numbers: list[str] = []
+    differences: set[str] = set()
+    for step_number, (old, new) in enumerate(zip(old_steps, new_steps, strict=True), 1):
+        if old != new:
+            step_numbers.append(str(step_number))
+            differences.add(_describe_step(old, new))
+    noun = "steps" if len(step_numbers) > 1 else "step"
+    steps_text = f": {noun} {', '.join(step_numbers)}"
+    if len(differences) > 1:
+        return f"{steps_text} differ"
+    # The caller only passes lists that differ, so there is exactly one difference.
+    (common_difference,) = differences
+    return f"{steps_text}: {common_difference}"
+
+
+def _describe_step(old: Step, new: Step) -> str:
+    """Describe how two steps differ, such as ``pause 5 ms → 10 ms``, or ``read → write`` for different kinds."""
+    if type(old) is not type(new):
+        return f"{old.do} → {new.do}"
+    members = PARTS_BY_CLASS[type(new).__name__].by_attribute
+    member_texts: list[str] = []
+    for attribute in dataclasses.fields(new):
+        old_value, new_value = getattr(old, attribute.name), getattr(new, attribute.name)
+        if old_value != new_value:
+            member = members[attribute.name]
+            values_text = old_to_new(as_plain_data(old_value), as_plain_data(new_value), member.notation)
+            member_texts.append(f"{member.words} {values_text}")
+    return ", ".join(member_texts)

@@ -1,16 +1,79 @@
-"""Group disagreements between two readings that have the same cause, such as a frame of a different length."""
+"""Disagreements between two readings, how often each fact was read, and groups of disagreements with the same cause."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from enum import IntEnum
 from typing import NamedTuple
 
 from ..language.document import Path
-from .comparison import Disagreement
 from .reading import NOTHING, FactClass
+
+
+class HowOftenRead(IntEnum):
+    """How often a fact was read from the manual, best first. For a place with several facts, the worst applies."""
+
+    TWICE = 0
+    DECIDED = 1
+    EXPLAINED = 2
+    ONCE = 3
+    DIFFERENTLY = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Disagreement:
+    """A fact with different values in the spec and in the second reading.
+
+    A place is empty if a reading does not state the fact. ``nearest_place`` is then the place in the spec where it
+    should be. ``is_name`` is set if the values are names of the same item, and ``resized_frame`` contains the words for
+    a frame whose length differs. ``order_codes`` contains the codes with different values, or none if all codes have
+    them.
+    """
+
+    fact_class: FactClass
+    description: str
+    spec_value: str
+    second_value: str
+    spec_place: Path
+    second_place: Path
+    nearest_place: Path = ()
+    is_name: bool = False
+    resized_frame: str = ""
+    order_codes: frozenset[str] = frozenset()
+
+    @property
+    def spec_place_or_nearest(self) -> Path:
+        """The place in the spec, or the place where the spec would state the fact."""
+        return self.spec_place or self.nearest_place
+
+
+@dataclass(slots=True)
+class Comparison:
+    """The result of comparing two readings: how often each fact of the spec was read, and the disagreements.
+
+    Facts are identified by their class and place. ``has_names_of_spec`` is set if the second reading uses the names of
+    the spec.
+    """
+
+    read_by_place: dict[tuple[FactClass, Path], HowOftenRead] = field(default_factory=dict)
+    disagreements: list[Disagreement] = field(default_factory=list)
+    has_names_of_spec: bool = False
+
+    def count_fact(self, fact_class: FactClass, spec_place: Path, read: HowOftenRead) -> None:
+        """Remember how often a fact of the spec was read. If several facts have this place, the worst count remains."""
+        key = fact_class, spec_place
+        self.read_by_place[key] = max(read, self.read_by_place.get(key, HowOftenRead.TWICE))
+
+    def add_disagreement(self, disagreement: Disagreement) -> None:
+        """Add a disagreement once, and count its fact as read differently if the spec has it."""
+        if disagreement.spec_place:
+            self.count_fact(disagreement.fact_class, disagreement.spec_place, HowOftenRead.DIFFERENTLY)
+        if disagreement not in self.disagreements:
+            self.disagreements.append(disagreement)
+
 
 #: Classes of facts in texts. A second reading may list texts that the spec no longer contains.
 _CLASSES_IN_WORDS = (FactClass.TEXT, FactClass.SECTION)
@@ -194,16 +257,20 @@ def _exchanged_bits(disagreement: Disagreement, all_disagreements: Sequence[Disa
     """
     if not _BITS.search(disagreement.description):
         return None
-    word = _word_of(disagreement)
-    in_word = [other for other in all_disagreements if _word_of(other) == word]
-    of_bits = [other for other in in_word if _BITS.match(other.description)]
-    spec_items = sorted(other.spec_value for other in of_bits)
-    second_items = sorted(other.second_value for other in of_bits)
-    is_exchange = len(of_bits) > 1 and spec_items == second_items
-    return ("exchanged bits", word) if is_exchange else None
+    owner_place = _register_or_frame_of(disagreement)
+    disagreements_on_bits: list[Disagreement] = []
+    for other_disagreement in all_disagreements:
+        # Only the description of the bits themselves begins with them.
+        is_about_bits = _BITS.match(other_disagreement.description) is not None
+        if is_about_bits and _register_or_frame_of(other_disagreement) == owner_place:
+            disagreements_on_bits.append(other_disagreement)
+    spec_items = sorted(on_bits.spec_value for on_bits in disagreements_on_bits)
+    second_items = sorted(on_bits.second_value for on_bits in disagreements_on_bits)
+    is_exchange = len(disagreements_on_bits) > 1 and spec_items == second_items
+    return ("exchanged bits", owner_place) if is_exchange else None
 
 
-def _word_of(disagreement: Disagreement) -> Path:
+def _register_or_frame_of(disagreement: Disagreement) -> Path:
     """Return the place of the register or frame that a disagreement is about: the steps before ``fields``."""
     place = disagreement.spec_place or disagreement.second_place
     return place[: place.index("fields")] if "fields" in place else ()
@@ -214,17 +281,15 @@ def _number_that_texts_lack(disagreement: Disagreement, all_disagreements: Seque
 
     Of several numbers, it is the one that most texts lack.
     """
-    lacking_numbers = _numbers_only_in_second(disagreement)
-    counts = Counter(
-        number
-        for other in all_disagreements
-        for number in _numbers_only_in_second(other)
-        if number in lacking_numbers and not number.isdigit()
-    )
-    if not counts:
+    # Digits without a unit occur in many texts for different reasons.
+    numbers_with_unit = {number for number in _numbers_only_in_second(disagreement) if not number.isdigit()}
+    text_count_by_number: Counter[str] = Counter()
+    for other_disagreement in all_disagreements:
+        text_count_by_number.update(numbers_with_unit & _numbers_only_in_second(other_disagreement))
+    if not text_count_by_number:
         return None
-    count, number = max((count, number) for number, count in counts.items())
-    return ("number that texts lack", number) if count > 1 else None
+    text_count, number = max((text_count, number) for number, text_count in text_count_by_number.items())
+    return ("number that texts lack", number) if text_count > 1 else None
 
 
 def _numbers_only_in_second(disagreement: Disagreement) -> Set[str]:
