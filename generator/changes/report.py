@@ -9,10 +9,6 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from ..language.files import top_keys
-from ..loading.history import history_beside, history_text, with_release
-from ..loading.overlays import Family
-from ..model import Release, ReleasedChange
 from ..language.document import Document
 from ..language.problems import ProblemReport, join_words, quoted, suggest_word
 from ..language.read import read_document

@@ -13,10 +13,10 @@ from pathlib import Path as File
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..language.document import Document, Path
+from ..language.files import word_sheet_path
 from ..language.problems import ProblemReport, quoted
 from ..language.read import read_document
 from ..language.schema_check import FileKind, check_schema
-from ..language.schema_files import word_sheet_path
 from ..loading.overlays import Family
 from ..readings.stated import dotted_path, is_source, prose_texts
 from ..say.plain_text import count_with_unit

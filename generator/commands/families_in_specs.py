@@ -270,16 +270,16 @@ def in_requested_edition(
         CommandError: The edition does not exist, cannot be inferred, or does not have the order code. The exit code is
             2.
     """
-    from ..loading.editions import UnknownEdition
+    from ..loading.history import UnknownEdition
     from ..order_codes.labels import UnknownOrderCode, find_code
-    from ..reference.findings import without_tests
+    from ..reference.registers import without_edition_registers
 
     remaining_bytes = dict(register_bytes)
     try:
         revision = _find_revision(device, code_match, wanted_edition, register_bytes)
         device_in_edition = _load_in_edition(specs, device, revision)
         if wanted_edition == BY_REGISTERS:
-            remaining_bytes = without_tests(device, register_bytes)
+            remaining_bytes = without_edition_registers(device, register_bytes)
         match_in_edition = find_code(device_in_edition, text) if code_match is not None else None
         return device_in_edition, match_in_edition, remaining_bytes
     except UnknownOrderCode as error:
@@ -299,9 +299,9 @@ def _find_revision(
         UnknownEdition: There is no such edition, or it cannot be inferred.
         ValueError: ``register_bytes`` does not contain the registers that identify the edition.
     """
-    from ..loading.editions import UnknownEdition, revision_for
-    from ..order_codes.editions import edition_by_label
-    from ..reference.findings import edition_by_registers
+    from ..loading.history import UnknownEdition, revision_for
+    from ..order_codes.labels import edition_by_label
+    from ..reference.registers import edition_by_registers
 
     if device.base:
         raise UnknownEdition(f"{device.name} is derived from {device.base} and has no editions of its own")
@@ -347,7 +347,7 @@ def edition_devices(families: Iterable[Family], wanted_editions: Iterable[str], 
     Raises:
         CommandError: An argument is malformed, or the family or edition does not exist. The exit code is 2.
     """
-    from ..loading.editions import UnknownEdition, revision_for
+    from ..loading.history import UnknownEdition, revision_for
     from ..loading.library import in_edition
 
     families_by_name = {family.device.name: family for family in families if not family.device.base}

@@ -61,7 +61,7 @@ def checked_line(text: str) -> EncoderLine:
 
 def line_problems(error: LineError) -> CommandError:
     """Print all problems of a line to standard error, and return the ``CommandError`` to raise."""
-    from ..language.excerpt import excerpt, visible
+    from ..language.document import excerpt, visible
 
     for column, message in error.problems:
         print(f"column {column}: {visible(message)}", *excerpt(error.text, column), sep="\n", file=sys.stderr)
@@ -377,7 +377,7 @@ def answers_of(device: Device, variant: Variant, pairs: Sequence[str]) -> dict[s
         CommandError: This order code does not have the alternative or answer, or an alternative has two answers. The
             exit code is 2.
     """
-    from ..language.excerpt import visible
+    from ..language.document import visible
     from ..language.problems import quoted
     from ..order_codes.reduction import for_interface, reduced_to_codes
 

@@ -10,9 +10,9 @@ from pathlib import Path as File
 
 from ..language.check import check_second
 from ..language.document import Document, Path
+from ..language.files import second_reading_path
 from ..language.problems import ProblemReport, joined_lines, quoted
 from ..language.read import read_document
-from ..language.schema_files import second_reading_path
 from ..loading.device import build_device
 from ..loading.overlays import Family
 from ..model import Manufacturer, TimesRead

@@ -11,12 +11,10 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
-from ..language.document import Path
-from ..language.rules.quantities import kind_of_unit
 from ..language.document import Path, label_of
-from ..language.rules.parameters import kind_of_unit
-from ..language.schema_files import PROSE
-from ..loading.from_mapping import parse_sources
+from ..language.rules.quantities import kind_of_unit
+from ..language.schemas import PROSE
+from ..loading.spec_parts import parse_sources
 from ..model import (
     Digits,
     ModifyStep,

@@ -361,11 +361,11 @@ def place_in_spec(document: Document, text: str) -> SpecPath:
 
     In the result, indices replace the names of list items: ``("registers", 3, "fields")``.
     """
-    from ...language.schema_check import value_at
+    from ...language.schema_check import remaining_value_at
 
     path: SpecPath = ()
     for step in _PATH_STEPS.findall(text):
-        paths_to_step = list(_paths_to_step(step, value_at(document.data, path)))
+        paths_to_step = list(_paths_to_step(step, remaining_value_at(document.data, path)))
         if not paths_to_step:
             break
         # The first path is the shortest.

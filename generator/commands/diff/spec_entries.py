@@ -12,17 +12,12 @@ from typing import Any
 
 import yaml
 
-from ..changes.rules import Change
-from ..language.document import label_of, resolve, steps_of, value_at
-from ..language.rules.numbers import HEXADECIMAL
-from ..loading.library import Family
-from ..model import Variant
 from ...changes.report import DiffResult, describe_outputs, name_change_texts
 from ...changes.rules import Change, PackageVersions
 from ...language.document import label_of, resolve, steps_of, value_at
 from ...language.files import top_keys
-from ...language.rules.values import HEXADECIMAL
-from ...loading.evidence import history_beside, history_text, with_release
+from ...language.rules.numbers import HEXADECIMAL
+from ...loading.history import history_beside, history_text, with_release
 from ...loading.library import Family
 from ...model import Release, ReleasedChange, Variant
 

@@ -8,8 +8,6 @@ from itertools import pairwise
 from ...model import BitSlice, Field
 from ...model.expressions import Expression
 from ...model.record import assert_never
-from ...plan.codec import LayoutPlan, ShiftedBits, moved_bits
-from ...model.lookup import assert_never
 from ...plan.codec import LayoutPlan, ShiftedBits, group_reserved_bits_by_shift
 from ...plan.operations import FieldBits, JoinedNumber, Reserved
 from ...plan.values import (
