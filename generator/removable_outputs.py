@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .output_folder import WriteError, families_in
-from .say.plain_text import count_with_unit, first_of
+from .say import count_with_unit, first_of
 from .write import FileChange
 
 if TYPE_CHECKING:

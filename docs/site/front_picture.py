@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-from codewheel.targets.palette import palette
+from codewheel.targets.picture_elements import palette
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from codewheel.targets.palette import palette
+from codewheel.targets.picture_elements import palette
 from sphinx.application import Sphinx
 
 #: Verdicts as they are in a cell, and their classes.

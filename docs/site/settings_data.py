@@ -14,18 +14,18 @@ from typing import Any, TypedDict
 
 from codewheel.language.master_items import FILE_FORMATS, NUMBERS, TYPES, WORDS
 from codewheel.loading.library import load_library
-from codewheel.masters.coverage import covered_items, depends_on_crc, depends_on_whole_frame
-from codewheel.masters.groups import order_code_groups, records_of
-from codewheel.masters.notes import NOTE_ON_CLOCKS
-from codewheel.masters.record import EncoderFacts, record
+from codewheel.masters.encoder_facts import NOTE_ON_CLOCKS, EncoderFacts
+from codewheel.masters.frame_parts import covered_items, depends_on_crc, depends_on_whole_frame
+from codewheel.masters.record import record
 from codewheel.masters.sheet import Master, SettingsSheet, sheet, shipped_masters
 from codewheel.masters.text import CODINGS_IN_WORDS
 from codewheel.model import INTERFACES, Biss, Device, Interface, Ssi
 from codewheel.model.expressions import Expression
 from codewheel.one_line.encoder import device_of_line
-from codewheel.say.evidence import GRADES, grade_below_manual, origin
-from codewheel.say.plain_text import decimal
+from codewheel.say import decimal
+from codewheel.say.names_and_evidence import GRADES, grade_below_manual, origin
 from codewheel.say.text import PLAIN_STYLE
+from codewheel.targets.masters import order_code_groups, records_of
 from codewheel.targets.masters.files import file_text
 
 #: Placeholders in a line for the order code, and for the order code as an identifier.

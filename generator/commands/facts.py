@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .arguments import Parser, add_specs_option
 from .terminal import CommandError, error_after_printing, print_json
 

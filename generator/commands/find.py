@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .arguments import Parser
 from .line_encoder import command_for_spec
 from .terminal import CommandError, print_json

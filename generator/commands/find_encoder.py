@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..cache import Cache
-from ..say.plain_text import count_with_unit, first_of
+from ..say import count_with_unit, first_of
 from .arguments import bytes_by_address
 from .line_encoder import WITHOUT_SPEC, encoder_in_line, is_line, refuse_line
 from .specs_by_text import families_for, has_family, has_same_spec

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..one_line.line import EncoderLine, LineError
 from ..one_line.parse import is_line as is_line
 from ..one_line.parse import parse_line
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .terminal import CommandError
 
 if TYPE_CHECKING:

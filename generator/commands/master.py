@@ -20,7 +20,7 @@ from .line_encoder import OR_A_LINE
 from .terminal import CommandError, error_after_printing, print_json, refuse_missing
 
 if TYPE_CHECKING:
-    from ..masters.record import EncoderFacts
+    from ..masters.encoder_facts import EncoderFacts
     from ..masters.sheet import Master, SettingsSheet
     from ..model import Device
     from ..order_codes.labels import LabelMatch
@@ -141,8 +141,9 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     Raises:
         CommandError: The order code or edition does not exist, or there are no settings for it.
     """
+    from ..masters.encoder_facts import Undecided
     from ..masters.frame_parts import NoRecord
-    from ..masters.record import Undecided, record
+    from ..masters.record import record
     from ..order_codes.parameters import RegisterError, with_registers
     from .find_encoder import find_requested
     from .open_questions import answers_of, open_questions

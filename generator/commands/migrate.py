@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .arguments import Parser, add_specs_argument
 from .terminal import CommandError
 

@@ -18,7 +18,7 @@ from ..loading.overlays import Family
 from ..model import Device
 from ..removable_outputs import family_of
 from ..render import unused_templates
-from ..say.plain_text import first_of
+from ..say import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import PackageMissing, files_of, load_target, problems_of, target_names
 from .edition_devices import edition_devices

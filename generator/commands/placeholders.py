@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..say.plain_text import count_with_unit, first_of
+from ..say import count_with_unit, first_of
 
 if TYPE_CHECKING:
     from ..language.problems import ProblemReport

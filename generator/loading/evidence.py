@@ -11,7 +11,7 @@ from ..language.problems import DocumentReport, ProblemReport
 from ..language.rules.walk import is_placeholder, placeholder_names
 from ..language.schema_files import coverage_path
 from ..model import Device, Release, ReleasedChange, TimesRead
-from ..say.plain_text import first_of
+from ..say import first_of
 from .from_mapping import Raw
 
 RULE = "coverage-file"

@@ -12,7 +12,7 @@ from ..model import Biss, Clocked, Interface, Ssi, Variant
 from ..model.device import Device
 from ..model.order_codes import Restricted, facts_for_code, fits
 from ..model.record import dataclass
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .from_mapping import Raw
 
 

@@ -28,7 +28,7 @@ from ..model import (
     Timeout,
 )
 from ..model.expressions import Expression
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .fields import LayoutContext, LayoutSite, build_values
 from .from_mapping import Raw, build_part, sources
 from .layouts import build_layout

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 from ..language.master_items import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
-from ..say.plain_text import decimal
+from ..say import decimal
 from ..say.text import count_with_unit, hertz
+from .encoder_facts import EncoderFacts
 from .frame_parts import FramePart
-from .record import EncoderFacts
 
 #: Mapping from the file that describes a master, such as a rule.
 YamlMapping = Mapping[str, Any]

@@ -17,9 +17,9 @@ from ..language.read import read_specs
 from ..model import INTERFACES, Document
 from ..model.record import dataclass
 from ..say.order_code import clocks_in_use
-from .coverage import depends_on_crc, depends_on_whole_frame, uncovered_parts
-from .places import MasterDevice, SettingPlace, devices_of, places_of, reason_for_misfit
-from .record import EncoderFacts
+from .encoder_facts import EncoderFacts
+from .frame_parts import depends_on_crc, depends_on_whole_frame, uncovered_parts
+from .places_and_writing import MasterDevice, SettingPlace, WriteCondition, devices_of, places_of, writing_of
 from .setting_values import (
     START_WITH,
     UnknownValue,
@@ -33,7 +33,6 @@ from .setting_values import (
     rule_applies,
     value_of_setting,
 )
-from .writing import WriteCondition, writing_of
 
 _RULE_LISTS = ("limits", "settings", "writing", "notes", "files")
 
@@ -407,3 +406,28 @@ def _cable_note(rule: YamlMapping, value: int | bool | str | None, record: Encod
     if "any_clock" in rule:
         return record.cables.about(best_selectable_clock(rule["any_clock"], record))
     return ""
+
+
+def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[SettingPlace]) -> str:
+    """Return an error message if a number does not fit in one of its locations, or an empty string.
+
+    The message is, for example, ``Bits would be 70, but it is at most 63``. Texts always fit.
+    """
+    if not isinstance(value, int):
+        return ""
+    for place in places:
+        highest = _highest_value(place)
+        if highest is not None and value > highest:
+            return f"{name} would be {value}, but it is at most {highest}"
+        if place.minimum is not None and value < place.minimum:
+            return f"{name} would be {value}, but it is at least {place.minimum}"
+    return ""
+
+
+def _highest_value(place: SettingPlace) -> int | None:
+    """Return the highest number that fits in the range and the bits of a location, or None if there is no limit."""
+    limits = [] if place.maximum is None else [place.maximum]
+    if place.kind == "unsigned" and place.bits is not None:
+        all_ones = (1 << place.bits) - 1
+        limits.append(all_ones)
+    return min(limits, default=None)

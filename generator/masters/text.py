@@ -12,15 +12,14 @@ from ..language.problems import join_words
 from ..model import INTERFACES, Biss, Device
 from ..model.kinds import DIGIT_CODES
 from ..order_codes.labels import LabelMatch
-from ..say.evidence import Topic, grade_below_manual, origin
+from ..say import WIDTH, two_columns, wrap_text
+from ..say.names_and_evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
-from ..say.plain_text import WIDTH, two_columns, wrap_text
 from ..say.text import PLAIN_STYLE, hertz, time_text, volts
-from .places import place_lines
-from .record import EncoderFacts
+from .encoder_facts import EncoderFacts
+from .places_and_writing import WriteCondition, place_lines, write_order
 from .setting_values import padding_text
 from .sheet import Master, MasterRefusal, Setting, SettingsSheet
-from .writing import WriteCondition, write_order
 
 VERSION = 1
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ..language.document import Path
 from ..model import Biss, channel_frame
-from ..say.names_and_places import bits
+from ..say.names_and_evidence import bits
 from .reading import CodeAndState, ComparedFact, FactClass, SpecReading
 
 

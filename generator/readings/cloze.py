@@ -18,7 +18,7 @@ from ..language.read import read_document
 from ..language.schema_check import FileKind, check_schema
 from ..language.schema_files import word_sheet_path
 from ..loading.overlays import Family
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .texts import dotted_path, is_source, prose_texts
 
 RULE = "words-disagree"

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..changes.pairs import match_by_key
 from ..language.document import Path
-from ..say.plain_text import first_of
+from ..say import first_of
 from .comparison import Comparison, Disagreement, HowOftenRead
 from .names import mistaken_pairs
 from .reading import (

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from ..language.document import Path
-from ..say.names_and_places import bits as bits_text
+from ..say.names_and_evidence import bits as bits_text
 from .compare_facts import cases_text, compare_facts, compare_names
 from .comparison import Comparison, Disagreement, HowOftenRead
 from .frame_bits import continues_item, describe_bits

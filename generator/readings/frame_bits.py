@@ -24,7 +24,7 @@ from ..model import (
     Unused,
 )
 from ..order_codes.parameters import deciding_parameters
-from ..say.names_and_places import bits
+from ..say.names_and_evidence import bits
 from .reading import (
     BitMeaning,
     CodeAndState,

@@ -21,7 +21,7 @@ from ..model import (
     Timing,
 )
 from ..model.order_codes import Restricted, fits, repeated_names
-from ..say.names_and_places import bits
+from ..say.names_and_evidence import bits
 from .channels import channel_facts
 from .frame_bits import word_bits
 from .reading import (

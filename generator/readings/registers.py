@@ -9,8 +9,8 @@ from ..model import (
     RegisterMeaning,
 )
 from ..model.registers import name_with_limits
-from ..say.names_and_places import bits
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
+from ..say.names_and_evidence import bits
 from .frame_bits import word_bits
 from .reading import (
     NOTHING,

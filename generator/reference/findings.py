@@ -28,8 +28,9 @@ from ..model.order_codes import fits
 from ..model.record import dataclass
 from ..order_codes.editions import edition_before, tests_of
 from ..order_codes.labels import LabelMatch
-from ..say import report
-from ..say.report import alarm_of, alarm_source, meaning, of_older_edition, remedy
+from ..say import frame_texts
+from ..say.commands_and_alarms import alarm_of, alarm_source, meaning, remedy
+from ..say.frame_texts import of_older_edition
 from .bits import bits_of_field
 from .codec import DecodedField, DecodedFrame, number_of_text
 from .codec import decode as decode_word
@@ -221,9 +222,9 @@ def _find_differences(
         name = placed_field.field.printed_name or placed_field.name
         actual_text, documented_text = _quoted_or_hex(actual), _quoted_or_hex(documented)
         if is_register:
-            message = report.other_content(name, actual_text, variant.code, documented_text)
+            message = frame_texts.other_content(name, actual_text, variant.code, documented_text)
         else:
-            message = report.other_value(name, actual_text, documented_text)
+            message = frame_texts.other_value(name, actual_text, documented_text)
         yield ValueDifference(
             field=placed_field.name,
             actual=actual,
@@ -300,7 +301,7 @@ def _compare_register(
         path = f"{register.name}.{placed_field.name}" if len(placed_layout.fields) > 1 else register.name
         is_completely_known = known_bits == placed_field.mask
         if is_completely_known:
-            message = report.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
+            message = frame_texts.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
         else:
             actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
             documented_digits = _known_digits(documented_bits, known_bits, placed_field.width)

@@ -23,9 +23,8 @@ from ..model import (
 from ..model.expressions import Expression
 from ..model.registers import name_with_limits, value_bounds
 from ..order_codes.parameters import RegisterError, after_write
-from ..say import report
-from ..say.plain_text import count_with_unit
-from ..say.report import register_length
+from ..say import count_with_unit, frame_texts
+from ..say.frame_texts import register_length
 from . import codec
 from .bits import with_bits
 
@@ -202,4 +201,4 @@ def _check_argument(
     has_limits_of_meaning = limits != (register.min, register.max)
     is_limited = has_limits_of_meaning or field_name == name_with_limits(register)
     if is_limited and not lowest <= argument <= highest:
-        raise codec.EncodeError(report.outside(f"{argument}", f"{lowest}", f"{highest}"))
+        raise codec.EncodeError(frame_texts.outside(f"{argument}", f"{lowest}", f"{highest}"))

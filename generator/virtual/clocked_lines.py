@@ -12,7 +12,7 @@ from functools import cached_property
 from ..model import Crc, Layout, channel_frame
 from ..reference.bits import compute_bits
 from .encoder import VirtualEncoder
-from .faults import BUSY_S, word_with_fault
+from .simulation_options import BUSY_S, word_with_fault
 
 #: Bytes that the master sends to wait for the timeout, and to set the clock low and high.
 TIMEOUT, CLOCK = b"TC"

@@ -10,9 +10,8 @@ from time import monotonic
 from ..model import Biss, Field, Flag, Layout, Measurement, PlacedField, PlacedLayout, Variant, channel_frame
 from ..order_codes.parameters import with_answers
 from ..reference import codec
-from .faults import Faults, Position
-from .find_order_code import find_order_code
 from .memory import Memory
+from .simulation_options import Faults, Position, find_order_code
 
 #: Seconds without supply after a restart, and until an encoder that reports this is ready.
 OFF_S = 0.02

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..model import Exchange, Flag, Layout, Spi, member_named
 from ..reference import codec
 from .encoder import VirtualEncoder
-from .faults import word_with_fault
+from .simulation_options import word_with_fault
 
 
 class SpiLine:

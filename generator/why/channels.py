@@ -8,7 +8,7 @@ from itertools import permutations
 
 from ..model import Device, PlacedChannels
 from ..reference.channels import decode_channels
-from ..say import report as say_report
+from ..say import frame_texts as say_report
 
 #: Fewest bits that the CRCs of all channels need together. Of 65,536 random frames, one has valid CRCs by chance.
 LEAST_CRC_BITS = 16

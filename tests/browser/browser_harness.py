@@ -24,7 +24,7 @@ from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, num
 from codewheel.order_codes.labels import LabelMatch
 from codewheel.reference import codec
 from codewheel.reference.findings import findings, strange_values
-from codewheel.say.plain_text import quantity_text
+from codewheel.say import quantity_text
 from codewheel.targets import Library
 from rust_frames import numbers
 from test_c_codec import run_time_variants

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.masters.record import EncoderFacts, record
+from codewheel.masters.encoder_facts import EncoderFacts
+from codewheel.masters.record import record
 from codewheel.masters.sheet import Master, SettingsSheet, load_masters, sheet
 from codewheel.model import Device
 from codewheel.order_codes.labels import UnknownOrderCode, find_code

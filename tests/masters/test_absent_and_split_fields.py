@@ -15,7 +15,8 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
-from codewheel.masters.record import EncoderFacts, record
+from codewheel.masters.encoder_facts import EncoderFacts
+from codewheel.masters.record import record
 from codewheel.masters.setting_values import actual_value
 from codewheel.model import Biss, Device
 from codewheel.order_codes.parameters import with_sent_layouts

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.masters.groups import records_of
-from codewheel.masters.record import EncoderFacts
+from codewheel.masters.encoder_facts import EncoderFacts
 from codewheel.masters.sheet import Master, sheet
 from codewheel.targets import Library
+from codewheel.targets.masters import records_of
 from codewheel.targets.masters.files import file_text
 
 pytestmark = pytest.mark.slow

@@ -17,13 +17,13 @@ import file_readers as readers
 import pytest
 from codewheel.commands.cli import main
 from codewheel.language.master_items import FILE_FORMATS
+from codewheel.masters.encoder_facts import EncoderFacts
 from codewheel.masters.frame_parts import NoRecord
-from codewheel.masters.groups import records_of
-from codewheel.masters.record import EncoderFacts, record
+from codewheel.masters.record import record
 from codewheel.masters.sheet import Master, SettingsSheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.masters.entries import content_of_file
+from codewheel.targets.masters import content_of_file, records_of
 from codewheel.targets.masters.files import file_text, generate
 
 Raw = Mapping[str, Any]

@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from codewheel.language.master_items import NUMBERS, WORDS
 from codewheel.loading.library import load_library
+from codewheel.masters.encoder_facts import EncoderFacts, Undecided
 from codewheel.masters.frame_parts import NoRecord
-from codewheel.masters.record import EncoderFacts, Undecided, record
+from codewheel.masters.record import record
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
 from codewheel.order_codes.labels import find_code

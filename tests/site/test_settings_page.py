@@ -18,7 +18,6 @@ from chromium import Browser
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.masters.frame_parts import NoRecord
-from codewheel.masters.groups import records_of
 from codewheel.masters.record import record
 from codewheel.masters.sheet import sheet, shipped_masters
 from codewheel.masters.text import sheet_text
@@ -26,6 +25,7 @@ from codewheel.model import Device
 from codewheel.one_line.encoder import device_of_line
 from codewheel.one_line.line import LineError
 from codewheel.order_codes.labels import LabelMatch, find_code
+from codewheel.targets.masters import records_of
 from codewheel.targets.masters.files import file_text
 from exhaustive import mostly_exhaustive
 

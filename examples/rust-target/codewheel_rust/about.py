@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable
 
 from codewheel.model import Device, Field, Interface, Layout, Register, cite
-from codewheel.say import layout, register
-from codewheel.say.names_and_places import field_place, title_of
-from codewheel.say.plain_text import wrap_text
+from codewheel.say import layout, register, wrap_text
+from codewheel.say.layout import field_place
+from codewheel.say.names_and_evidence import title_of
 from codewheel.say.text import Statement, Style
 
 _MARKUP = re.compile(r"[\\`*<\[\]]")

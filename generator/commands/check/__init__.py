@@ -175,7 +175,7 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
     """
     if form in ("github", "sarif"):
         return _review_text(report, form)
-    from ...say.plain_text import count_with_unit
+    from ...say import count_with_unit
     from ..placeholders import placeholder_lines, read_line
 
     lines = [problem.format() for problem in report.shown]

@@ -31,7 +31,7 @@ from ...readings.second_readings import (
     compare_readings,
     read_beside,
 )
-from ...say.plain_text import count_with_unit
+from ...say import count_with_unit
 from ...targets import Target
 from ..edition_devices import check_editions
 from ..outputs import report_unfit_parts

@@ -11,8 +11,8 @@ from ...model import Device, Fault, PlacedChannels, Variant, channel_frame
 from ...reference import codec
 from ...reference.channels import ChannelFindings, channel_findings, decode_channels
 from ...reference.findings import Findings
-from ...say import report as say_report
-from ...say.plain_text import WIDTH, count_with_unit
+from ...say import WIDTH, count_with_unit
+from ...say import frame_texts as say_report
 from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
 from .field_table import wrapped

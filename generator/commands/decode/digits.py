@@ -8,8 +8,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from ...say import report as say
-from ...say.notations import DIGITS
+from ...say import frame_texts as say
+from ...say.frame_texts import DIGITS
 
 _HEX_DIGITS = re.compile(r"[0-9A-Fa-f]+")
 _DECIMAL_DIGITS = re.compile(DIGITS["decimal"])

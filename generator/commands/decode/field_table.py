@@ -8,10 +8,10 @@ from typing import NamedTuple
 from ...model import Device, Measurement, PlacedLayout, Variant, Verdict
 from ...model.expressions import Expression
 from ...reference import codec
-from ...say import report as say_report
-from ...say.names_and_places import bit_place
-from ...say.plain_text import WIDTH, decimal, quantity_text
-from ...say.plain_text import wrap_text as wrapped_anew
+from ...say import WIDTH, decimal, quantity_text
+from ...say import frame_texts as say_report
+from ...say import wrap_text as wrapped_anew
+from ...say.layout import bit_place
 from ...say.text import as_sentence, with_unit
 
 #: Wrap a paragraph. Most paragraphs are the same for all frames, so the results are cached.

@@ -25,8 +25,8 @@ from ...model import (
 from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
-from ...say import notations
-from ...say import report as say_report
+from ...say import frame_texts
+from ...say import frame_texts as say_report
 from ...why.hypotheses import LEAST_EQUAL_BITS, TypedFrame
 from .digits import (
     are_several_numbers,
@@ -49,9 +49,9 @@ _PREFIXED_HEX = re.compile(r"0[xX][0-9A-Fa-f]+")
 _WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
 #: A single number with its prefix, such as ``0x1F``.
 _LONE_PREFIXED_NUMBER = re.compile(r"0[xXbB][0-9A-Fa-f]+")
-_PASTED_FORMS = tuple((re.compile(pattern), replacement) for pattern, replacement in notations.PASTED)
-_TIME_STAMP = re.compile(notations.TIME)
-_ODD_BLANKS = re.compile(notations.ODD_BLANKS)
+_PASTED_FORMS = tuple((re.compile(pattern), replacement) for pattern, replacement in frame_texts.PASTED)
+_TIME_STAMP = re.compile(frame_texts.TIME)
+_ODD_BLANKS = re.compile(frame_texts.ODD_BLANKS)
 #: Faults that may be explained by a mistake in reading the line or in computing the CRC.
 _TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
 

@@ -16,7 +16,7 @@ from ...model import (
 )
 from ...model.layout import have_lengths
 from ...reference import codec
-from ...say import report as say_report
+from ...say import frame_texts as say_report
 from .frames import FrameTextError, decode_as, layouts_of_sender, undecorated
 
 if TYPE_CHECKING:

@@ -12,12 +12,11 @@ from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
 from ...reference.findings import Findings, FrameReport
-from ...say import report as say_report
-from ...say.evidence import origin, placeholders
-from ...say.names_and_places import name_in_words
+from ...say import WIDTH
+from ...say import frame_texts as say_report
+from ...say.frame_texts import ANOTHER_FRAME, UNCERTAIN_READINGS
+from ...say.names_and_evidence import name_in_words, origin, placeholders
 from ...say.order_code import not_on_label
-from ...say.plain_text import WIDTH
-from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, as_sentence, count_with_unit
 from .field_table import capitalized, field_table, position_text, wrapped
 from .frames import FrameLine, frame_number, undecorated

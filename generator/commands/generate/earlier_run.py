@@ -9,7 +9,7 @@ import argparse
 from collections.abc import Mapping, Sequence
 from typing import TypedDict
 
-from ...say.plain_text import count_with_unit
+from ...say import count_with_unit
 from ...write import digest_of, digest_on_disk
 from ..terminal import CommandError
 

@@ -27,6 +27,7 @@ from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths, with_sent_layouts
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_interface, reduced_to_codes
+from ...say import WIDTH, decimal, two_columns, wrap_text
 from ...say import errata as say_errata
 from ...say import layout as say_layout
 from ...say import layout as say_measurement
@@ -36,10 +37,8 @@ from ...say import register as say_field
 from ...say import register as say_register
 from ...say.errata import describe_answer as say_answer
 from ...say.errata import describe_question, needed_answers
-from ...say.evidence import describe_grade, origin
-from ...say.names_and_places import bits, field_at, hexadecimal
+from ...say.names_and_evidence import bits, describe_grade, field_at, hexadecimal, origin, short_number
 from ...say.order_code import describe_spelling, not_on_label, open_values
-from ...say.plain_text import WIDTH, decimal, two_columns, wrap_text
 from ...say.text import PLAIN_STYLE, Style, count_with_unit, language_name
 from ..decode.text import label_differences
 from .picture import picture
@@ -297,9 +296,9 @@ def _fixed_value_text(field: Field) -> str:
     """Return the fixed value of a field, such as ``, always 5`` or ``, unused, 1Fh in the manual``, or ""."""
     match field.kind:
         case Constant(value):
-            return f", always {say_field.short_number(value)}"
+            return f", always {short_number(value)}"
         case Unused(value):
-            return f", unused, {say_field.short_number(value)} in the manual"
+            return f", unused, {short_number(value)} in the manual"
         case _:
             return ""
 

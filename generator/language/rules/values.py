@@ -9,7 +9,7 @@ from itertools import combinations, pairwise
 from typing import NamedTuple
 
 from ...model import INTERFACES, CableLength, Clock, Revision, Supply
-from ...say.plain_text import count_with_unit
+from ...say import count_with_unit
 from ..document import Path
 from ..problems import DocumentReport, missing_keys_message, quoted, suggest_word
 from ..written import LocatedPart

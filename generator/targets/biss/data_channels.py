@@ -18,12 +18,12 @@ from ...model import Biss, Crc, Device, Field, Layout, Variant
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
 from ...plan.values import ActiveFlag, meaning_of
+from ...say import count_with_unit, in_ascii, text_on_one_line
 from ...say import order_code as say_order_code
 from ...say.errata import describe_erratum, errata
 from ...say.layout import crc_parameters
-from ...say.names_and_places import field_at
+from ...say.names_and_evidence import field_at
 from ...say.order_code import initial
-from ...say.plain_text import count_with_unit, in_ascii, text_on_one_line
 from ...say.text import PLAIN_STYLE
 from .identity import DataLength, IdBits, profile_ids
 

@@ -12,7 +12,7 @@ from ...model import BitSlice, Digits, Field
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan
 from ...plan.operations import AlwaysIs, Check, FieldBits, JoinedNumber, ZerosAbove
-from ...say.names_and_places import name_in_words
+from ...say.names_and_evidence import name_in_words
 from .names import (
     CCall,
     CCast,

@@ -28,7 +28,7 @@ from ...model import (
     number_from_bytes,
 )
 from ...model.record import dataclass
-from ...say.evidence import word_for_document
+from ...say.names_and_evidence import word_for_document
 
 
 @dataclass(frozen=True, slots=True)

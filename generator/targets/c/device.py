@@ -17,7 +17,7 @@ from ...plan.crcs import crc_functions
 from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
 from ...say.errata import describe_erratum, errata
-from ...say.evidence import describe_grade, origin, other_editions, removals, titled_in_lists
+from ...say.names_and_evidence import describe_grade, origin, other_editions, removals, titled_in_lists
 from ...say.order_code import initial
 from .. import TargetError
 from .channels import channel_code

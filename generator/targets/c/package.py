@@ -23,7 +23,7 @@ from ...model import (
 from ...model.record import dataclass
 from ...plan.crcs import UndetectedErrors, residual_of
 from ...plan.verdicts import reportings
-from ...say.names_and_places import name_in_words
+from ...say.names_and_evidence import name_in_words
 from .. import main_manufacturer, manufacturers
 from .comments import ascii_text
 from .crc_code import CrcCode

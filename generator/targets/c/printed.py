@@ -9,7 +9,7 @@ from ...model import Value
 from ...model.record import dataclass
 from ...plan.operations import FieldToDecode
 from ...plan.values import ActiveFlag, DecimalDigits, Latin1Text, NamedChoice, TwosComplement
-from ...say.names_and_places import title_of
+from ...say.names_and_evidence import title_of
 from .comments import ascii_text
 from .names import c_name
 

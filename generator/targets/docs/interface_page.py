@@ -28,20 +28,35 @@ from ...model import (
 from ...order_codes.parameters import follows_registers
 from ...order_codes.reduction import for_interface
 from ...plan.frames import exchanges
-from ...say import commands as say_commands
+from ...say import commands_and_alarms as say_commands
 from ...say import layout as say_layout
 from ...say import register as say_register
-from ...say import report
 from ...say.errata import needed_answers
-from ...say.evidence import origin, other_editions, word_for_document
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
-from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
+from ...say.names_and_evidence import (
+    HasOtherNames,
+    addresses_text,
+    name_in_words,
+    origin,
+    other_editions,
+    title_of,
+    word_for_document,
+)
 from ...say.order_code import PURPOSES, initial
-from ...say.text import CodeText, Statement, list_parts, statement
-from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
+from ...say.text import (
+    MARKDOWN,
+    CodeText,
+    Statement,
+    citation,
+    code_span,
+    escape,
+    join_filled,
+    list_parts,
+    markdown_link,
+    statement,
+)
+from . import ErrataLines, fact_tables, layout_tables, links_to_steps, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
-from .page_links import links_to_steps
 from .page_pictures import Pictures
 from .timing_pictures import TimingDiagram, timing_diagram
 
@@ -80,7 +95,7 @@ def page_sections(device: Device) -> Sections:
         "document": word_for_document(device),
         "origin": [*origin(device), *other_editions(device)],
         "verdict_page": verdict_page.file_name(device),
-        "errata_at": inline_errata.ErrataLines(device),
+        "errata_at": ErrataLines(device),
         "alternatives": order_code_tables.alternative_sections(device),
         "interfaces": [_interface_section(device, interface) for interface in device.interfaces],
         "crcs": [{"crc": crc, "rows": fact_tables.crc_rows(device, crc)} for crc in device.crcs],
@@ -97,7 +112,7 @@ def page_sections(device: Device) -> Sections:
 
 def _alarm_section(device: Device, alarm: Alarm) -> Section:
     """Return an alarm with its title and its facts."""
-    return {"alarm": alarm, "title": title_of(alarm), "facts": report.alarm_facts(device, alarm)}
+    return {"alarm": alarm, "title": title_of(alarm), "facts": say_commands.alarm_facts(device, alarm)}
 
 
 def _input_section(device: Device, hardware_input: Input) -> Section:

@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import prod
 from typing import Annotated, Any, TypedDict
 
-from ...masters.groups import CodesWithSameSettings, GroupSheets, records_of, sheets_of
 from ...masters.sheet import Master, MasterRefusal, Setting, SettingsSheet
 from ...masters.text import (
     cited,
@@ -19,12 +18,12 @@ from ...masters.text import (
     standing_mark,
 )
 from ...model import Device, Interface, first_or_raise
-from ...say.evidence import grade_below_manual
-from ...say.markdown import code_span, escape, join_filled, link_list, markdown_link
-from ...say.text import Statement
+from ...say.names_and_evidence import grade_below_manual
+from ...say.text import Statement, code_span, escape, join_filled, link_list, markdown_link
+from ..masters import CodesWithSameSettings, GroupSheets, records_of, sheets_of
+from . import link_to_erratum
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
-from .page_links import link_to_erratum
 
 Row = tuple[str, ...]
 Table = dict[str, Any]

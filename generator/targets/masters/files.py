@@ -12,21 +12,20 @@ from typing import Annotated, NamedTuple, TypedDict
 
 from ...language.master_items import FILE_FORMATS
 from ...language.problems import join_words
-from ...masters.groups import GroupSheets, sheets_of
-from ...masters.places import SettingPlace
-from ...masters.record import EncoderFacts
+from ...masters.encoder_facts import EncoderFacts
+from ...masters.places_and_writing import SettingPlace
 from ...masters.sheet import Master, SettingsSheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
 from ...model.record import dataclass
 from ...render import Templates, our_templates
-from ...say.evidence import grade_below_manual, titled_in_lists
-from ...say.markdown import escape as escape_markdown
-from ...say.plain_text import text_on_one_line, wrap_text
+from ...say import text_on_one_line, wrap_text
+from ...say.names_and_evidence import grade_below_manual, titled_in_lists
 from ...say.text import PLAIN_STYLE
+from ...say.text import escape as escape_markdown
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
-from .entries import Channel, Content, YamlMapping, content_of_file
+from . import Channel, Content, GroupSheets, YamlMapping, content_of_file, sheets_of
 
 _TEXT_WIDTH = 120
 _ONE_FILE_EACH = "each"

@@ -1,168 +1,12 @@
-"""Text for the reports of an encoder (flags, warnings, remedies), and messages about frames with errors."""
+"""Text of frames: notations in programs and logs, and messages about frames and registers with errors.
+
+``codewheel decode`` and the decode page accept the same notations, with patterns that Python and JavaScript understand.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-
-from ..model import (
-    Alarm,
-    Device,
-    Field,
-    Flag,
-    Sources,
-    Unused,
-    member_named,
-)
-from .commands import describe_remedy, remedy_with_procedures
-from .errata import describe_erratum, errata
-from .names_and_places import order_codes_text, register_field, title_of
-from .register import short_number
-from .text import (
-    CodeText,
-    Reference,
-    Statement,
-    TextPart,
-    as_sentence,
-    join_groups,
-    list_parts,
-    spec_text,
-    statement,
-    volts,
-)
-
-
-def describe_alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield all statements about an alarm except its name."""
-    yield from spec_text(device_alarm.meaning, source=device_alarm.source)
-    yield from alarm_facts(device, device_alarm)
-    yield from map(describe_erratum, errata(device, f"alarms.{device_alarm.name}"))
-
-
-def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield the flag that shows an alarm, its cause, its duration, its remedy, and the procedures that clear it."""
-    if device_alarm.group:
-        group = member_named(device.field_groups, device_alarm.group, "field group")
-        group_reference = Reference(kind="group", name=group.name, title=title_of(group))
-        yield statement(CodeText(device_alarm.field), " in ", group_reference, label="Flag")
-    elif device_alarm.register:
-        # Without a field, the whole register is the flag, and the path has no period.
-        flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
-        yield statement(register_field(device, flag_path), label="Flag")
-    if not device_alarm.implemented and "not implemented" not in device_alarm.meaning.lower():
-        yield statement("Not implemented in this encoder")
-    yield from spec_text(device_alarm.detected, label="Detected")
-    if device_alarm.below_mv is not None:
-        yield statement(f"The alarm is raised below {volts(device_alarm.below_mv)}")
-    if device_alarm.latch is True:
-        yield statement("The alarm stays active until it is reset")
-    elif device_alarm.latch is False:
-        yield statement("The alarm clears itself when its cause is gone")
-    yield from describe_remedy(device_alarm.remedy, device_alarm.by_hand)
-    yield from order_codes_text(device_alarm.only)
-    if device_alarm.cleared_by:
-        procedures = [Reference(kind="procedure", name=name, title=name) for name in device_alarm.cleared_by]
-        yield statement(*list_parts(procedures, " or "), label="Cleared by")
-
-
-def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
-    """Return the alarm that a flag shows, or None if the manual describes none.
-
-    ``register`` is the name of the register that contains the flag, or empty for a flag in a frame.
-    """
-    for alarm in device.alarms:
-        if register:
-            has_same_owner = alarm.register == register
-        else:
-            # Alarms in frames belong to the group of their flag.
-            has_same_owner = bool(alarm.group) and alarm.group == field.group
-        if has_same_owner and alarm.field == field.name:
-            return alarm
-    return None
-
-
-def flag_state_meanings(field: Field) -> tuple[str, str]:
-    """Return the meanings of a flag while it is active and inactive, or two empty texts for any other field."""
-    if not isinstance(field.kind, Flag):
-        return "", ""
-    return field.kind.when_active, field.kind.when_inactive
-
-
-def meaning(field: Field, alarm: Alarm | None) -> str:
-    """Return the meaning of a report: of an active flag, or of unused bits that differ from the manual.
-
-    For a flag, it is the meaning of its active level, followed by the meaning of the field. If the spec states neither,
-    it is the meaning of the alarm or, without an alarm, ``active``. An active flag that the encoder does not implement
-    contradicts the manual, unless the manual explains its active level.
-    """
-    if isinstance(field.kind, Unused):
-        difference = f"unused bits differ from the documented value {short_number(field.kind.value)}"
-        return f"{difference}. {as_sentence(field.meaning)}" if field.meaning else difference
-    when_active, _ = flag_state_meanings(field)
-    if not field.implemented:
-        return when_active or "active, although the manual says that this encoder does not have it"
-    if when_active and field.meaning:
-        return f"{as_sentence(when_active)} {as_sentence(field.meaning)}"
-    meaning_of_flag = when_active or field.meaning
-    meaning_of_alarm = alarm.meaning if alarm is not None else ""
-    return meaning_of_flag or meaning_of_alarm or "active"
-
-
-def deciding_value(field: Field) -> str:
-    """Return the value of a field that can decide the verdict, or "" for a field without such a value.
-
-    For a flag, this is its active level, such as ``1``. For unused bits, it is any undocumented value: ``not 5h``.
-    """
-    match field.kind:
-        case Flag(active_low=is_active_low):
-            return "0" if is_active_low else "1"
-        case Unused(value=documented_value):
-            is_one_bit = field.widest == 1
-            return f"{1 - documented_value}" if is_one_bit else f"not {short_number(documented_value)}"
-        case _:
-            return ""
-
-
-def conditions_text(values: Iterable[tuple[Field, int]]) -> Statement:
-    """Return the field values that together decide a verdict, such as ``error is 0 and mode is 5h (test)``.
-
-    For a flag, a value of 1 means that it is active. The text has the level of its bit, which is 0 if it is active low.
-    """
-    phrases = [_condition_parts(field, value) for field, value in values]
-    return statement(*join_groups(phrases, " and "))
-
-
-def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:
-    """Return a field with its value: ``error is 0`` for a flag, or ``mode is 5h (test)`` for a named value.
-
-    For a flag, ``value`` is 1 if it is active. The text has the level of its bit, which is 0 if it is active low.
-    """
-    if isinstance(field.kind, Flag):
-        is_active = bool(value)
-        # The bit of an active flag is 1, or 0 if the flag is active low. It is inverted while the flag is inactive.
-        bit = int(is_active != field.kind.active_low)
-        return CodeText(field.name), f" is {bit}"
-    value_name = field.value_of(value).name
-    return CodeText(field.name), f" is {short_number(value)} (", CodeText(value_name), ")"
-
-
-def remedy(field: Field, alarm: Alarm | None) -> str:
-    """Return the remedy for a flag or its alarm, with the titles of its manual procedures, or an empty string."""
-    return remedy_with_procedures(remedy_text(field, alarm), manual_steps(field, alarm))
-
-
-def remedy_text(field: Field, alarm: Alarm | None) -> str:
-    """Return the remedy for a flag or, if the flag has none, for its alarm, without manual procedures."""
-    return field.remedy or (alarm.remedy if alarm is not None else "")
-
-
-def manual_steps(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
-    """Return the names of the manual procedures recommended for a flag or, if it has none, for its alarm."""
-    return field.by_hand or (alarm.by_hand if alarm is not None else ())
-
-
-def alarm_source(field: Field, alarm: Alarm | None) -> Sources:
-    """Return the source of a flag's alarm, or the source of the flag if there is no alarm with a source."""
-    return alarm.source if alarm is not None and alarm.source else field.source
+from collections.abc import Mapping
+from types import MappingProxyType
 
 
 def wrong_length_message(frame: str, needed: str, actual: str) -> str:
@@ -463,3 +307,37 @@ def equal_readings(count: str) -> str:
 def compared(bits: str, numbers: str, *, agree: bool) -> str:
     """Return whether the compared bits of several data channels agree, with the numbers that they form."""
     return f"the highest {bits} bits {'agree' if agree else 'DISAGREE'}: {numbers}"
+
+
+#: Patterns for text from programs and logs, with their replacements. In this order: a label such as ``RX: `` with a
+#: letter that is not a hex digit, ``uint8_t rx[2] =`` in C, ``b'..'`` in Python, ``\x1F``, brackets and quotes,
+#: ``1F-2A``, ``1Fh``, and ``0x1FUL`` in C.
+PASTED: tuple[tuple[str, str], ...] = (
+    (r"^\s*(?=[^:]*[G-Zg-z])[A-Za-z_][A-Za-z0-9_ ]{0,39}:\s+", ""),
+    (r"^\s*[A-Za-z_][A-Za-z0-9_ ]{0,39}\[[0-9A-Z_a-z]{0,20}\]\s*=\s*(?=\{)", ""),
+    (r"\bb(?=['\"])", ""),
+    (r"\\x([0-9A-Fa-f]{2})", r" 0x\1 "),
+    (r"[\[\](){}<>\"',;:]", " "),
+    (r"(?<![0-9A-Za-z])([0-9A-Fa-f]{2})-(?=[0-9A-Fa-f]{2}(?![0-9A-Za-z]))", r"\1 "),
+    (r"(?<![0-9A-Za-z])(?:0[xX])?([0-9A-Fa-f]+)[hH](?![0-9A-Za-z])", r"0x\1"),
+    (r"(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])", r"\1"),
+)
+#: White space that only Python or only JavaScript strips from a text: the separators of ASCII, the next-line character
+#: of Latin-1, and the byte order mark at the beginning of a file.
+ODD_BLANKS = r"[\x1c-\x1f\x85\ufeff]"
+#: A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds. An arrow may follow, as in
+#: the serial monitor of Arduino.
+TIME = (
+    r"\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+    r"|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\]?[ \t,;]+(?:->[ \t]*)?(?=[^ \t])"
+)
+#: Digits without a prefix, by their meaning. A decimal number has no leading zero. A long number is too large for the
+#: frame, but may be a frame with extra bits.
+DIGITS: Mapping[str, str] = MappingProxyType(
+    {
+        "decimal": r"0|[1-9][0-9]{0,39}",
+        "hexadecimal": r"[0-9A-Fa-f]{1,40}",
+        "bits": r"[01]{1,160}",
+        "long_number": r"[1-9][0-9]{0,19}",
+    }
+)
