@@ -143,7 +143,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     """
     from ..masters.encoder_facts import Undecided
     from ..masters.frame_parts import NoRecord
-    from ..masters.record import record
+    from ..masters.order_code_facts import facts_of_order_code
     from ..order_codes.parameters import RegisterError, with_registers
     from .find_encoder import find_requested
     from .open_questions import answers_of, open_questions
@@ -155,7 +155,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
         variant = with_registers(device, code_match.variant, register_bytes)
         answers = answers_of(device, code_match.variant, arguments.choose)
         has_factory_defaults = not register_bytes
-        encoder_record = record(
+        encoder_record = facts_of_order_code(
             device, variant, as_delivered=has_factory_defaults, cable_m=arguments.cable, answers=answers
         )
         return device, code_match, encoder_record
@@ -193,7 +193,7 @@ def _file_for_master(
     if master_device not in devices_with_format:
         known_devices = join_words(devices_with_format, "or")
         raise CommandError(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
-    text = file_text(device, [encoder_record.code], master_sheet, rule=file_format, master_device=master_device)
+    text = file_text(device, [encoder_record.code], master_sheet, file_rule=file_format, master_device=master_device)
     return text.rstrip("\n")
 
 

@@ -27,7 +27,7 @@ from ..model import (
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
 from ..say.names_and_evidence import Topic, addresses_text
-from ..say.order_code import initial
+from ..say.order_code import words_for_initial_values
 from ..say.text import count_with_unit, hertz
 from .frame_parts import FramePart, NoRecord, turn_bits_of_fields
 
@@ -344,5 +344,5 @@ def _register_notes(device: Device, parameters: set[str], *, dependence: str, as
         return
     contents = "the given values"
     if as_delivered:
-        contents = f"their {initial(device)}. Other values need other settings"
+        contents = f"their {words_for_initial_values(device)}. Other values need other settings"
     yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {contents}."

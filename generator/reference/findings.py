@@ -30,7 +30,7 @@ from ..order_codes.editions import edition_before, tests_of
 from ..order_codes.labels import LabelMatch
 from ..say import frame_texts
 from ..say.commands_and_alarms import alarm_of, alarm_source, meaning, remedy
-from ..say.frame_texts import of_older_edition
+from ..say.frame_texts import older_edition_message
 from .bits import bits_of_field
 from .codec import DecodedField, DecodedFrame, number_of_text
 from .codec import decode as decode_word
@@ -222,9 +222,9 @@ def _find_differences(
         name = placed_field.field.printed_name or placed_field.name
         actual_text, documented_text = _quoted_or_hex(actual), _quoted_or_hex(documented)
         if is_register:
-            message = frame_texts.other_content(name, actual_text, variant.code, documented_text)
+            message = frame_texts.undocumented_content_message(name, actual_text, variant.code, documented_text)
         else:
-            message = frame_texts.other_value(name, actual_text, documented_text)
+            message = frame_texts.undocumented_value_message(name, actual_text, documented_text)
         yield ValueDifference(
             field=placed_field.name,
             actual=actual,
@@ -301,7 +301,9 @@ def _compare_register(
         path = f"{register.name}.{placed_field.name}" if len(placed_layout.fields) > 1 else register.name
         is_completely_known = known_bits == placed_field.mask
         if is_completely_known:
-            message = frame_texts.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
+            message = frame_texts.undocumented_content_message(
+                path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}"
+            )
         else:
             actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
             documented_digits = _known_digits(documented_bits, known_bits, placed_field.width)
@@ -341,7 +343,7 @@ def strange_values(device: Device, decoded: DecodedFrame) -> Iterator[ValueDiffe
         if number is None or test.min <= number <= test.max:
             continue
         bounds = f"{test.min} to {test.max}"
-        message = of_older_edition(
+        message = older_edition_message(
             run=test.run,
             actual=f"{number}",
             bounds=bounds,

@@ -35,10 +35,10 @@ def problems_with_other_fields(
         correct_bit = parity_bit(placed_layout, kind, frame)
         if sent_value != correct_bit:
             covered_names = ", ".join(field.name for field in placed_layout.find_fields(kind.of))
-            message = frame_texts.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
+            message = frame_texts.wrong_parity_message(name, f"{sent_value}", covered_names, f"{correct_bit}")
             yield FrameProblem(Fault.CONSTANT, field=name, message=message)
     elif name == placed_layout.layout.selector and sent_value not in placed_layout.layout.selects:
-        message = frame_texts.of_other_frame(name, f"{sent_value:X}")
+        message = frame_texts.other_frame_message(name, f"{sent_value:X}")
         yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 
@@ -76,7 +76,7 @@ def problems_of_digits(
         sent_bits = bits_of_field(placed_field, frame)
         number = bits_of_field(placed_field, binary_number)
         if number > highest:
-            message = frame_texts.not_in_code(name, f"{sent_bits:#x}", f"{highest}", code.name)
+            message = frame_texts.not_in_code_message(name, f"{sent_bits:#x}", f"{highest}", code.name)
             yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 
@@ -101,8 +101,8 @@ def range_message(position_range: PositionRange, placed_layout: PlacedLayout, bi
     if lowest <= position <= highest:
         return ""
     if is_signed:
-        return frame_texts.outside(f"{position_range.name} {position}", f"{lowest}", f"{highest}")
-    return frame_texts.too_high(position_range.name, f"{position}", f"{highest}")
+        return frame_texts.outside_limits_message(f"{position_range.name} {position}", f"{lowest}", f"{highest}")
+    return frame_texts.too_high_message(position_range.name, f"{position}", f"{highest}")
 
 
 def problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
@@ -112,13 +112,13 @@ def problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
         case Choice(named_values):
             known_numbers = {named_value.value for named_value in named_values}
             if raw not in known_numbers:
-                message = frame_texts.no_value(name, f"{raw:#x}")
+                message = frame_texts.unknown_value_message(name, f"{raw:#x}")
                 yield FrameProblem(Fault.RANGE, field=name, message=message)
         case Constant(constant):
             if raw != constant:
-                message = frame_texts.constant(name, f"{raw:#x}", f"{constant:#x}")
+                message = frame_texts.wrong_constant_message(name, f"{raw:#x}", f"{constant:#x}")
                 yield FrameProblem(Fault.CONSTANT, field=name, message=message)
         case Decimal() as decimal:
             if raw >= decimal.limit:
-                message = frame_texts.digits(name, f"{raw}", f"{decimal.digits}")
+                message = frame_texts.too_many_digits_message(name, f"{raw}", f"{decimal.digits}")
                 yield FrameProblem(Fault.RANGE, field=name, message=message)

@@ -24,7 +24,7 @@ from ..model.expressions import Expression
 from ..model.registers import name_with_limits, value_bounds
 from ..order_codes.parameters import RegisterError, after_write
 from ..say import count_with_unit, frame_texts
-from ..say.frame_texts import register_length
+from ..say.frame_texts import register_length_message
 from . import codec
 from .bits import with_bits
 
@@ -48,7 +48,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     if len(data) != register.length:
         needed_length = count_with_unit(register.length, "byte")
         actual_length = count_with_unit(len(data), "byte")
-        raise RegisterError(register_length(register.name, needed_length, actual_length))
+        raise RegisterError(register_length_message(register.name, needed_length, actual_length))
     placed_layout = register.layout.place(variant.parameters)
     return codec.decode(device, placed_layout, number_from_bytes(register.layout, data))
 
@@ -201,4 +201,4 @@ def _check_argument(
     has_limits_of_meaning = limits != (register.min, register.max)
     is_limited = has_limits_of_meaning or field_name == name_with_limits(register)
     if is_limited and not lowest <= argument <= highest:
-        raise codec.EncodeError(frame_texts.outside(f"{argument}", f"{lowest}", f"{highest}"))
+        raise codec.EncodeError(frame_texts.outside_limits_message(f"{argument}", f"{lowest}", f"{highest}"))

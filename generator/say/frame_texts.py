@@ -14,7 +14,7 @@ def wrong_length_message(frame: str, needed: str, actual: str) -> str:
     return f"'{frame}' has {needed}, got {actual}"
 
 
-def length_of_channels(channels: str, needed: str, actual: str, difference: str) -> str:
+def wrong_length_of_channels_message(channels: str, needed: str, actual: str, difference: str) -> str:
     """Return the message for a wrong length of a frame with several data channels. ``needed`` includes its unit."""
     remedy = "Write all of them, or all bits of a single channel"
     return f"{channels} have {needed} together, got {actual}: {difference}. {remedy}"
@@ -25,82 +25,82 @@ def wrong_crc_message(received: str, computed: str) -> str:
     return f"expected CRC {computed}, got {received}"
 
 
-def crc_with_exchanged_bytes(received: str, computed: str) -> str:
+def exchanged_crc_bytes_message(received: str, computed: str) -> str:
     """Return the message for a CRC that would be correct if its bytes were sent in reverse order."""
     return f"{wrong_crc_message(received, computed)}, which is this CRC with its bytes exchanged"
 
 
-def constant(name: str, actual: str, always: str) -> str:
+def wrong_constant_message(name: str, actual: str, always: str) -> str:
     """Return the message for a constant with a wrong value. ``always`` is the value that it must have."""
     return f"{name} is {actual}, but it must be {always}"
 
 
-def parity(name: str, actual: str, covered: str, expected: str) -> str:
+def wrong_parity_message(name: str, actual: str, covered: str, expected: str) -> str:
     """Return the message for a wrong parity bit. ``covered`` are the names of the fields that it covers."""
     return f"{name} is {actual}, but it must be {expected} as the parity of {covered}"
 
 
-def no_value(name: str, actual: str) -> str:
+def unknown_value_message(name: str, actual: str) -> str:
     """Return the message for a value that is not one of the named values of a field."""
     return f"{name} has no value {actual}"
 
 
-def digits(name: str, actual: str, highest: str) -> str:
+def too_many_digits_message(name: str, actual: str, highest: str) -> str:
     """Return the message for a number with too many decimal digits. ``highest`` is the number of digits allowed."""
     return f"{name} is {actual}, but it has at most {highest} digits"
 
 
-def too_high(name: str, actual: str, highest: str) -> str:
+def too_high_message(name: str, actual: str, highest: str) -> str:
     """Return the message for a position above the highest one of the encoder."""
     return f"{name} is {actual}, but the highest is {highest}"
 
 
-def not_in_code(name: str, sent: str, highest: str, code: str) -> str:
+def not_in_code_message(name: str, sent: str, highest: str, code: str) -> str:
     """Return the message for a number whose digits are not valid in their code, or that is too high."""
     return f"{name} is sent as {sent}, but it must be {code} of at most {highest}"
 
 
-def of_other_frame(name: str, actual: str) -> str:
+def other_frame_message(name: str, actual: str) -> str:
     """Return the message for a selector value that identifies a different frame."""
     return f"{name} {actual} does not belong to this frame"
 
 
-def too_few_bytes(actual: str) -> str:
+def too_few_bytes_message(actual: str) -> str:
     """Return the message for a frame that is too short to identify. ``actual`` includes its unit."""
     return f"{actual}: too short to identify the frame"
 
 
-def no_frame(selector: str, actual: str, choices: str) -> str:
+def no_frame_message(selector: str, actual: str, choices: str) -> str:
     """Return the message for a selector value that no frame from this sender has. ``choices`` are the valid values."""
     return f"{selector} is {actual}, but it must be {choices}"
 
 
-def other_value(name: str, actual: str, documented: str) -> str:
+def undocumented_value_message(name: str, actual: str, documented: str) -> str:
     """Return the message for a field whose value differs from the manual."""
     return f"{name} is {actual}, but the manual says {documented}"
 
 
-def other_content(name: str, actual: str, code: str, documented: str) -> str:
+def undocumented_content_message(name: str, actual: str, code: str, documented: str) -> str:
     """Return the message for a register whose content differs from the documented content for an order code."""
     return f"{name}: the register holds {actual}, but {code} has {documented}"
 
 
-def too_wide(name: str, value: str, bits: str) -> str:
+def too_wide_message(name: str, value: str, bits: str) -> str:
     """Return the message for a value that needs more bits than its field has."""
     return f"{name} {value} does not fit into {bits} bits"
 
 
-def no_power_of_two(name: str, value: str) -> str:
+def no_power_of_two_message(name: str, value: str) -> str:
     """Return the message for a value that must be a power of two."""
     return f"{name} {value} is not a power of two"
 
 
-def outside(value: str, low: str, high: str) -> str:
+def outside_limits_message(value: str, low: str, high: str) -> str:
     """Return the message for a value outside its limits."""
     return f"{value} is outside {low} to {high}"
 
 
-def of_older_edition(run: str, actual: str, bounds: str, revision: str, register: str, before: str) -> str:
+def older_edition_message(run: str, actual: str, bounds: str, revision: str, register: str, before: str) -> str:
     """Return the message for digits of a register that are impossible in this edition of the manual.
 
     ``run`` is the name of the digits. ``before`` is an edition before ``revision``, whose encoders may have them.
@@ -117,32 +117,32 @@ EMPTY = "the frame is empty"
 TOO_LONG = "the text is longer than any frame or register"
 
 
-def not_hex(piece: str) -> str:
+def not_hex_message(piece: str) -> str:
     """Return the message for text that is not a byte in hexadecimal. ``piece`` is this text in quotes."""
     return f"{piece} is not hex. Write the bytes like 02 00 12 34 00 24"
 
 
-def one_digit(piece: str, digit: str) -> str:
+def one_digit_message(piece: str, digit: str) -> str:
     """Return the message for a single hexadecimal digit where a byte is expected."""
     return f"{piece} is one hex digit. Write 0{digit} if it is a byte"
 
 
-def odd(piece: str) -> str:
+def odd_digits_message(piece: str) -> str:
     """Return the message for an odd number of hexadecimal digits."""
     return f"{piece} has an odd number of hex digits: one is missing or one too many"
 
 
-def decimal_bytes(text: str, meanings: str) -> str:
+def decimal_bytes_message(text: str, meanings: str) -> str:
     """Return the message for several numbers that may be bytes in decimal, and how to write them for each meaning."""
     return f"{text} could be decimal bytes. Write {meanings}"
 
 
-def bits_or_bytes(text: str) -> str:
+def bits_or_bytes_message(text: str) -> str:
     """Return the message for digits that could be bits or bytes in hexadecimal."""
     return f"{text} could be bits or hex bytes. Prefix it with 0b or 0x"
 
 
-def no_bits(text: str, bits: str, remedy: str) -> str:
+def no_bits_message(text: str, bits: str, remedy: str) -> str:
     """Return the message for text that is not a frame of ``bits`` bits, followed by a remedy."""
     return f"{text} is not a frame of {bits} bits. {remedy}"
 
@@ -162,7 +162,7 @@ def write_bits(bits: str, length: str) -> str:
     return f"Write 0b and all {bits} bits in the order sent, or {length} hex bytes with zeros in front"
 
 
-def no_order_code(text: str, remedy: str) -> str:
+def no_order_code_message(text: str, remedy: str) -> str:
     """Return the message for text that is not a frame, if no order code is given that states the length."""
     return f"{text} is not a frame. {remedy}"
 
@@ -212,12 +212,12 @@ def another_reading(text: str) -> str:
     return f"Another reading: {text}"
 
 
-def register_length(register: str, needed: str, actual: str) -> str:
+def register_length_message(register: str, needed: str, actual: str) -> str:
     """Return the message for a register value of a wrong length. ``needed`` and ``actual`` include their units."""
     return f"the register '{register}' has {needed}, but the text has {actual}"
 
 
-def in_gray_code(sent: str, decoded: str) -> str:
+def gray_code_note(sent: str, decoded: str) -> str:
     """Return the note on a number in Gray code, as sent and as decoded, both in hexadecimal."""
     return f"sent in Gray code as {sent}, decoded {decoded}"
 
@@ -237,17 +237,17 @@ def looks_wrong(name: str, readings: str) -> str:
     return f"Does the position look wrong? The {name} would be {readings}"
 
 
-def own_request(name: str) -> str:
+def own_request_note(name: str) -> str:
     """Return the note on a valid word that is also a request of the master."""
     return f"this word is also your own request {name}, as if MISO were connected to MOSI"
 
 
-def own_requests(names: str) -> str:
+def own_requests_note(names: str) -> str:
     """Return the note on several valid words that are all requests of the master. ``names`` are separated by commas."""
     return f"each of these words is also your own request, as if MISO were connected to MOSI: {names}"
 
 
-def no_position(channels: str) -> str:
+def no_position_note(channels: str) -> str:
     """Return the note on a frame with an error in some of its data channels, whose names are ``channels``."""
     return f"error in {channels}, so the frame has no position"
 
@@ -267,7 +267,7 @@ def all_crcs_correct(reading: str) -> str:
     return f"All CRCs are correct {reading}."
 
 
-def disturbed(bits: str, *, has_crc: bool) -> str:
+def inverted_bit_note(bits: str, *, has_crc: bool) -> str:
     """Return the sentences about a bit that noise may have inverted. ``bits`` names it, or the bits it may be."""
     proof = "the CRC matches" if has_crc else "the frame is valid"
     return (
@@ -276,8 +276,8 @@ def disturbed(bits: str, *, has_crc: bool) -> str:
     )
 
 
-def disturbed_or_shifted(bits: str) -> str:
-    """Return the sentences about a frame whose only check is a parity bit, after ``disturbed``."""
+def inverted_or_shifted_note(bits: str) -> str:
+    """Return the sentences about a frame whose only check is a parity bit, after ``inverted_bit_note``."""
     return (
         "A shift by one clock passes this check in half of all frames, so it is likely if about half of them "
         "fail. If only a few fail, one bit may have been corrupted on the line: the frame is valid with "
@@ -304,7 +304,7 @@ def equal_readings(count: str) -> str:
     return f"The frame fits {count} of these readings equally well. The likeliest one comes first"
 
 
-def compared(bits: str, numbers: str, *, agree: bool) -> str:
+def compared_bits_note(bits: str, numbers: str, *, agree: bool) -> str:
     """Return whether the compared bits of several data channels agree, with the numbers that they form."""
     return f"the highest {bits} bits {'agree' if agree else 'DISAGREE'}: {numbers}"
 

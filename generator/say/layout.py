@@ -40,7 +40,9 @@ from .text import (
 )
 
 
-def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Sequence[Alternative] = ()) -> Statement:
+def describe_head(
+    interface: Interface, layout: Layout, name: TextPart, alternatives: Sequence[Alternative] = ()
+) -> Statement:
     """Return a sentence with the frame's ``name``, its sender, its interface and its length.
 
     If only the answers to ``alternatives`` (questions that the manual leaves open) decide the length, each possible
@@ -223,12 +225,12 @@ def as_one_number(parts: str) -> str:
 
 def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
     """Yield all statements about a CRC: its parameters, its note and its errata."""
-    yield crc_head(device, checksum)
+    yield describe_crc_head(device, checksum)
     yield from spec_text(checksum.note)
     yield from map(describe_erratum, errata(device, f"crcs.{checksum.name}"))
 
 
-def crc_head(device: Device, checksum: Crc) -> Statement:
+def describe_crc_head(device: Device, checksum: Crc) -> Statement:
     """Return one sentence with the name, the width and the parameters of a CRC."""
     width = count_with_unit(checksum.width, "bit")
     parameters = crc_parameters(device, checksum)
@@ -358,17 +360,24 @@ def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
     ``high`` and ``low`` are the highest and lowest of these bits in the frame as one number. Bytes are counted from 0
     in the order sent. If the bits fill several bytes only in part, the result has their numbers in the whole frame.
     """
-    first_byte, last_byte = low // 8, high // 8
-    if layout.byte_order != "low_byte_first":
-        # The byte with the highest bits is sent first.
-        last_byte_of_frame = length // 8 - 1
-        first_byte, last_byte = last_byte_of_frame - high // 8, last_byte_of_frame - low // 8
+    first_byte, last_byte = _first_and_last_byte(layout, length, high=high, low=low)
+    # From the lowest bit of a byte to the highest bit of a byte.
     are_whole_bytes = low % 8 == 0 and high % 8 == 7
     if are_whole_bytes:
         return f"byte {first_byte}" if first_byte == last_byte else f"bytes {first_byte} to {last_byte}"
     if first_byte == last_byte:
         return f"byte {first_byte}, {bits(high % 8, low % 8)}"
     return f"{bits(high, low)} of the frame as one number"
+
+
+def _first_and_last_byte(layout: Layout, length: int, *, high: int, low: int) -> tuple[int, int]:
+    """Return the first and the last byte sent that have bits ``high`` to ``low`` of a ``length``-bit frame."""
+    lowest_byte, highest_byte = low // 8, high // 8
+    if layout.byte_order == "low_byte_first":
+        return lowest_byte, highest_byte
+    # The byte with the highest bits is sent first.
+    last_byte_of_frame = length // 8 - 1
+    return last_byte_of_frame - highest_byte, last_byte_of_frame - lowest_byte
 
 
 def bit_place(layout: Layout, length: int, high: int, low: int) -> str:
@@ -380,18 +389,13 @@ def bit_place(layout: Layout, length: int, high: int, low: int) -> str:
     is_one_bit = high == low
     if not layout.in_bytes:
         return f"{high}" if is_one_bit else f"{high}:{low}"
-    if layout.byte_order == "low_byte_first":
-        first_bit, last_bit = low, high
-        first_byte, last_byte = low // 8, high // 8
-    else:
-        first_bit, last_bit = high, low
-        # The byte with the highest bits is sent first.
-        last_byte_of_frame = length // 8 - 1
-        first_byte, last_byte = last_byte_of_frame - high // 8, last_byte_of_frame - low // 8
+    first_byte, last_byte = _first_and_last_byte(layout, length, high=high, low=low)
     if first_byte != last_byte:
-        is_whole_bytes = low % 8 == 0 and high % 8 == 7  # From the lowest bit of a byte to the highest bit of a byte.
-        if is_whole_bytes:
+        # From the lowest bit of a byte to the highest bit of a byte.
+        are_whole_bytes = low % 8 == 0 and high % 8 == 7
+        if are_whole_bytes:
             return f"bytes {first_byte}-{last_byte}"
+        first_bit, last_bit = (low, high) if layout.byte_order == "low_byte_first" else (high, low)
         return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
     fills_byte = high - low == 7
     if fills_byte:

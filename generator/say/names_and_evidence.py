@@ -393,7 +393,7 @@ def deciding_value(field: Field) -> str:
 def conditions_text(values: Iterable[tuple[Field, int]]) -> Statement:
     """Return the field values that together decide a verdict, such as ``error is 0 and mode is 5h (test)``.
 
-    For a flag, a value of 1 means that it is active. The text has the level of its bit, which is 0 if it is active low.
+    A flag has the value 1 if it is active. An active flag that is active low is written as ``error is 0``.
     """
     phrases = [_condition_parts(field, value) for field, value in values]
     return statement(*join_groups(phrases, " and "))
@@ -402,7 +402,7 @@ def conditions_text(values: Iterable[tuple[Field, int]]) -> Statement:
 def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:
     """Return a field with its value: ``error is 0`` for a flag, or ``mode is 5h (test)`` for a named value.
 
-    For a flag, ``value`` is 1 if it is active. The text has the level of its bit, which is 0 if it is active low.
+    For a flag, ``value`` is 1 if it is active. An active flag that is active low is written as ``error is 0``.
     """
     if isinstance(field.kind, Flag):
         is_active = bool(value)

@@ -160,7 +160,7 @@ def _choice_with_values(device: Device, parameter: Parameter) -> Iterator[TextPa
             yield CodeText(answer.name)
 
 
-def initial(device: Device) -> str:
+def words_for_initial_values(device: Device) -> str:
     """Return the phrase for the values that parameters have until the registers that hold them are read.
 
     They are ``factory defaults`` or, if none of the registers has a known default, ``values of the order code``.

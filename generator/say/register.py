@@ -67,7 +67,7 @@ def describe_access(register: Register) -> str:
     return _ACCESS_IN_WORDS[register.access]
 
 
-def head(device: Device, register: Register, name: TextPart) -> Statement:
+def describe_head(device: Device, register: Register, name: TextPart) -> Statement:
     """Return the register's ``name``, address, access and interface: ``command, register 77h, write-only, over …``."""
     interface_title = device.interface(register.interface).title
     access = describe_access(register)

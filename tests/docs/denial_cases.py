@@ -18,8 +18,8 @@ from typing import Any
 from codewheel.commands.new import write_spec
 from codewheel.loading.library import load_library
 from codewheel.masters.encoder_facts import cable_table
-from codewheel.masters.record import record
-from codewheel.masters.text import record_facts
+from codewheel.masters.order_code_facts import facts_of_order_code
+from codewheel.masters.text import facts_in_words
 from codewheel.model import (
     Alarm,
     Biss,
@@ -308,7 +308,7 @@ def speed_text(kind: str, device: Device) -> str:
 
 def record_row(label: str, device: Device) -> str:
     """Return one row of the facts for masters."""
-    return dict(record_facts(record(device, device.variants[0])))[label]
+    return dict(facts_in_words(facts_of_order_code(device, device.variants[0])))[label]
 
 
 REPLY = a_timing("Time from the request until the encoder answers")

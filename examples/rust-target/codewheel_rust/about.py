@@ -39,12 +39,15 @@ def doc(statements: Iterable[Statement | str] | Statement, indent: int = 0, mark
 
 def frame_text(device: Device, interface: Interface, frame: Layout) -> list[Statement]:
     """Return the description of a frame."""
-    return [layout.head(interface, frame, title_of(frame)), *layout.describe_layout(device, interface, frame)]
+    return [layout.describe_head(interface, frame, title_of(frame)), *layout.describe_layout(device, interface, frame)]
 
 
 def register_text(device: Device, described: Register) -> list[Statement]:
     """Return the description of a register."""
-    return [register.head(device, described, title_of(described)), *register.describe_register(device, described)]
+    return [
+        register.describe_head(device, described, title_of(described)),
+        *register.describe_register(device, described),
+    ]
 
 
 def field_text(device: Device, owner: Layout, described: Field) -> list[str]:

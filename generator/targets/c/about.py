@@ -180,7 +180,7 @@ def about_layout(device: Device, interface: Interface, struct: LayoutStruct) -> 
     statements_elsewhere = list(say_layout.describe_joins(frame_layout))
     errata = list(say_layout.errata_of(device, interface, frame_layout))
     statements_elsewhere += errata
-    heading = say_layout.head(interface, frame_layout, CodeText(frame_layout.name), device.alternatives)
+    heading = say_layout.describe_head(interface, frame_layout, CodeText(frame_layout.name), device.alternatives)
     paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(heading)]
     for layout_statement in say_layout.describe_layout(device, interface, frame_layout):
         if layout_statement not in statements_elsewhere:
@@ -273,7 +273,7 @@ def field_table(struct: LayoutStruct) -> Iterator[Paragraph]:
 
 def about_register(device: Device, register: Register) -> list[Paragraph]:
     """Return the comment on a register. Its default and limits are omitted, since constants and functions give them."""
-    heading = say_register.head(device, register, full_title(register))
+    heading = say_register.describe_head(device, register, full_title(register))
     statements = say_register.describe_register(device, register)
     other_statements = [statement for statement in statements if statement.label not in _IN_CODE]
     return list(map(HEADER_STYLE.sentence, (heading, *other_statements)))

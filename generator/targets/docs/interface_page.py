@@ -41,7 +41,7 @@ from ...say.names_and_evidence import (
     title_of,
     word_for_document,
 )
-from ...say.order_code import PURPOSES, initial
+from ...say.order_code import PURPOSES, words_for_initial_values
 from ...say.text import (
     MARKDOWN,
     CodeText,
@@ -245,7 +245,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     size = statement(*say_layout.describe_size(layout, device.alternatives))
     return {
         "layout": layout,
-        "head": say_layout.head(interface, layout, CodeText(layout.name), device.alternatives),
+        "head": say_layout.describe_head(interface, layout, CodeText(layout.name), device.alternatives),
         "size": MARKDOWN.phrase(size),
         "facts": [*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
@@ -269,7 +269,7 @@ def _register_section(device: Device, register: Register) -> Section:
         "register": register,
         "title": title_of(register),
         "access": say_register.describe_access(register),
-        "head": say_register.head(device, register, CodeText(register.name)),
+        "head": say_register.describe_head(device, register, CodeText(register.name)),
         "facts": say_register.describe_register_facts(device, register),
         "rows": [] if is_named_like_register and adds_nothing else rows,
         "value_tables": [_value_table(field, is_only_field) for field in fields if has_value_table(field)],
@@ -396,7 +396,7 @@ def interface_values(
         "pictures": pictures,
         "timing": timing_diagram(device, interface),
         "frames_set_by_registers": [layout.name for layout in layouts if follows_registers(family_device, layout)],
-        "initial": initial(family_device),
+        "initial": words_for_initial_values(family_device),
     }
 
 

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
 from ...masters.encoder_facts import EncoderFacts, Undecided
 from ...masters.frame_parts import NoRecord
+from ...masters.order_code_facts import facts_of_order_code
 from ...masters.places_and_writing import ObjectWrite, SettingPlace, write_order
-from ...masters.record import record
 from ...masters.sheet import Master, Setting, SettingsSheet, sheet
 from ...masters.text import condition_text
 from ...model import Device, Interface, Variant, answer_combinations
@@ -130,13 +130,13 @@ class Content:
         return self.channels[0].entries if self.channels else ()
 
 
-def content_of_file(sheet: SettingsSheet, rule: YamlMapping, device: str) -> Content:
-    """Return the content of a file for a device of a master, whose description of the file is ``rule``.
+def content_of_file(sheet: SettingsSheet, file_rule: YamlMapping, device: str) -> Content:
+    """Return the content of a file for a device of a master, whose description of the file is ``file_rule``.
 
     For each setting that the file leaves out, and for each value that the format cannot express, the content has a
     sentence with the reason.
     """
-    file_format = FILE_FORMATS[rule["format"]]
+    file_format = FILE_FORMATS[file_rule["format"]]
     file_values: list[FileValue] = []
     omissions: list[str] = []
     for setting, writes_before, writes_after in _settings_in_write_order(sheet):
@@ -146,12 +146,12 @@ def content_of_file(sheet: SettingsSheet, rule: YamlMapping, device: str) -> Con
             continue
         to_write: tuple[Setting | ObjectWrite, ...] = (*writes_before, setting, *writes_after)
         for setting_or_write in to_write:
-            reason_not_expressible = _reason_not_expressible(setting_or_write, rule, file_format, device)
+            reason_not_expressible = _reason_not_expressible(setting_or_write, file_rule, file_format, device)
             if reason_not_expressible:
                 name = _setting_name(setting_or_write)
                 omissions.append(f"{name} = {setting_or_write.text}: {reason_not_expressible}.")
             else:
-                file_values += _file_values(setting_or_write, rule, device)
+                file_values += _file_values(setting_or_write, file_rule, device)
     return Content(
         channels=_channels_of_device(sheet, device, file_values),
         left_out=tuple(omissions),
@@ -206,14 +206,14 @@ def _setting_name(setting_or_write: Setting | ObjectWrite) -> str:
 
 
 def _reason_not_expressible(
-    setting_or_write: Setting | ObjectWrite, rule: YamlMapping, file_format: FileFormat, device: str
+    setting_or_write: Setting | ObjectWrite, file_rule: YamlMapping, file_format: FileFormat, device: str
 ) -> str:
     """Return the reason that a format cannot express a value for some location on a device, or an empty string."""
     value = _setting_value(setting_or_write)
     for place in setting_or_write.places:
         if place.device == device:
             if file_format.kind_of_place == "name":
-                reason = "" if _key_in_file(setting_or_write, rule) else "the file has no name for it"
+                reason = "" if _key_in_file(setting_or_write, file_rule) else "the file has no name for it"
             else:
                 reason = _reason_not_expressible_at(place, value, file_format)
             if reason:
@@ -221,7 +221,7 @@ def _reason_not_expressible(
     return ""
 
 
-def _file_values(setting_or_write: Setting | ObjectWrite, rule: YamlMapping, device: str) -> list[FileValue]:
+def _file_values(setting_or_write: Setting | ObjectWrite, file_rule: YamlMapping, device: str) -> list[FileValue]:
     """Return a value of a file for each location that a setting has on a device."""
     marks = _setting_marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
     file_values = []
@@ -229,9 +229,9 @@ def _file_values(setting_or_write: Setting | ObjectWrite, rule: YamlMapping, dev
         if place.device == device:
             file_value = FileValue(
                 name=_setting_name(setting_or_write),
-                key=_key_in_file(setting_or_write, rule),
+                key=_key_in_file(setting_or_write, file_rule),
                 value=_setting_value(setting_or_write),
-                word=_value_word(setting_or_write, rule),
+                word=_value_word(setting_or_write, file_rule),
                 mark=", ".join(marks),
                 place=place,
             )
@@ -239,10 +239,10 @@ def _file_values(setting_or_write: Setting | ObjectWrite, rule: YamlMapping, dev
     return file_values
 
 
-def _value_word(setting_or_write: Setting | ObjectWrite, rule: YamlMapping) -> str:
+def _value_word(setting_or_write: Setting | ObjectWrite, file_rule: YamlMapping) -> str:
     """Return a value in the notation of the file: the word for it in the master's description, or a number or text."""
     value = _setting_value(setting_or_write)
-    words_by_value = rule.get("words", {}).get(_setting_name(setting_or_write), {})
+    words_by_value = file_rule.get("words", {}).get(_setting_name(setting_or_write), {})
     number_or_text = int(value) if isinstance(value, bool) else value
     return str(words_by_value.get(str(value), number_or_text))
 
@@ -255,9 +255,9 @@ def _setting_marks(setting: Setting) -> list[str]:
     return marks
 
 
-def _key_in_file(setting_or_write: Setting | ObjectWrite, rule: YamlMapping) -> str:
+def _key_in_file(setting_or_write: Setting | ObjectWrite, file_rule: YamlMapping) -> str:
     """Return the name of a setting in the file, or an empty string if the master's description gives none."""
-    key: str = rule.get("names", {}).get(_setting_name(setting_or_write), "")
+    key: str = file_rule.get("names", {}).get(_setting_name(setting_or_write), "")
     return key
 
 
@@ -290,6 +290,10 @@ def _reason_not_expressible_at(place: SettingPlace, value: Value, file_format: F
     return ""
 
 
+#: Name of the channel of values that all channels share.
+_ALL_CHANNELS = ""
+
+
 def _channels_of_device(sheet: SettingsSheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
     """Return the channels of a device with their values, or nothing without values.
 
@@ -303,14 +307,14 @@ def _channels_of_device(sheet: SettingsSheet, device: str, file_values: Sequence
     if are_all_shared:
         name_of_single_channel = "" if further_names else first_name
         return (Channel(name_of_single_channel, tuple(file_values)),)
-    # The first channel also contains the shared values, whose channel has no name.
-    channels = [Channel(first_name, _values_of_channels(file_values, (first_name, "")))]
+    # The first channel also contains the values for all channels.
+    channels = [Channel(first_name, _values_of_channels(file_values, (first_name, _ALL_CHANNELS)))]
     channels += [Channel(name, _values_of_channels(file_values, (name,))) for name in further_names]
     return tuple(channels)
 
 
 def _values_of_channels(file_values: Sequence[FileValue], names: Collection[str]) -> tuple[FileValue, ...]:
-    """Return the values whose channel is among ``names``. The name of values for all channels is empty."""
+    """Return the values whose channel is among ``names``."""
     return tuple(file_value for file_value in file_values if file_value.place.channel in names)
 
 
@@ -320,7 +324,7 @@ class CodesWithSameSettings:
 
     device: Device
     codes: tuple[str, ...]
-    record: EncoderFacts
+    facts: EncoderFacts
 
 
 def order_code_groups(device: Device, interface: Interface) -> list[CodesWithSameSettings]:
@@ -329,17 +333,17 @@ def order_code_groups(device: Device, interface: Interface) -> list[CodesWithSam
     Two order codes are in the same group if their facts, such as widths and clocks, are equal. An order code whose
     frame depends on a question that the manual leaves open is in one group for each answer.
     """
-    records_by_facts: dict[str, list[EncoderFacts]] = {}
-    for code_record in records_of(device, interface):
-        facts_without_code = repr(replace(code_record, code=""))
-        records_by_facts.setdefault(facts_without_code, []).append(code_record)
-    return [_build_group(device, records) for records in records_by_facts.values()]
+    facts_by_text: dict[str, list[EncoderFacts]] = {}
+    for code_facts in facts_of_order_codes(device, interface):
+        text_without_code = repr(replace(code_facts, code=""))
+        facts_by_text.setdefault(text_without_code, []).append(code_facts)
+    return [_build_group(device, equal_facts) for equal_facts in facts_by_text.values()]
 
 
-def _build_group(device: Device, records: Sequence[EncoderFacts]) -> CodesWithSameSettings:
-    """Return the group of the order codes to which these records, which are equal apart from the code, belong."""
-    codes = tuple(code_record.code for code_record in records)
-    return CodesWithSameSettings(device, codes, record=records[0])
+def _build_group(device: Device, equal_facts: Sequence[EncoderFacts]) -> CodesWithSameSettings:
+    """Return the group of the order codes with these facts, which are equal apart from the order code."""
+    codes = tuple(code_facts.code for code_facts in equal_facts)
+    return CodesWithSameSettings(device, codes, facts=equal_facts[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -390,10 +394,10 @@ def _compute_sheets(device: Device, masters: Sequence[Master]) -> Iterator[Group
 
 def _sheets_for(master: Master, groups: Sequence[CodesWithSameSettings]) -> tuple[SettingsSheet, ...]:
     """Return the sheet of one master for each group of order codes."""
-    return tuple(sheet(master, group.record) for group in groups)
+    return tuple(sheet(master, group.facts) for group in groups)
 
 
-def records_of(device: Device, interface: Interface) -> Iterator[EncoderFacts]:
+def facts_of_order_codes(device: Device, interface: Interface) -> Iterator[EncoderFacts]:
     """Yield the facts about each listed order code of an interface that masters need.
 
     An order code whose frame depends on a question that the manual leaves open is yielded once for each answer. Order
@@ -401,12 +405,12 @@ def records_of(device: Device, interface: Interface) -> Iterator[EncoderFacts]:
     """
     for variant in device.variants_over(interface.name):
         with suppress(NoRecord):
-            for code_record in _records_by_answers(device, variant):
-                if not code_record.obstacle:
-                    yield code_record
+            for code_facts in _facts_by_answers(device, variant):
+                if not code_facts.obstacle:
+                    yield code_facts
 
 
-def _records_by_answers(device: Device, variant: Variant) -> Iterator[EncoderFacts]:
+def _facts_by_answers(device: Device, variant: Variant) -> Iterator[EncoderFacts]:
     """Yield the facts about an order code, once for each answer to questions on which its frame depends.
 
     If its frame depends on no question, they are yielded once.
@@ -415,10 +419,10 @@ def _records_by_answers(device: Device, variant: Variant) -> Iterator[EncoderFac
         NoRecord: There are no master settings for this order code.
     """
     try:
-        yield record(device, variant)
+        yield facts_of_order_code(device, variant)
     except Undecided as error:
         deciding_alternatives = device.alternatives_of(error.layout)
         for answers, _ in answer_combinations(deciding_alternatives):
             pairs = zip(deciding_alternatives, answers, strict=True)
             chosen_answers = {alternative.name: answer.name for alternative, answer in pairs}
-            yield record(device, variant, answers=chosen_answers)
+            yield facts_of_order_code(device, variant, answers=chosen_answers)

@@ -260,7 +260,7 @@ def describe_layout(device: Device, interface: Interface, frame: Layout) -> tupl
     empty if there are none.
     """
     title = heading(frame.name)
-    summary = DOCSTRING_STYLE.sentence(say_layout.head(interface, frame, title, device.alternatives))
+    summary = DOCSTRING_STYLE.sentence(say_layout.describe_head(interface, frame, title, device.alternatives))
     group_names = dict.fromkeys(field.group for field in frame.fields if field.group)
     # These are paths in the spec of the device, where errata refer to them.
     group_paths = [f"field_groups.{name}" for name in group_names]
@@ -285,7 +285,7 @@ def describe_register(device: Device, device_register: Register) -> tuple[str, l
         as_sentence(device_register.note),
         *register_errata,
     ]
-    summary = DOCSTRING_STYLE.sentence(say_register.head(device, device_register, full_title(device_register)))
+    summary = DOCSTRING_STYLE.sentence(say_register.describe_head(device, device_register, full_title(device_register)))
     return summary, blocks
 
 

@@ -1,4 +1,4 @@
-"""The record of an order code: the facts about its position, frame, clocks and times that settings of masters need.
+"""The facts about one order code: its position, frame, clocks and times that settings of masters need.
 
 The rules for masters in ``specs/masters`` refer to its items by name. An item that the manual does not give is None. A
 rule that needs it reports it as unknown.
@@ -61,7 +61,7 @@ def _notes_on_frame(
     yield from channel_notes(frame.interface, placed_layout)
 
 
-def record(
+def facts_of_order_code(
     device: Device,
     variant: Variant,
     as_delivered: bool = True,
@@ -96,11 +96,11 @@ def record(
         *_notes_on_frame(device, frame, parts, as_delivered),
     ]
     notes += [reason for reason in (obstacle, crc_obstacle) if reason]
-    facts_without_notes = _build_record(frame, parts, numbers, cables)
-    record_for_any_cable = replace(
+    facts_without_notes = _facts_for_any_cable(frame, parts, numbers, cables)
+    facts_for_any_cable = replace(
         facts_without_notes, notes=tuple(notes), answers=needed_answers, obstacle=obstacle, crc_obstacle=crc_obstacle
     )
-    return record_for_any_cable if cable_m is None else _limit_to_cable(record_for_any_cable, cable_m)
+    return facts_for_any_cable if cable_m is None else _limit_to_cable(facts_for_any_cable, cable_m)
 
 
 def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]) -> _PositionFrame:
@@ -167,7 +167,7 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
     return not is_reflected and is_plain_or_inverted and ends_with_1
 
 
-def _build_record(
+def _facts_for_any_cable(
     frame: _PositionFrame, frame_parts: tuple[FramePart, ...], numbers: Mapping[str, int | None], cables: CableTable
 ) -> EncoderFacts:
     """Return the facts about an order code for any cable length, without notes, answers and obstacles for masters."""
