@@ -350,24 +350,27 @@ def _code_and_answers(code: str, facts: EncoderFacts) -> str:
 
 def _bulk_text(bulk_file: _FileOfCodes) -> str:
     """Return the text of a bulk file. Order codes with the same content and the same answers share a block."""
-    codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
-    sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], SettingsSheet] = {}
+    sheets_by_content: dict[tuple[Content, tuple[tuple[str, str], ...]], list[_SheetOfCodes]] = {}
     for sheet_of_codes in bulk_file.sheets:
         file_content = content_of_file(sheet_of_codes.sheet, bulk_file.file_rule, bulk_file.master_device)
-        content_and_answers = (file_content, tuple(sheet_of_codes.facts.answers.items()))
-        codes_by_content.setdefault(content_and_answers, []).extend(sheet_of_codes.order_codes)
-        sheet_by_content.setdefault(content_and_answers, sheet_of_codes.sheet)
-    blocks = []
-    for (file_content, answers), order_codes in codes_by_content.items():
-        title = ", ".join(order_codes)
-        if answers:
-            chosen_answers = " and ".join(f"{question}={answer}" for question, answer in answers)
-            title += f" with {chosen_answers}"
-        sheet = sheet_by_content[file_content, answers]
-        block_text = bulk_file.text(order_codes, sheet, is_short=True, file_content=file_content)
-        blocks.append(_Block(title, block_text))
-    head = _bulk_head(bulk_file, list(sheet_by_content.values()))
+        answers = tuple(sheet_of_codes.facts.answers.items())
+        sheets_by_content.setdefault((file_content, answers), []).append(sheet_of_codes)
+    blocks = [_block(bulk_file, file_content, sheets) for (file_content, _), sheets in sheets_by_content.items()]
+    first_sheets = [sheets[0].sheet for sheets in sheets_by_content.values()]
+    head = _bulk_head(bulk_file, first_sheets)
     return _joined_blocks(blocks, head, FILE_FORMATS[bulk_file.file_rule["format"]].comment)
+
+
+def _block(bulk_file: _FileOfCodes, file_content: Content, sheets: Sequence[_SheetOfCodes]) -> _Block:
+    """Return the block of order codes that share the content of their file and the answers to open questions."""
+    first_sheet = sheets[0]
+    order_codes = [order_code for sheet_of_codes in sheets for order_code in sheet_of_codes.order_codes]
+    title = ", ".join(order_codes)
+    if first_sheet.facts.answers:
+        chosen_answers = " and ".join(f"{question}={answer}" for question, answer in first_sheet.facts.answers.items())
+        title += f" with {chosen_answers}"
+    block_text = bulk_file.text(order_codes, first_sheet.sheet, is_short=True, file_content=file_content)
+    return _Block(title, block_text)
 
 
 def _bulk_head(bulk_file: _FileOfCodes, sheets: Sequence[SettingsSheet]) -> list[str]:
