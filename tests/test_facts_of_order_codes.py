@@ -27,7 +27,7 @@ READERS = {
         "model/interfaces.py",
         "targets/c/code_facts.py",
         "masters/encoder_facts.py",
-        "masters/record.py",
+        "masters/order_code_facts.py",
         "order_codes/reduction.py",
         "targets/python/readme.py",
     },
