@@ -39,7 +39,7 @@ from jinja2 import (
 from jinja2.bccache import Bucket, BytecodeCache
 
 from .language.problems import TEMPLATE_SUFFIX, TemplateFault
-from .say.plain_text import text_on_one_line, wrap_text
+from .say import text_on_one_line, wrap_text
 
 
 class CompiledTemplates(BytecodeCache):

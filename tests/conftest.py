@@ -28,7 +28,7 @@ from codewheel.masters import sheet
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate as generate_docs
-from codewheel.virtual import find_order_code
+from codewheel.virtual import simulation_options
 from hostile_texts import spoilt
 from hypothesis import HealthCheck, settings
 
@@ -110,7 +110,7 @@ def _specs_read_once() -> Iterator[None]:
     """Commands and tests of one process read the specs of this repository only once. Other specs are read each time."""
     families, masters = _once(loading.load_families, _spec_files), _once(sheet.load_masters, _as_given)
     with pytest.MonkeyPatch.context() as patch:
-        for module in (loading, outputs, checked_specs, find_order_code):
+        for module in (loading, outputs, checked_specs, simulation_options):
             patch.setattr(module, "load_families", families)
         patch.setattr(sheet, "load_masters", masters)
         yield

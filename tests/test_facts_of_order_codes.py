@@ -26,8 +26,8 @@ READERS = {
     "keeps those of the order code, with applying or fits": {
         "model/interfaces.py",
         "targets/c/code_facts.py",
-        "masters/frame_parts.py",
-        "masters/record.py",
+        "masters/encoder_facts.py",
+        "masters/order_code_facts.py",
         "order_codes/reduction.py",
         "targets/python/readme.py",
     },
@@ -39,7 +39,7 @@ READERS = {
         "targets/docs/verdict_table.py",
     },
     "finds the alarm of a flag, which has the same only, and callers treat the flag of other codes as unexplained": {
-        "say/report.py",
+        "say/commands_and_alarms.py",
         "targets/docs/verdict_page.py",
     },
     "needs only names, links or procedures, which do not depend on the order code": {
@@ -47,7 +47,7 @@ READERS = {
         "targets/c/chosen.py",
         "targets/docs/cross_family_pages.py",
         "targets/docs/interface_page.py",
-        "targets/docs/page_links.py",
+        "targets/docs/__init__.py",
     },
     "builds the family, or passes its facts to one of the others": {
         "loading/order_code_facts.py",
@@ -67,7 +67,7 @@ READERS = {
     },
     "compares a length with those of the frames of all order codes": {"loading/repeated_facts.py"},
     "denies something only if no fact of any order code mentions it": {
-        "say/evidence.py",
+        "say/names_and_evidence.py",
         "targets/docs/wiring_tables.py",
     },
     "shows the order codes beside each fact": {
@@ -80,7 +80,7 @@ READERS = {
         "readings/surroundings.py",
         "say/errata.py",
         "say/order_code.py",
-        "say/evidence.py",
+        "say/names_and_evidence.py",
         "targets/c/device.py",
         "targets/c/errata_page.py",
         "targets/c/interfaces.py",
@@ -89,7 +89,7 @@ READERS = {
         "targets/docs/cross_family_pages.py",
         "targets/docs/family_pages.py",
         "targets/docs/order_code_page.py",
-        "targets/docs/inline_errata.py",
+        "targets/docs/__init__.py",
         "targets/docs/interface_page.py",
         "targets/docs/fact_tables.py",
         "targets/docs/timing_pictures.py",

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from codewheel.say.markdown import code_span, escape
+from codewheel.say.text import code_span, escape
 
 HEADERS = "generated/c/include"
 MODULES = "generated/python"

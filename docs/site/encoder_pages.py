@@ -9,12 +9,12 @@ from pathlib import Path
 from urllib.parse import quote
 
 from codewheel.loading.library import load_library
-from codewheel.masters.groups import records_of
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate as generate_c
 from codewheel.targets.c.single import single_path
 from codewheel.targets.docs.files import generate
+from codewheel.targets.masters import facts_of_order_codes
 
 #: Pages that list all encoders.
 LISTS = ("README.md", "docs/encoder/encoders.md")
@@ -59,7 +59,7 @@ def _codes_with_settings(devices: tuple[Device, ...]) -> Iterator[str]:
     """Yield the order codes for which the page with the settings of masters has texts."""
     for device in devices:
         for interface in device.interfaces:
-            if next(records_of(device, interface), None) is not None:
+            if next(facts_of_order_codes(device, interface), None) is not None:
                 yield from (variant.code for variant in device.variants_over(interface.name))
 
 

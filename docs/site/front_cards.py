@@ -8,9 +8,8 @@ from pathlib import Path
 
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag, Layout, PlacedField, PlacedLayout, Variant, answer_combinations
-from codewheel.say.evidence import GRADES
 from codewheel.say.layout import box_colour
-from codewheel.say.names_and_places import name_in_words
+from codewheel.say.names_and_evidence import GRADES, name_in_words
 
 #: Fields with fewer bits, or with a smaller part of the frame, have room for a letter only, which the caption explains.
 _TEXT, _PART = 3, 9

@@ -12,6 +12,7 @@ from pathlib import Path
 from xml.sax.saxutils import escape
 
 from codewheel.targets.registry import palette
+from codewheel.targets.picture_elements import palette
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import re
 from typing import Any
 
 from codewheel.targets.registry import palette
+from codewheel.targets.picture_elements import palette
 from sphinx.application import Sphinx
 
 #: Verdicts as they are in a cell, and their classes.

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from codewheel.changes.rules import OUTPUTS, RULES, TITLES, ChangeRule, Impact
 from codewheel.language.problems import join_words
-from codewheel.say.markdown import code_span, escape, markdown_link, table
+from codewheel.say.text import code_span, escape, markdown_link, table
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER, DATA = ROOT / "docs/transcribe", ROOT / "generator" / "language" / "rules.json"

@@ -14,8 +14,7 @@ from typing import Any, ClassVar, Protocol
 
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Field, Layout, Variant
-from codewheel.say.evidence import GRADES
-from codewheel.say.names_and_places import addresses_text, hexadecimal, name_in_words, title_of
+from codewheel.say.names_and_evidence import GRADES, addresses_text, hexadecimal, name_in_words, title_of
 from codewheel.targets.docs.order_code_page import OrderCodes
 from sphinx.application import Sphinx
 from sphinx.domains import Domain

@@ -14,18 +14,18 @@ from typing import Any, TypedDict
 
 from codewheel.language.written_masters import FILE_FORMATS, NUMBERS, TYPES, WORDS
 from codewheel.loading.library import load_library
-from codewheel.masters.coverage import covered_items, depends_on_crc, depends_on_whole_frame
-from codewheel.masters.groups import order_code_groups, records_of
-from codewheel.masters.notes import NOTE_ON_CLOCKS
-from codewheel.masters.record import EncoderFacts, record
+from codewheel.masters.encoder_facts import NOTE_ON_CLOCKS, EncoderFacts
+from codewheel.masters.frame_parts import covered_items, depends_on_crc, depends_on_whole_frame
+from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, SettingsSheet, sheet, shipped_masters
 from codewheel.masters.text import CODINGS_IN_WORDS
 from codewheel.model import INTERFACES, Biss, Device, Interface, Ssi
 from codewheel.model.expressions import Expression
 from codewheel.one_line.encoder import device_of_line
-from codewheel.say.evidence import GRADES, grade_below_manual, origin
-from codewheel.say.plain_text import decimal
+from codewheel.say import decimal
+from codewheel.say.names_and_evidence import GRADES, grade_below_manual, origin
 from codewheel.say.text import PLAIN_STYLE
+from codewheel.targets.masters import facts_of_order_codes, order_code_groups
 from codewheel.targets.masters.files import file_text
 
 #: Placeholders in a line for the order code, and for the order code as an identifier.
@@ -143,7 +143,7 @@ def _line_data() -> dict[str, Any]:
     records = {}
     for name, line in _EXAMPLE_LINES.items():
         device, code_match = device_of_line(line)
-        records[name] = _record_data(record(device, code_match.variant))
+        records[name] = _record_data(facts_of_order_code(device, code_match.variant))
     other_interfaces = f"there are masters for {Ssi.title} and {Biss.title} only"
     return {**_family_data(device), "records": records, "other_interfaces": other_interfaces}
 
@@ -218,10 +218,10 @@ def _records_with_sheets(
     """Yield the record of each order code with the sheets of all masters, which a group of order codes shares."""
     sheets_by_code: dict[tuple[str, tuple[str, ...]], list[SettingsSheet]] = {}
     for group in order_code_groups(device, interface):
-        sheets = [sheet(master, group.record) for master in masters if master.files]
-        answers = tuple(group.record.answers.values())
+        sheets = [sheet(master, group.facts) for master in masters if master.files]
+        answers = tuple(group.facts.answers.values())
         sheets_by_code |= {(code, answers): sheets for code in group.codes}
-    for encoder_record in records_of(device, interface):
+    for encoder_record in facts_of_order_codes(device, interface):
         yield encoder_record, sheets_by_code[encoder_record.code, tuple(encoder_record.answers.values())]
 
 
@@ -235,7 +235,9 @@ def _files_by_master(
             continue
         for rule in master_sheet.master.files:
             for master_device in master_sheet.devices_with(rule):
-                content = file_text(device, [encoder_record.code], master_sheet, rule=rule, master_device=master_device)
+                content = file_text(
+                    device, [encoder_record.code], master_sheet, file_rule=rule, master_device=master_device
+                )
                 number = files.number_of(content.rstrip("\n"), encoder_record.code)
                 files_by_master.setdefault(master_sheet.master.name, []).append([rule["format"], master_device, number])
     return files_by_master

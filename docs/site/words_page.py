@@ -12,6 +12,8 @@ from typing import Any, NamedTuple
 
 from codewheel.language.schemas import load_schema
 from codewheel.say.markdown import escape, table
+from codewheel.language.schema_files import load_schema
+from codewheel.say.text import escape, table
 from spec_words import ROOT, nodes_of, read_specs
 
 PAGE = ROOT / "docs/trust/words.md"

@@ -11,8 +11,8 @@ from ..model import Alarm, Alternative, Connector, Crc, Device, Layout
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, ModelMember
 from ..order_codes.reduction import sent_crcs
-from ..say.names_and_places import register_at
-from ..say.plain_text import first_of
+from ..say import first_of
+from ..say.names_and_evidence import register_at
 from .counterparts import pair_parts, pair_section
 from .family_pair import FamilyPair, OldAndNew
 from .rules import Change, ChangeSubject

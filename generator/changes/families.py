@@ -8,7 +8,7 @@ from itertools import chain
 from operator import attrgetter
 
 from ..model import Alternative, CodePart, Device, Manual, Measurement, Parameter, Spelling, Supply, Variant
-from ..say.plain_text import first_of
+from ..say import first_of
 from .compare import compare_members, compare_parts, compare_section
 from .consequences import fold_alike, fold_defaults, fold_types, fold_waits, with_consequences
 from .counterparts import pair_section, remember_all_renamings

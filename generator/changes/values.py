@@ -11,7 +11,7 @@ from typing import Any
 from ..model import CodedValue, Device, Scale, Supply, Variant
 from ..model.expressions import Expression, ExpressionError
 from ..order_codes.parameters import with_changed
-from ..say.plain_text import count_with_unit, first_of, formula
+from ..say import count_with_unit, first_of, formula
 from ..say.text import hertz, time_text, volts
 
 Parameters = Mapping[str, int]

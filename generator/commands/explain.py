@@ -93,7 +93,7 @@ def _list_rules(examples: dict[str, RuleExample]) -> str:
     ``examples`` contains an example of each rule of check about a single file, by the name of the rule.
     """
     from ..changes.rules import RULES
-    from ..say.plain_text import WIDTH, wrap_text
+    from ..say import WIDTH, wrap_text
 
     lines = ["Rules of diff:", ""]
     for rule in RULES.values():
@@ -109,7 +109,7 @@ def _list_rules(examples: dict[str, RuleExample]) -> str:
 
 def _describe_rule_of_check(name: str, examples: dict[str, RuleExample]) -> list[str]:
     """Return the description of a rule of check as one text, or an empty list if there is no such rule."""
-    from ..say.plain_text import WIDTH, wrap_text
+    from ..say import WIDTH, wrap_text
 
     if name in _SEVERAL_FILES:
         return [wrap_text(_SEVERAL_FILES[name], WIDTH, prefix="  ", first=f"{name}, a rule of check: ")]
@@ -124,7 +124,7 @@ def _describe_rule_of_check(name: str, examples: dict[str, RuleExample]) -> list
 def _describe_rule_of_diff(name: str) -> list[str]:
     """Return a rule of diff with its impact on each output and its reason, or an empty list if there is none."""
     from ..changes.rules import OUTPUTS, RULES, TITLES
-    from ..say.plain_text import WIDTH, wrap_text
+    from ..say import WIDTH, wrap_text
 
     rule = RULES.get(name)
     if rule is None:

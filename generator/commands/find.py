@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ..say.plain_text import count_with_unit
 from .cli import Parser
 from .find_encoder import command_for_spec
+from ..say import count_with_unit
+from .arguments import Parser
+from .line_encoder import command_for_spec
 from .terminal import CommandError, print_json
 
 if TYPE_CHECKING:

@@ -18,6 +18,10 @@ from ..one_line.parse import is_line, parse_line
 from ..say.plain_text import count_with_unit, first_of
 from .cli import bytes_by_address
 from .families_in_specs import families_for, has_family, has_same_spec, in_requested_edition
+from ..say import count_with_unit, first_of
+from .arguments import bytes_by_address
+from .line_encoder import WITHOUT_SPEC, encoder_in_line, is_line, refuse_line
+from .specs_by_text import families_for, has_family, has_same_spec
 from .terminal import CommandError, error_after_printing
 
 if TYPE_CHECKING:

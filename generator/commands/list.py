@@ -161,7 +161,7 @@ def _pattern_or_codes(family: FamilyRow) -> str:
 
 def as_text(families: Sequence[FamilyRow]) -> str:
     """Return a heading and four lines of facts about each family, at most 80 columns wide."""
-    from ..say.plain_text import WIDTH, two_columns, wrap_text
+    from ..say import WIDTH, two_columns, wrap_text
 
     lines = []
     for family in families:

@@ -12,7 +12,7 @@ from .find_encoder import OR_A_LINE
 from .terminal import CommandError, error_after_printing, print_json, refuse_missing
 
 if TYPE_CHECKING:
-    from ..masters.record import EncoderFacts
+    from ..masters.encoder_facts import EncoderFacts
     from ..masters.sheet import Master, SettingsSheet
     from ..model import Device
     from ..order_codes.labels import LabelMatch
@@ -133,8 +133,9 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     Raises:
         CommandError: The order code or edition does not exist, or there are no settings for it.
     """
+    from ..masters.encoder_facts import Undecided
     from ..masters.frame_parts import NoRecord
-    from ..masters.record import Undecided, record
+    from ..masters.order_code_facts import facts_of_order_code
     from ..order_codes.parameters import RegisterError, with_registers
     from .find_encoder import answers_of, describe_open_questions, find_requested
     from .read_specs import specs_to_read
@@ -148,7 +149,7 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, LabelMatch
     answers = answers_of(device, code_match.variant, arguments.choose)
     has_factory_defaults = not register_bytes
     try:
-        encoder_record = record(
+        encoder_record = facts_of_order_code(
             device, variant, as_delivered=has_factory_defaults, cable_m=arguments.cable, answers=answers
         )
     except Undecided as error:
@@ -184,7 +185,7 @@ def _file_for_master(
     if master_device not in devices_with_format:
         known_devices = join_words(devices_with_format, "or")
         raise CommandError(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
-    text = file_text(device, [encoder_record.code], master_sheet, rule=file_format, master_device=master_device)
+    text = file_text(device, [encoder_record.code], master_sheet, file_rule=file_format, master_device=master_device)
     return text.rstrip("\n")
 
 

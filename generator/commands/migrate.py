@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 from ..say.plain_text import count_with_unit
 from .cli import Parser, add_specs_argument
+from ..say import count_with_unit
+from .arguments import Parser, add_specs_argument
 from .terminal import CommandError
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ from ..loading.overlays import Family
 from ..loading.stored import digest_of
 from ..model import Device
 from ..render import unused_templates
-from ..say.plain_text import first_of
+from ..say import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import PackageMissing, files_of, load_target, problems_of, target_names
 from .families_in_specs import edition_devices

@@ -27,7 +27,7 @@ from ..language.files import (
     packaged_families,
 )
 from ..loading.configuration import BUILT_IN, PYPROJECT, Configuration, Faulty
-from ..say.plain_text import first_of
+from ..say import first_of
 from .terminal import CommandError, error_after_printing, refuse_missing
 
 if TYPE_CHECKING:

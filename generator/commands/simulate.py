@@ -96,7 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         CommandError: An argument is wrong, with exit code 2, or the port cannot be opened, with exit code 1.
     """
-    from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
+    from ..virtual import has_terminals, line_of, listen_tcp, serve, terminal
     from .find_encoder import find_order_code
     from .read_specs import specs_to_read
 

@@ -14,7 +14,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from ..say.plain_text import STAND_INS, count_with_unit
+from ..say import STAND_INS, count_with_unit
 
 if TYPE_CHECKING:
     from ..language.problems import ProblemReport

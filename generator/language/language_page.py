@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..say.markdown import anchor_of, code_span, escape, markdown_link, table, wrap_markdown
+from ..say.text import anchor_of, code_span, escape, markdown_link, table, wrap_markdown
 from .problems import join_words
 from .schemas import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 

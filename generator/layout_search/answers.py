@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .checks import CrcForm, FoundCrc
 from .fields import MOST_BITS, FoundField, is_all_ones
 from .frames import RecordedFrames

@@ -404,7 +404,7 @@ class _SettingsReader:
 
     def _report_unknown_grades(self, grades: Iterable[str], place: Place) -> None:
         """Report each grade that does not exist, and suggest the grade that it misspells, or list all grades."""
-        from ..say.evidence import GRADES  # Settings without grades need no model.
+        from ..say.names_and_evidence import GRADES
 
         for index, grade in enumerate(grades):
             if grade not in GRADES:

@@ -1,32 +1,27 @@
-"""Facts that master settings depend on: the parts of a frame by their role, and the highest clock for a cable."""
+"""Parts of a frame by their role for a master, their sizes, and those that a master's description does not cover."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
+from ..language.master_items import NUMBERS
+from ..language.problems import join_words
 from ..model import (
-    Biss,
     Constant,
     CrcValue,
-    Device,
     Field,
     Flag,
     Measurement,
     Parity,
     PlacedField,
     PlacedLayout,
-    Ssi,
     Unused,
     Variant,
-    assert_never,
 )
-from ..model.expressions import is_power_of_two
-from ..model.order_codes import facts_for_code
-from ..model.record import dataclass
-from ..say.text import hertz
-
-_ORIGIN_MANUAL, _ORIGIN_PUBLIC = "the encoder's manual", "iC-Haus AN15, revision A3, for RS-422"
+from ..model.expressions import Expression, is_power_of_two
 
 
 class NoRecord(ValueError):
@@ -346,109 +341,91 @@ def _parts_after_status(frame_parts: Sequence[FramePart]) -> Sequence[FramePart]
     return frame_parts[roles.index("status") :]
 
 
-#: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: clock on MA with RS-422.
-_BISS_CLOCKS = (
-    (10, 10_000_000),
-    (25, 5_000_000),
-    (60, 2_000_000),
-    (100, 1_000_000),
-    (200, 500_000),
-    (500, 200_000),
-    (1000, 100_000),
-)
+#: Names of facts about the computation of the CRC, such as ``crc_polynomial``.
+_CRC_ITEMS = {name for name in NUMBERS if name.startswith("crc_")} - {"crc_bits"}
+#: Names of facts that do not depend on other bits of the frame.
+_ITEMS_OF_ANY_FRAME = {"multiturn_bits", "singleturn_bits", "position_bits", "status_bits", *_CRC_ITEMS, "crc_bits"}
+#: Names of facts that count bits of the frame, such as ``data_bits``, ``padding_left`` and ``other_bits_right``.
+_FRAME_ITEMS = {name for name in NUMBERS if name.endswith("_bits") or "padding" in name or "bits_" in name}
 
 
-@dataclass(frozen=True, slots=True)
-class CableRow:
-    """A row of a table that gives the highest clock by cable length.
+def depends_on_crc(rules: Any) -> bool:
+    """Return whether any rule of a master depends on the parameters of the CRC, such as its polynomial."""
+    return not _CRC_ITEMS.isdisjoint(_mentioned_items(rules))
 
-    ``metres`` and ``hz`` are upper limits. The length is exclusive if ``is_shorter`` is true, and the clock if
-    ``is_below`` is true.
+
+def depends_on_whole_frame(rule: Mapping[str, Any]) -> bool:
+    """Return whether parts of the frame that a master's description does not cover can change the value of a setting.
+
+    They cannot if the value depends on no number of bits, or only on one that is independent of the other bits, such as
+    ``position_bits``.
     """
-
-    metres: int
-    hz: int
-    is_below: bool
-    is_shorter: bool
-
-    @property
-    def cable(self) -> str:
-        """The range of cable lengths, such as ``shorter than 50 m``."""
-        limit_words = "shorter than" if self.is_shorter else "up to"
-        return f"{limit_words} {self.metres} m"
-
-    @property
-    def text(self) -> str:
-        """The cable lengths and the clock, such as ``up to 25 m: 5 MHz``."""
-        clock_text = f"below {hertz(self.hz)}" if self.is_below else hertz(self.hz)
-        return f"{self.cable}: {clock_text}"
-
-    @property
-    def highest_hz(self) -> int:
-        """The highest permitted clock in Hz, which is below an exclusive limit."""
-        return self.hz - 1 if self.is_below else self.hz
-
-    def includes(self, metres: int) -> bool:
-        """Return whether the row applies to this cable length."""
-        return metres < self.metres or (metres == self.metres and not self.is_shorter)
+    describes_every_part = "string" in rule
+    if describes_every_part:
+        return True
+    items_in_value = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
+    # Names in braces, such as "{data_bits}".
+    items_in_text = set(re.findall(r"\{(\w+)\}", rule.get("text", "")))
+    frame_items = _FRAME_ITEMS & (items_in_value | items_in_text)
+    has_several_items = len(frame_items) > 1
+    return has_several_items or not frame_items <= _ITEMS_OF_ANY_FRAME
 
 
-@dataclass(frozen=True, slots=True)
-class CableTable:
-    """A table of clocks by cable length: its rows, its origin in words, and the names of the errata about it."""
+def uncovered_parts(rules: Any, frame_parts: Sequence[FramePart]) -> str:
+    """Return a text with the unusual parts of the frame that a master's description does not cover.
 
-    rows: tuple[CableRow, ...]
-    origin: str
-    errata: tuple[str, ...]
-
-    def row_of(self, metres: int) -> CableRow | None:
-        """Return the row with the highest clock for this cable length, or None if the table has no row for it."""
-        rows_for_length = [row for row in self.rows if row.includes(metres)]
-        return max(rows_for_length, key=lambda row: row.hz, default=None)
-
-    def about(self, clock_hz: int) -> str:
-        """Return a sentence about the longest cable for a clock, or that no row allows it.
-
-        Return an empty string without a table.
-        """
-        if not self.rows:
-            return ""
-        rows_with_clock = [row for row in self.rows if clock_hz <= row.highest_hz]
-        if rows_with_clock:
-            longest_row = max(rows_with_clock, key=lambda row: row.metres)
-            cable = longest_row.cable
-            return f"This clock frequency is suitable for a cable {cable}, according to the table in {self.origin}."
-        fastest_row = max(self.rows, key=lambda row: row.hz)
-        limit_words = "below " if fastest_row.is_below else ""
-        limit = f"{limit_words}{hertz(fastest_row.hz)}"
-        reason = f"its highest clock is {limit}, for a cable {fastest_row.cable}"
-        return f"No row of the table in {self.origin} allows this clock: {reason}."
-
-
-def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:
-    """Return the rows of the manual's table that apply to an order code, or all rows if ``code`` is empty."""
-    lengths = facts_for_code(interface.cable_lengths, code) if code else interface.cable_lengths
-    return [
-        CableRow(metres=length.shorter_than_m, hz=length.limit_hz, is_below=length.is_exclusive, is_shorter=True)
-        for length in lengths
-    ]
-
-
-def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
-    """Return the table of clocks by cable length: the manual's table for SSI, and a published one for BiSS.
-
-    If the manual gives no table, it has no rows. The rows and errata of the manual are those for the order code, or all
-    if ``code`` is empty.
+    The text, such as ``'parity' and 'reserved'``, is empty if there are none. Unusual parts are parity bits and bits
+    with the role ``other``. The description covers one if one of its ``rules`` depends on the number of its bits.
     """
-    match interface:
-        case Ssi():
-            path = f"interfaces.{interface.name}.cable_lengths"
-            rows = _printed_rows(interface, code)
-            errata = facts_for_code(device.errata, code) if code else device.errata
-            errata_names = [erratum.name for erratum in errata if path in erratum.affects]
-            return CableTable(rows=tuple(rows), origin=_ORIGIN_MANUAL, errata=tuple(errata_names))
-        case Biss():
-            rows = [CableRow(metres=metres, hz=hz, is_below=False, is_shorter=False) for metres, hz in _BISS_CLOCKS]
-            return CableTable(rows=tuple(rows), origin=_ORIGIN_PUBLIC, errata=())
-        case _:
-            assert_never(interface)
+    parts_and_items = zip(frame_parts, _items_of_parts(frame_parts), strict=True)
+    # For usual parts, the name of the fact is empty.
+    item_by_uncommon_part = {part.name: item for part, item in parts_and_items if item}
+    if not item_by_uncommon_part:
+        return ""
+    covered = covered_items(rules)
+    uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in covered]
+    return join_words(f"'{name}'" for name in uncovered_names)
+
+
+def covered_items(rules: Any) -> set[str]:
+    """Return the names of the facts about an encoder that the rules of a master cover: ``{"crc_bits", "coding"}``."""
+    covered = _mentioned_items(rules)
+    # A rule that depends on the kind of parity also covers the parity bit.
+    if "parity" in covered:
+        covered.add("parity_bits")
+    return covered
+
+
+def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:
+    """Yield for each part of a frame the name of the fact that counts its bits, such as ``parity_bits``.
+
+    For usual parts, which every master can read, the name is empty.
+    """
+    is_after_position = False
+    for part in frame_parts:
+        if part.role in ("multiturn", "singleturn"):
+            is_after_position = True
+        if part.role == "other":
+            yield "other_bits_right" if is_after_position else "other_bits_left"
+        elif part.role == "parity":
+            yield "parity_bits"
+        else:
+            yield ""
+
+
+def _mentioned_items(rule: Any) -> set[str]:
+    """Return the names of the facts about an encoder on which rules depend: ``{"crc_bits", "coding"}``.
+
+    ``rule`` is a rule, a list of rules, or any part of one. The names are the values of the keys ``item`` and ``of``,
+    and the parameters of expressions under ``value``, at any depth.
+    """
+    items: set[str] = set()
+    if isinstance(rule, (list, tuple)):
+        for part_of_rule in rule:
+            items |= _mentioned_items(part_of_rule)
+    elif isinstance(rule, Mapping):
+        items |= _mentioned_items(tuple(rule.values()))
+        items |= {str(rule[key]) for key in ("item", "of") if key in rule}
+        if isinstance(rule.get("value"), str):
+            items |= set(Expression.parse(rule["value"]).parameters)
+    return items

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 from ..language.written_masters import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
-from ..say.plain_text import decimal
+from ..say import decimal
 from ..say.text import count_with_unit, hertz
+from .encoder_facts import EncoderFacts
 from .frame_parts import FramePart
-from .record import EncoderFacts
 
 #: Mapping from the file that describes a master, such as a rule.
 YamlMapping = Mapping[str, Any]
@@ -51,31 +51,31 @@ class UnsupportedFeature(Exception):
     """The master does not support a feature that the encoder needs."""
 
 
-def rule_applies(rule: YamlMapping, record: EncoderFacts) -> bool:
+def rule_applies(rule: YamlMapping, facts: EncoderFacts) -> bool:
     """Return whether a rule of a master's description applies to an encoder: all conditions in ``when`` are met.
 
     A condition on a number that the spec does not give is not met.
     """
-    return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
+    return all(_condition_holds(condition, facts) for condition in rule.get("when", ()))
 
 
-def _condition_holds(condition: YamlMapping, record: EncoderFacts) -> bool:
+def _condition_holds(condition: YamlMapping, facts: EncoderFacts) -> bool:
     """Return whether a fact about the encoder is known, and meets a condition."""
     name = condition["item"]
-    is_known = name in record.words or record.numbers[name] is not None
-    return is_known and is_within_limits(condition, record)
+    is_known = name in facts.words or facts.numbers[name] is not None
+    return is_known and is_within_limits(condition, facts)
 
 
-def is_within_limits(limit: YamlMapping, record: EncoderFacts) -> bool:
+def is_within_limits(limit: YamlMapping, facts: EncoderFacts) -> bool:
     """Return whether a fact about the encoder meets a limit of a master, or is a number that the spec does not give.
 
     A fact that is a word must be in the list ``is``. A number has the limits ``at_least``, ``at_most``, ``one_of`` and
     ``none_of``, all of them optional.
     """
     name = limit["item"]
-    if name in record.words:
-        return record.words[name] in limit["is"]
-    number = record.numbers[name]
+    if name in facts.words:
+        return facts.words[name] in limit["is"]
+    number = facts.numbers[name]
     if number is None:
         return True
     # A limit that is not given defaults to the number itself, which always meets it.
@@ -105,14 +105,14 @@ _COUNTED_BITS: Mapping[str, tuple[str, str]] = {
 }
 
 
-def actual_value(name: str, record: EncoderFacts) -> str:
+def actual_value(name: str, facts: EncoderFacts) -> str:
     """Return a fact about an encoder in words, such as ``Gray code`` or ``4 zero bits before the position``.
 
     ``name`` is the name of the fact in rules, such as ``coding`` or ``padding_left``.
     """
-    if name in record.words:
-        return fill_template(WORDS[name][record.words[name]], record)
-    number = record.known_numbers[name]
+    if name in facts.words:
+        return fill_template(WORDS[name][facts.words[name]], facts)
+    number = facts.known_numbers[name]
     if name in _COUNTED_BITS:
         bit, place = _COUNTED_BITS[name]
         return f"{count_with_unit(number, bit)}{place}"
@@ -124,24 +124,24 @@ def actual_value(name: str, record: EncoderFacts) -> str:
     return f"{NUMBERS[name]}: {number}"
 
 
-def padding_text(record: EncoderFacts) -> str:
+def padding_text(facts: EncoderFacts) -> str:
     """Return the zero bits around the position in words, such as ``4 zero bits before the position``, or ``none``."""
-    padding_names = [name for name in ("padding_left", "padding_right") if record.known_numbers.get(name)]
-    return ", ".join(actual_value(name, record) for name in padding_names) or "none"
+    padding_names = [name for name in ("padding_left", "padding_right") if facts.known_numbers.get(name)]
+    return ", ".join(actual_value(name, facts) for name in padding_names) or "none"
 
 
-def encoder_has(name: str, record: EncoderFacts) -> str:
+def encoder_has(name: str, facts: EncoderFacts) -> str:
     """Return a fact about an encoder as a sentence, such as ``This encoder has 4 zero bits before the position.``"""
-    value = actual_value(name, record)
+    value = actual_value(name, facts)
     if name == "frame_bits":
-        return f"This encoder sends frames of {count_with_unit(record.known_numbers[name], 'bit')}."
+        return f"This encoder sends frames of {count_with_unit(facts.known_numbers[name], 'bit')}."
     if name == "movement":
         return f"This encoder is {value}."
-    is_noun = name in record.words or name in _COUNTED_BITS or name == "crc_inverted"
+    is_noun = name in facts.words or name in _COUNTED_BITS or name == "crc_inverted"
     return f"This encoder has {value}." if is_noun else f"For this encoder: {value}."
 
 
-def value_of_setting(rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
+def value_of_setting(rule: YamlMapping, facts: EncoderFacts) -> ValueOfSetting:
     """Return the value of a setting for an encoder, such as ``(5000, "5000 kHz", "at_most")``.
 
     ``rule`` describes how the master's setting follows from facts about the encoder: an expression, a choice, a clock,
@@ -155,27 +155,27 @@ def value_of_setting(rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
         raise UnknownValue(rule["unknown"])
     if "value" in rule:
         notation = rule.get("as")
-        number = _evaluate_expression(rule["value"], rule["name"], record, may_be_negative=notation == "signed")
+        number = _evaluate_expression(rule["value"], rule["name"], facts, may_be_negative=notation == "signed")
         if notation == "boolean":
             return ValueOfSetting(bool(number), text="TRUE" if number else "FALSE")
         text = f"0x{number:02X}" if notation == "hex" else str(number)
         return ValueOfSetting(number, text, bound=rule.get("bound", ""))
     if "choice" in rule:
-        chosen_value = _choose_value(rule, record)
+        chosen_value = _choose_value(rule, facts)
         return ValueOfSetting(chosen_value, str(chosen_value))
     if "clocks" in rule:
-        return _listed_clock(rule, record)
+        return _listed_clock(rule, facts)
     if "any_clock" in rule:
-        return _selectable_clock(rule["any_clock"], record)
+        return _selectable_clock(rule["any_clock"], facts)
     if "text" in rule:
-        text = _fill_known_template(rule["text"], record)
+        text = _fill_known_template(rule["text"], facts)
     else:  # The value is a text with a part for each field of the frame.
-        text = "".join(_field_texts(rule["string"], rule["name"], record))
+        text = "".join(_field_texts(rule["string"], rule["name"], facts))
     return ValueOfSetting(text, text)
 
 
 def _evaluate_expression(
-    value: int | str, setting_name: str, record: EncoderFacts, *, may_be_negative: bool = False
+    value: int | str, setting_name: str, facts: EncoderFacts, *, may_be_negative: bool = False
 ) -> int:
     """Return the number that an expression of a rule, such as ``data_bits - 1``, has for an encoder.
 
@@ -185,11 +185,11 @@ def _evaluate_expression(
     """
     expression = Expression.parse(value)
     for parameter in expression.parameters:
-        if record.numbers[parameter] is None:
-            raise _unknown_number(parameter, record.step)
+        if facts.numbers[parameter] is None:
+            raise _unknown_number(parameter, facts.step)
     error = UnsupportedFeature(f"{setting_name} would be {expression.render()}, which cannot be set")
     try:
-        number = expression.value(record.known_numbers)
+        number = expression.value(facts.known_numbers)
     except ExpressionError:
         raise error from None
     if number < 0 and not may_be_negative:
@@ -197,7 +197,7 @@ def _evaluate_expression(
     return number
 
 
-def _choose_value(rule: YamlMapping, record: EncoderFacts) -> int | str:
+def _choose_value(rule: YamlMapping, facts: EncoderFacts) -> int | str:
     """Return the value of a setting that depends on one fact about the encoder, such as the coding of the position.
 
     The choice in the rule lists cases: ``is`` is a value of the fact, and ``set`` is the value of the setting.
@@ -207,46 +207,46 @@ def _choose_value(rule: YamlMapping, record: EncoderFacts) -> int | str:
         UnsupportedFeature: The choice has no case for it.
     """
     fact_name = rule["choice"]["of"]
-    encoder_value = record.words.get(fact_name, record.numbers.get(fact_name))
+    encoder_value = facts.words.get(fact_name, facts.numbers.get(fact_name))
     if encoder_value is None:
-        raise _unknown_number(fact_name, record.step)
+        raise _unknown_number(fact_name, facts.step)
     for case in rule["choice"]["cases"]:
         if case["is"] == encoder_value:
             setting_value: int | str = case["set"]
             return setting_value
-    raise UnsupportedFeature(f"{rule['name']} has no value for {actual_value(fact_name, record)}")
+    raise UnsupportedFeature(f"{rule['name']} has no value for {actual_value(fact_name, facts)}")
 
 
-def _is_highest_clock_known(record: EncoderFacts) -> bool:
+def _is_highest_clock_known(facts: EncoderFacts) -> bool:
     """Return whether the spec gives the highest clock of the encoder."""
-    return record.numbers["clock_max_hz"] is not None
+    return facts.numbers["clock_max_hz"] is not None
 
 
-def _clock_limits_hz(record: EncoderFacts) -> tuple[int, int]:
+def _clock_limits_hz(facts: EncoderFacts) -> tuple[int, int]:
     """Return the lowest and the highest clock of the encoder in Hz. The lowest is 0 if the spec does not give it.
 
     Raises:
         UnknownValue: The spec does not give the highest clock.
     """
-    slowest_hz = record.numbers["clock_min_hz"]
-    fastest_hz = record.numbers["clock_max_hz"]
+    slowest_hz = facts.numbers["clock_min_hz"]
+    fastest_hz = facts.numbers["clock_max_hz"]
     if fastest_hz is None:
         raise _unknown_number("clock_max_hz")
     return slowest_hz or 0, fastest_hz
 
 
-def _listed_clock(rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
+def _listed_clock(rule: YamlMapping, facts: EncoderFacts) -> ValueOfSetting:
     """Return the value of a clock setting for which the master has a list of clocks: ``(3, "3 (5 MHz)", "")``."""
-    best_clock = best_listed_clock(rule, record)
+    best_clock = best_listed_clock(rule, facts)
     frequency_text = hertz(best_clock["hz"])
     value = best_clock["set"]
     # Some masters are set to the text of a frequency, and others to its number in their list.
     text = frequency_text if str(value) == frequency_text else f"{value} ({frequency_text})"
-    bound = "" if _is_highest_clock_known(record) else START_WITH
+    bound = "" if _is_highest_clock_known(facts) else START_WITH
     return ValueOfSetting(value, text, bound)
 
 
-def best_listed_clock(rule: YamlMapping, record: EncoderFacts) -> YamlMapping:
+def best_listed_clock(rule: YamlMapping, facts: EncoderFacts) -> YamlMapping:
     """Return the fastest of the master's clocks that the encoder supports: ``{"hz": 5000000, "set": 3}``.
 
     If the highest clock of the encoder is unknown, it is the fastest one of those with which the encoder is known to
@@ -256,15 +256,15 @@ def best_listed_clock(rule: YamlMapping, record: EncoderFacts) -> YamlMapping:
         UnknownValue: The highest clock is unknown, and the master has none of the clocks that are known to work.
         UnsupportedFeature: The master has no clock within the limits of the encoder.
     """
-    used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
+    used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in facts.used_hz]
     if used_clocks:
         return _fastest_of(used_clocks)
-    slowest_hz, fastest_hz = _clock_limits_hz(record)
+    slowest_hz, fastest_hz = _clock_limits_hz(facts)
     supported_clocks = [clock for clock in rule["clocks"] if slowest_hz <= clock["hz"] <= fastest_hz]
     if not supported_clocks:
-        with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
+        with_cable = f" with a cable of {facts.cable_m} m" if facts.cable_m is not None else ""
         slowest = hertz(slowest_hz)
-        fastest = _fastest_clock_text(record)
+        fastest = _fastest_clock_text(facts)
         raise UnsupportedFeature(
             f"{rule['name']}: no clock is between {slowest} and {fastest}, the limits of the encoder{with_cable}"
         )
@@ -276,22 +276,22 @@ def _fastest_of(clocks: Sequence[YamlMapping]) -> YamlMapping:
     return max(clocks, key=lambda clock: int(clock["hz"]))
 
 
-def _fastest_clock_text(record: EncoderFacts) -> str:
+def _fastest_clock_text(facts: EncoderFacts) -> str:
     """Return the highest clock of the encoder in words, as printed in the table of cable lengths if that limits it."""
-    row = record.cable_row
+    row = facts.cable_row
     if row is not None:
         return hertz(row.hz)
-    return hertz(record.known_numbers["clock_max_hz"])
+    return hertz(facts.known_numbers["clock_max_hz"])
 
 
-def _selectable_clock(clock_rule: YamlMapping, record: EncoderFacts) -> ValueOfSetting:
+def _selectable_clock(clock_rule: YamlMapping, facts: EncoderFacts) -> ValueOfSetting:
     """Return the value of a clock setting for which the master takes any number: ``(5000, "5000 kHz", "at_most")``.
 
     The number has the unit of the rule, or Hz if that is not a unit of frequency.
     """
-    clock_hz = best_selectable_clock(clock_rule, record)
-    bound = "at_most" if _is_highest_clock_known(record) else START_WITH
-    cable_row = record.cable_row
+    clock_hz = best_selectable_clock(clock_rule, facts)
+    bound = "at_most" if _is_highest_clock_known(facts) else START_WITH
+    cable_row = facts.cable_row
     # The table of cable lengths may give an exclusive limit. It is shown as printed.
     if cable_row is not None and cable_row.is_below:
         is_limited_by_cable = clock_hz == cable_row.highest_hz
@@ -310,7 +310,7 @@ def _selectable_clock(clock_rule: YamlMapping, record: EncoderFacts) -> ValueOfS
     return ValueOfSetting(value, text, bound)
 
 
-def best_selectable_clock(clock_rule: YamlMapping, record: EncoderFacts) -> int:
+def best_selectable_clock(clock_rule: YamlMapping, facts: EncoderFacts) -> int:
     """Return the fastest clock in Hz that both the encoder and the master support, for a master that takes any number.
 
     If the highest clock of the encoder is unknown, it is the fastest one that the master supports of those with which
@@ -322,23 +322,23 @@ def best_selectable_clock(clock_rule: YamlMapping, record: EncoderFacts) -> int:
     """
     lowest_of_master = clock_rule.get("at_least_hz", 0)
     highest_of_master = clock_rule.get("at_most_hz", math.inf)
-    used_clocks = [clock_hz for clock_hz in record.used_hz if lowest_of_master <= clock_hz <= highest_of_master]
+    used_clocks = [clock_hz for clock_hz in facts.used_hz if lowest_of_master <= clock_hz <= highest_of_master]
     if used_clocks:
         return max(used_clocks)
-    slowest_of_encoder, fastest_of_encoder = _clock_limits_hz(record)
+    slowest_of_encoder, fastest_of_encoder = _clock_limits_hz(facts)
     best_hz = int(min(fastest_of_encoder, highest_of_master))
     if best_hz < max(slowest_of_encoder, lowest_of_master):
         supported_clocks = f"at least {hertz(lowest_of_master)}"
         if highest_of_master < slowest_of_encoder:
             supported_clocks = f"at most {hertz(highest_of_master)}"
-        needed_clocks = f"{hertz(slowest_of_encoder)} to {_fastest_clock_text(record)}"
+        needed_clocks = f"{hertz(slowest_of_encoder)} to {_fastest_clock_text(facts)}"
         raise UnsupportedFeature(
             f"The master supports clocks of {supported_clocks}, but the encoder needs {needed_clocks}"
         )
     return best_hz
 
 
-def _fill_known_template(text: str, record: EncoderFacts) -> str:
+def _fill_known_template(text: str, facts: EncoderFacts) -> str:
     """Return a text in which names in braces, such as ``{data_bits}``, are replaced by facts about the encoder.
 
     Raises:
@@ -346,31 +346,31 @@ def _fill_known_template(text: str, record: EncoderFacts) -> str:
     """
     for name in NUMBERS:
         is_in_text = f"{{{name}}}" in text
-        is_known = record.numbers[name] is not None
+        is_known = facts.numbers[name] is not None
         # fill_template() can also write a size of a count that is not a whole number of micrometers.
-        is_known_step = name == "step_um" and bool(record.step)
+        is_known_step = name == "step_um" and bool(facts.step)
         if is_in_text and not is_known and not is_known_step:
-            raise _unknown_number(name, record.step)
-    return fill_template(text, record)
+            raise _unknown_number(name, facts.step)
+    return fill_template(text, facts)
 
 
-def fill_template(text: str, record: EncoderFacts) -> str:
+def fill_template(text: str, facts: EncoderFacts) -> str:
     """Return a text in which names in braces, such as ``{data_bits}``, are replaced by facts about the encoder.
 
     A fact that the spec does not give becomes ``unknown``.
     """
     if "{" not in text:
         return text
-    if record.step is not None:
-        text = text.replace("{step_um}", decimal(record.step))
-    facts = {**record.words, **record.numbers}
-    for name, value in facts.items():
+    if facts.step is not None:
+        text = text.replace("{step_um}", decimal(facts.step))
+    value_by_name = {**facts.words, **facts.numbers}
+    for name, value in value_by_name.items():
         name_in_braces = f"{{{name}}}"
         text = text.replace(name_in_braces, "unknown" if value is None else str(value))
     return text
 
 
-def _field_texts(rule: YamlMapping, setting_name: str, record: EncoderFacts) -> Iterator[str]:
+def _field_texts(rule: YamlMapping, setting_name: str, facts: EncoderFacts) -> Iterator[str]:
     """Yield the texts that describe a frame to a master, one for each part of the frame, after a text for the start.
 
     The rule has a template for each kind of part. The kind is the role of the part, such as ``crc``, or for a status
@@ -383,11 +383,11 @@ def _field_texts(rule: YamlMapping, setting_name: str, record: EncoderFacts) -> 
     # The first template for a kind that applies to the encoder is used.
     template_by_kind: dict[str, str] = {}
     for field_rule in rule["fields"]:
-        if rule_applies(field_rule, record):
+        if rule_applies(field_rule, facts):
             template_by_kind.setdefault(field_rule["of"], field_rule["text"])
-    yield _fill_known_template(rule.get("start", ""), record)
+    yield _fill_known_template(rule.get("start", ""), facts)
     has_whole_position = "position" in template_by_kind
-    frame_parts = _with_whole_position(record) if has_whole_position else _with_two_parts_of_position(record)
+    frame_parts = _with_whole_position(facts) if has_whole_position else _with_two_parts_of_position(facts)
     # The parts are in the order in which they are sent.
     if rule["first"] != "sent_first":
         frame_parts = frame_parts[::-1]
@@ -397,25 +397,25 @@ def _field_texts(rule: YamlMapping, setting_name: str, record: EncoderFacts) -> 
             # A status bit that never changes counts as active low.
             part_kind = f"status_active_{frame_part.active or 'low'}"
         if part_kind not in template_by_kind:
-            setting_title = fill_template(setting_name, record)
+            setting_title = fill_template(setting_name, facts)
             raise UnsupportedFeature(f"{setting_title} cannot express '{frame_part.name}'")
         part_text = template_by_kind[part_kind].replace("{bits}", str(frame_part.bits))
         part_text = part_text.replace("{name}", frame_part.name)
-        yield _fill_known_template(part_text, record)
+        yield _fill_known_template(part_text, facts)
 
 
-def _with_whole_position(record: EncoderFacts) -> Sequence[FramePart]:
+def _with_whole_position(facts: EncoderFacts) -> Sequence[FramePart]:
     """Return the parts of the frame, with all bits of the position as one part."""
     parts: list[FramePart] = []
-    for part in record.parts:
+    for part in facts.parts:
         is_of_position = part.role in ("multiturn", "singleturn")
         parts.append(replace(part, role="position") if is_of_position else part)
     return _merge_adjacent_parts(parts, ("position",))
 
 
-def _with_two_parts_of_position(record: EncoderFacts) -> Sequence[FramePart]:
+def _with_two_parts_of_position(facts: EncoderFacts) -> Sequence[FramePart]:
     """Return the parts of the frame, with all multiturn bits as one part, and all singleturn bits as one part."""
-    return _merge_adjacent_parts(record.parts, ("multiturn", "singleturn"))
+    return _merge_adjacent_parts(facts.parts, ("multiturn", "singleturn"))
 
 
 def _merge_adjacent_parts(frame_parts: Sequence[FramePart], roles: Collection[str]) -> Sequence[FramePart]:

@@ -17,9 +17,9 @@ from ..language.read import read_specs
 from ..model import INTERFACES, Document
 from ..model.record import dataclass
 from ..say.order_code import clocks_in_use
-from .coverage import depends_on_crc, depends_on_whole_frame, uncovered_parts
-from .places import MasterDevice, SettingPlace, devices_of, places_of, reason_for_misfit
-from .record import EncoderFacts
+from .encoder_facts import EncoderFacts
+from .frame_parts import depends_on_crc, depends_on_whole_frame, uncovered_parts
+from .places_and_writing import MasterDevice, SettingPlace, WriteCondition, devices_of, places_of, writing_of
 from .setting_values import (
     START_WITH,
     UnknownValue,
@@ -33,7 +33,6 @@ from .setting_values import (
     rule_applies,
     value_of_setting,
 )
-from .writing import WriteCondition, writing_of
 
 _RULE_LISTS = ("limits", "settings", "writing", "notes", "files")
 
@@ -190,24 +189,24 @@ def _master_from_spec(master_data: YamlMapping) -> Master:
     )
 
 
-def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
+def sheet(master: Master, facts: EncoderFacts) -> SettingsSheet:
     """Return the settings of a master for an order code, or the reasons why the master cannot use it.
 
-    ``record`` contains the facts about the order code.
+    ``facts`` are the facts about the order code.
     """
-    interface = record.words["interface"]
+    interface = facts.words["interface"]
     if interface not in master.supported_interfaces:
-        refusing_sheet = _refusing_sheet(master, _interface_refusal(master, record))
+        refusing_sheet = _refusing_sheet(master, _interface_refusal(master, facts))
         return replace(refusing_sheet, is_described=False)
-    if record.obstacle:
-        return _refusing_sheet(master, MasterRefusal(reason=record.obstacle, standing="inferred", source=""))
+    if facts.obstacle:
+        return _refusing_sheet(master, MasterRefusal(reason=facts.obstacle, standing="inferred", source=""))
     # A text with the parts of the frame that the description does not cover, or empty.
-    uncovered = uncovered_parts((master.limits, master.settings, master.notes), record.parts)
-    settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
+    uncovered = uncovered_parts((master.limits, master.settings, master.notes), facts.parts)
+    settings, device_refusals = _settings_and_device_refusals(master, facts, uncovered)
     unusable_devices: set[str] = set()
     for _, refusing_devices in device_refusals:
         unusable_devices |= refusing_devices
-    refusals = list(_refusals_of_order_code(master, record))
+    refusals = list(_refusals_of_order_code(master, facts))
     # If only some devices cannot use the order code, this becomes a note.
     are_all_devices_unusable = len(unusable_devices) == len(master.devices)
     if are_all_devices_unusable:
@@ -217,49 +216,49 @@ def sheet(master: Master, record: EncoderFacts) -> SettingsSheet:
     if refusals:
         return _refusing_sheet(master, *refusals)
     device_notes = [f"Not for {join_words(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
-    writing_rules = [_with_setting_names(rule, record) for rule in master.writing if rule_applies(rule, record)]
+    writing_rules = [_with_setting_names(rule, facts) for rule in master.writing if rule_applies(rule, facts)]
     setting_names = [setting.name for setting in settings]
     return SettingsSheet(
         master=master,
         refusals=(),
         settings=tuple(settings),
-        notes=(*device_notes, *_notes_of_master(master, record)),
+        notes=(*device_notes, *_notes_of_master(master, facts)),
         writing=writing_of(writing_rules, setting_names, devices=master.devices, standing=master.standing),
         unusable_devices=frozenset(unusable_devices),
-        gaps=tuple(_gaps_in_description(master, record, uncovered)),
+        gaps=tuple(_gaps_in_description(master, facts, uncovered)),
     )
 
 
-def _refusals_of_order_code(master: Master, record: EncoderFacts) -> Iterator[MasterRefusal]:
+def _refusals_of_order_code(master: Master, facts: EncoderFacts) -> Iterator[MasterRefusal]:
     """Yield the reasons why a master cannot use an order code: limits of the master, the CRC, and data channels."""
     for rule in master.limits:
-        if rule_applies(rule, record) and not is_within_limits(rule, record):
-            yield _limit_refusal(rule, master, record)
-    yield from _refusals_of_crc(master, record)
+        if rule_applies(rule, facts) and not is_within_limits(rule, facts):
+            yield _limit_refusal(rule, master, facts)
+    yield from _refusals_of_crc(master, facts)
     reads_single_channel = not master.several_channels
-    channel_refusal = record.channels.refusal(record.layout) if reads_single_channel else ""
+    channel_refusal = facts.channels.refusal(facts.layout) if reads_single_channel else ""
     if channel_refusal:
         yield MasterRefusal(reason=channel_refusal, standing="inferred", source="")
 
 
-def _notes_of_master(master: Master, record: EncoderFacts) -> Iterator[str]:
+def _notes_of_master(master: Master, facts: EncoderFacts) -> Iterator[str]:
     """Yield the notes of a master that apply to an order code, first about several data channels in its frame."""
-    if record.channels and master.several_channels:
+    if facts.channels and master.several_channels:
         yield master.several_channels
     for note in master.notes:
-        if rule_applies(note, record):
-            yield fill_template(note["text"], record)
+        if rule_applies(note, facts):
+            yield fill_template(note["text"], facts)
 
 
-def _gaps_in_description(master: Master, record: EncoderFacts, uncovered: str) -> Iterator[MasterRefusal]:
+def _gaps_in_description(master: Master, facts: EncoderFacts, uncovered: str) -> Iterator[MasterRefusal]:
     """Yield statements about parts of the frame that a master's description does not cover.
 
     ``uncovered`` is a text with unusual bits of the frame, or empty. Other data channels in the frame are also parts.
     """
     if uncovered:
         yield _refusal_of_gap(uncovered)
-    if record.channels and not master.several_channels:
-        yield MasterRefusal(reason=record.channels.gap, standing="inferred", source="")
+    if facts.channels and not master.several_channels:
+        yield MasterRefusal(reason=facts.channels.gap, standing="inferred", source="")
 
 
 def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
@@ -267,16 +266,16 @@ def _refusing_sheet(master: Master, *refusals: MasterRefusal) -> SettingsSheet:
     return SettingsSheet(master=master, refusals=refusals, settings=(), notes=())
 
 
-def _interface_refusal(master: Master, record: EncoderFacts) -> MasterRefusal:
+def _interface_refusal(master: Master, facts: EncoderFacts) -> MasterRefusal:
     """Return the refusal of a master whose description does not cover the interface of the order code."""
     described_interfaces = join_words(INTERFACES[name].title for name in master.supported_interfaces)
-    encoder_interface = INTERFACES[record.words["interface"]].title
-    reason = f"This master is described for {described_interfaces} only, but {record.code} has {encoder_interface}."
+    encoder_interface = INTERFACES[facts.words["interface"]].title
+    reason = f"This master is described for {described_interfaces} only, but {facts.code} has {encoder_interface}."
     return MasterRefusal(reason=reason, standing=master.standing, source="")
 
 
 def _settings_and_device_refusals(
-    master: Master, record: EncoderFacts, uncovered: str
+    master: Master, facts: EncoderFacts, uncovered: str
 ) -> tuple[list[Setting], list[tuple[MasterRefusal, set[str]]]]:
     """Return the settings of a master for an order code, and the settings that have no value for it.
 
@@ -287,11 +286,11 @@ def _settings_and_device_refusals(
     settings: list[Setting] = []
     device_refusals: list[tuple[MasterRefusal, set[str]]] = []
     for rule in master.settings:
-        if not rule_applies(rule, record):
+        if not rule_applies(rule, facts):
             continue
         try:
             unknown_parts = uncovered if depends_on_whole_frame(rule) else ""
-            settings.append(_setting_of_rule(rule, master, record, unknown_parts))
+            settings.append(_setting_of_rule(rule, master, facts, unknown_parts))
         except UnsupportedFeature as reason:
             standing = rule.get("standing", master.standing)
             refusal = MasterRefusal(reason=f"{reason}.", standing=standing, source=rule["source"])
@@ -299,9 +298,9 @@ def _settings_and_device_refusals(
     return settings, device_refusals
 
 
-def _limit_refusal(rule: YamlMapping, master: Master, record: EncoderFacts) -> MasterRefusal:
+def _limit_refusal(rule: YamlMapping, master: Master, facts: EncoderFacts) -> MasterRefusal:
     """Return the refusal for a limit of a master that the order code does not meet."""
-    reason = f"{rule['reason']} {encoder_has(rule['item'], record)}"
+    reason = f"{rule['reason']} {encoder_has(rule['item'], facts)}"
     return MasterRefusal(reason=reason, standing=rule.get("standing", master.standing), source=rule["source"])
 
 
@@ -313,14 +312,14 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[MasterRefusal]:
             yield MasterRefusal(reason=f"{reason}.", standing=setting.standing, source=setting.source)
 
 
-def _refusals_of_crc(master: Master, record: EncoderFacts) -> Iterator[MasterRefusal]:
+def _refusals_of_crc(master: Master, facts: EncoderFacts) -> Iterator[MasterRefusal]:
     """Yield a refusal if the master checks CRCs, but no master can check the CRC of this encoder.
 
     ``crc_obstacle`` is the reason, or empty. A master checks CRCs if its rules depend on the parameters of a CRC.
     """
     checks_crc = depends_on_crc((master.limits, master.settings))
-    if record.crc_obstacle and checks_crc:
-        yield MasterRefusal(reason=record.crc_obstacle, standing="inferred", source="")
+    if facts.crc_obstacle and checks_crc:
+        yield MasterRefusal(reason=facts.crc_obstacle, standing="inferred", source="")
 
 
 def _refusal_of_gap(uncovered: str) -> MasterRefusal:
@@ -341,16 +340,16 @@ def _devices_with_setting(rule: YamlMapping, master: Master) -> set[str]:
     return names_with_setting
 
 
-def _with_setting_names(rule: YamlMapping, record: EncoderFacts) -> YamlMapping:
+def _with_setting_names(rule: YamlMapping, facts: EncoderFacts) -> YamlMapping:
     """Return a condition for writing in which names of settings have their braces filled in, as on the sheet."""
     named_rule = dict(rule)
     for key in ("of", "after"):
         if key in rule:
-            named_rule[key] = [fill_template(name, record) for name in rule[key]]
+            named_rule[key] = [fill_template(name, facts) for name in rule[key]]
     return named_rule
 
 
-def _setting_of_rule(rule: YamlMapping, master: Master, record: EncoderFacts, unknown_parts: str) -> Setting:
+def _setting_of_rule(rule: YamlMapping, master: Master, facts: EncoderFacts, unknown_parts: str) -> Setting:
     """Return one setting of a master for an order code.
 
     Its value is None if the spec does not give a number that it needs, or if it depends on ``unknown_parts``: a text
@@ -362,22 +361,22 @@ def _setting_of_rule(rule: YamlMapping, master: Master, record: EncoderFacts, un
     try:
         if unknown_parts:
             raise UnknownValue(f"it depends on how the master handles {unknown_parts}")
-        value, text, bound = value_of_setting(rule, record)
+        value, text, bound = value_of_setting(rule, facts)
     except UnknownValue as reason:
         value = None
         text = f"unknown: {reason}"
         bound = ""
-    notes = (rule.get("note", ""), _start_note(bound, record), _cable_note(rule, value, record))
+    notes = (rule.get("note", ""), _start_note(bound, facts), _cable_note(rule, value, facts))
     places = places_of(
         rule,
         value,
         devices=master.devices,
         standing=master.standing,
-        fill_in=lambda symbol: fill_template(symbol, record),
+        fill_in=lambda symbol: fill_template(symbol, facts),
     )
     return Setting(
-        name=fill_template(rule["name"], record),
-        at=fill_template(rule.get("at", ""), record),
+        name=fill_template(rule["name"], facts),
+        at=fill_template(rule.get("at", ""), facts),
         value=value,
         text=text,
         bound=bound,
@@ -388,22 +387,47 @@ def _setting_of_rule(rule: YamlMapping, master: Master, record: EncoderFacts, un
     )
 
 
-def _start_note(bound: str, record: EncoderFacts) -> str:
+def _start_note(bound: str, facts: EncoderFacts) -> str:
     """Return a note on a clock that is only a starting value, or an empty string if it is a limit."""
     if bound != START_WITH:
         return ""
-    return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
+    return f"The highest clock of the encoder is not known. {clocks_in_use(facts.used_hz)}."
 
 
-def _cable_note(rule: YamlMapping, value: int | bool | str | None, record: EncoderFacts) -> str:
+def _cable_note(rule: YamlMapping, value: int | bool | str | None, facts: EncoderFacts) -> str:
     """Return a note on the cable lengths that allow the clock of a setting.
 
     It is empty if the setting is not a clock, or if the user gave a cable length.
     """
-    if value is None or record.cable_m is not None:
+    if value is None or facts.cable_m is not None:
         return ""
     if "clocks" in rule:
-        return record.cables.about(best_listed_clock(rule, record)["hz"])
+        return facts.cables.about(best_listed_clock(rule, facts)["hz"])
     if "any_clock" in rule:
-        return record.cables.about(best_selectable_clock(rule["any_clock"], record))
+        return facts.cables.about(best_selectable_clock(rule["any_clock"], facts))
     return ""
+
+
+def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[SettingPlace]) -> str:
+    """Return an error message if a number does not fit in one of its locations, or an empty string.
+
+    The message is, for example, ``Bits would be 70, but it is at most 63``. Texts always fit.
+    """
+    if not isinstance(value, int):
+        return ""
+    for place in places:
+        highest = _highest_value(place)
+        if highest is not None and value > highest:
+            return f"{name} would be {value}, but it is at most {highest}"
+        if place.minimum is not None and value < place.minimum:
+            return f"{name} would be {value}, but it is at least {place.minimum}"
+    return ""
+
+
+def _highest_value(place: SettingPlace) -> int | None:
+    """Return the highest number that fits in the range and the bits of a location, or None if there is no limit."""
+    limits = [] if place.maximum is None else [place.maximum]
+    if place.kind == "unsigned" and place.bits is not None:
+        all_ones = (1 << place.bits) - 1
+        limits.append(all_ones)
+    return min(limits, default=None)

@@ -12,15 +12,14 @@ from ..language.problems import join_words
 from ..model import INTERFACES, Biss, Device
 from ..model.kinds import DIGIT_CODES
 from ..order_codes.labels import LabelMatch
-from ..say.evidence import Topic, grade_below_manual, origin
+from ..say import WIDTH, two_columns, wrap_text
+from ..say.names_and_evidence import Topic, grade_below_manual, origin
 from ..say.order_code import clocks_in_use
-from ..say.plain_text import WIDTH, two_columns, wrap_text
 from ..say.text import PLAIN_STYLE, hertz, time_text, volts
-from .places import place_lines
-from .record import EncoderFacts
+from .encoder_facts import EncoderFacts
+from .places_and_writing import WriteCondition, place_lines, write_order
 from .setting_values import padding_text
 from .sheet import Master, MasterRefusal, Setting, SettingsSheet
-from .writing import WriteCondition, write_order
 
 VERSION = 1
 
@@ -38,54 +37,54 @@ _WIDEST_NAME, _WIDEST_VALUE = 40, 18
 _MARK_BY_STANDING = {"documented": "", "inferred": " *", "tried": " +"}
 
 
-def record_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
+def facts_in_words(facts: EncoderFacts) -> Iterator[tuple[str, str]]:
     """Yield the facts about an order code as rows: the name of each fact, and its value in words."""
-    yield "Interface", INTERFACES[record.words["interface"]].title
-    yield from _frame_facts(record)
-    yield "Clock", _clock_limits_text(record)
-    if record.cables.rows:
-        yield "Clock by cable", _cable_table_text(record)
-    if INTERFACES[record.words["interface"]] is Biss:
-        yield "Timeout", record.timeout or _not_stated_text(record, Topic.TIMEOUT)
+    yield "Interface", INTERFACES[facts.words["interface"]].title
+    yield from _frame_facts(facts)
+    yield "Clock", _clock_limits_text(facts)
+    if facts.cables.rows:
+        yield "Clock by cable", _cable_table_text(facts)
+    if INTERFACES[facts.words["interface"]] is Biss:
+        yield "Timeout", facts.timeout or _not_stated_text(facts, Topic.TIMEOUT)
         # BiSS protocol description, p. 18.
-        allowed_busy_time = f"{_not_stated_text(record, Topic.REPLY_TIME)}, but BiSS C allows 40 µs"
-        yield "Busy time", _time_limit_text(record.numbers["busy_us"], "at most") or allowed_busy_time
+        allowed_busy_time = f"{_not_stated_text(facts, Topic.REPLY_TIME)}, but BiSS C allows 40 µs"
+        yield "Busy time", _time_limit_text(facts.numbers["busy_us"], "at most") or allowed_busy_time
     else:
-        pause_text = _time_limit_text(record.numbers["pause_us"], "at least")
-        yield "Pause", pause_text or _not_stated_text(record, Topic.PAUSE)
-    yield "Supply", _supply_text(record) or _not_stated_text(record, Topic.SUPPLY)
+        pause_text = _time_limit_text(facts.numbers["pause_us"], "at least")
+        yield "Pause", pause_text or _not_stated_text(facts, Topic.PAUSE)
+    yield "Supply", _supply_text(facts) or _not_stated_text(facts, Topic.SUPPLY)
 
 
-def _frame_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
+def _frame_facts(facts: EncoderFacts) -> Iterator[tuple[str, str]]:
     """Yield the facts about the bits of the frame as rows: the name of each fact, and its value in words."""
-    numbers = record.numbers
+    numbers = facts.numbers
     position_text = str(numbers["position_bits"])
     if numbers["multiturn_bits"]:
         position_text += f": {numbers['multiturn_bits']} multiturn, {numbers['singleturn_bits']} singleturn"
     yield "Position bits", position_text
-    yield "Padding", padding_text(record)
-    yield "Status bits", _status_bits_text(record)
-    other_parts = [part.name for part in record.parts if part.role == "other"]
+    yield "Padding", padding_text(facts)
+    yield "Status bits", _status_bits_text(facts)
+    other_parts = [part.name for part in facts.parts if part.role == "other"]
     if other_parts:
         yield "Other bits", ", ".join(other_parts)
-    yield "Data bits", _data_bits_text(record)
-    parts_text = ", ".join(f"{part.name} {part.bits}" for part in record.parts)
+    yield "Data bits", _data_bits_text(facts)
+    parts_text = ", ".join(f"{part.name} {part.bits}" for part in facts.parts)
     yield "Order", f"{parts_text}, most significant bit first"
-    yield "Code", CODINGS_IN_WORDS[record.words["coding"]]
-    yield "CRC", _crc_text(record)
-    if record.words["parity"] != "none":
-        yield "Parity", f"{record.words['parity']}, last bit"
+    yield "Code", CODINGS_IN_WORDS[facts.words["coding"]]
+    yield "CRC", _crc_text(facts)
+    if facts.words["parity"] != "none":
+        yield "Parity", f"{facts.words['parity']}, last bit"
 
 
-def _clock_limits_text(record: EncoderFacts) -> str:
+def _clock_limits_text(facts: EncoderFacts) -> str:
     """Return the clock limits in words, such as ``at least 80 kHz, below 5 MHz``.
 
     If the user gave a cable length, it may limit the clock. If the spec gives no limits, the text contains the clocks
     with which the encoder is known to work.
     """
-    slowest_hz = record.numbers["clock_min_hz"]
-    fastest_hz = record.numbers["clock_max_hz"]
-    row = record.cable_row
+    slowest_hz = facts.numbers["clock_min_hz"]
+    fastest_hz = facts.numbers["clock_max_hz"]
+    row = facts.cable_row
     limits: list[str] = []
     if slowest_hz is not None:
         limits.append(f"at least {hertz(slowest_hz)}")
@@ -95,31 +94,31 @@ def _clock_limits_text(record: EncoderFacts) -> str:
         limits.append(f"at most {hertz(fastest_hz)}")
     if limits:
         return ", ".join(limits)
-    if record.used_hz:
-        return f"{_not_stated_text(record)}, {clocks_in_use(record.used_hz)}"
-    return _not_stated_text(record)
+    if facts.used_hz:
+        return f"{_not_stated_text(facts)}, {clocks_in_use(facts.used_hz)}"
+    return _not_stated_text(facts)
 
 
-def _not_stated_text(record: EncoderFacts, subject: Topic | None = None) -> str:
+def _not_stated_text(facts: EncoderFacts, subject: Topic | None = None) -> str:
     """Return the words for a fact that the manual does not give, or a reference to a text that mentions the subject."""
-    reference = record.mentioned[subject] if subject is not None else ""
-    return reference or f"the {record.document} does not say"
+    reference = facts.mentioned[subject] if subject is not None else ""
+    return reference or f"the {facts.document} does not say"
 
 
-def _cable_table_text(record: EncoderFacts) -> str:
+def _cable_table_text(facts: EncoderFacts) -> str:
     """Return the table of clocks by cable length in words, with its source, its errata, and the user's cable length."""
-    table = record.cables
+    table = facts.cables
     rows_text = ", ".join(row.text for row in table.rows)
     errata_text = f", errata {', '.join(table.errata)}" if table.errata else ""
     text = f"{rows_text} (table in {table.origin}{errata_text})"
-    if record.cable_m is None:
+    if facts.cable_m is None:
         return text
-    return f"{text}. Clocks chosen for a cable of {record.cable_m} m"
+    return f"{text}. Clocks chosen for a cable of {facts.cable_m} m"
 
 
-def _supply_text(record: EncoderFacts) -> str:
+def _supply_text(facts: EncoderFacts) -> str:
     """Return the range of the supply voltage, such as ``4.75 V to 5.25 V``, or an empty string if it is unknown."""
-    lowest_mv, highest_mv = record.numbers["supply_min_mv"], record.numbers["supply_max_mv"]
+    lowest_mv, highest_mv = facts.numbers["supply_min_mv"], facts.numbers["supply_max_mv"]
     if lowest_mv is None or highest_mv is None:
         return ""
     return f"{volts(lowest_mv)} to {volts(highest_mv)}"
@@ -130,17 +129,17 @@ def _time_limit_text(time_us: int | None, bound: str) -> str:
     return f"{bound} {time_text(time_us)}" if time_us is not None else ""
 
 
-def _status_bits_text(record: EncoderFacts) -> str:
+def _status_bits_text(facts: EncoderFacts) -> str:
     """Return the status bits with their active levels, such as ``error (active low)``, or ``none``."""
     level_words = {"low": "active low", "high": "active high", "": "always 1"}
-    status_parts = [part for part in record.parts if part.role == "status"]
+    status_parts = [part for part in facts.parts if part.role == "status"]
     texts = [f"{part.name} ({level_words[part.active]})" for part in status_parts]
     return ", ".join(texts) or "none"
 
 
-def _data_bits_text(record: EncoderFacts) -> str:
+def _data_bits_text(facts: EncoderFacts) -> str:
     """Return the number of data bits, and the number including other bits: ``24, 26 with the status bits, ...``."""
-    numbers = record.known_numbers
+    numbers = facts.known_numbers
     sizes = [str(numbers["data_bits"])]
     if numbers["status_bits"]:
         sizes.append(f"{numbers['data_and_status_bits']} with the status bits")
@@ -153,9 +152,9 @@ def _data_bits_text(record: EncoderFacts) -> str:
     return ", ".join(sizes)
 
 
-def _crc_text(record: EncoderFacts) -> str:
+def _crc_text(facts: EncoderFacts) -> str:
     """Return the CRC in words, with its polynomial in three notations, or ``none`` without a CRC."""
-    numbers = record.known_numbers
+    numbers = facts.known_numbers
     if not numbers["crc_bits"]:
         return "none"
     polynomial = numbers["crc_polynomial"]
@@ -165,7 +164,7 @@ def _crc_text(record: EncoderFacts) -> str:
     notations += f", 0x{without_last_1:02X} without its trailing 1 (Koopman notation)"
     inversion = "inverted" if numbers["crc_inverted"] else "not inverted"
     form_text = f"sent {inversion}"
-    if record.crc_obstacle:
+    if facts.crc_obstacle:
         form_text = "in a form that masters cannot check, see below"
     return f"{numbers['crc_bits']} bits, polynomial {notations}, start value {numbers['crc_start']}, {form_text}"
 
@@ -250,14 +249,14 @@ def _setting_text(setting: Setting) -> str:
     return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
-def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, sheets: Sequence[SettingsSheet]) -> str:
+def sheet_text(device: Device, code_match: LabelMatch, facts: EncoderFacts, sheets: Sequence[SettingsSheet]) -> str:
     """Return the facts about an order code, and each master's settings or reasons for not supporting it, as text.
 
     The text is at most 80 columns wide. For a single master, it includes locations and documents. If no master can read
     the position, it contains only the facts.
     """
-    lines = _record_lines(device, code_match, record)
-    if record.obstacle:
+    lines = _lines_of_facts(device, code_match, facts)
+    if facts.obstacle:
         return "\n".join(lines)
     is_single_master = len(sheets) == 1
     legend = legend_of_marks([sheet.master for sheet in sheets], sheets, with_places=is_single_master)
@@ -265,14 +264,14 @@ def sheet_text(device: Device, code_match: LabelMatch, record: EncoderFacts, she
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
         lines += ["", *_sheet_lines(sheet, with_documents=is_single_master)]
-    lines += _lines_of_unusable_masters(record, sheets)
+    lines += _lines_of_unusable_masters(facts, sheets)
     if usable_sheets and not is_single_master:
         example = usable_sheets[0].master.name
         lines += ["", f"--master NAME shows one of them with its documents, such as {example}."]
     return "\n".join(lines)
 
 
-def _lines_of_unusable_masters(record: EncoderFacts, sheets: Sequence[SettingsSheet]) -> list[str]:
+def _lines_of_unusable_masters(facts: EncoderFacts, sheets: Sequence[SettingsSheet]) -> list[str]:
     """Return lines with the masters that cannot use an order code, each with the reasons.
 
     Masters whose description does not cover the interface follow as a list.
@@ -280,19 +279,19 @@ def _lines_of_unusable_masters(record: EncoderFacts, sheets: Sequence[SettingsSh
     lines: list[str] = []
     refusing_sheets = [sheet for sheet in sheets if sheet.refusals and sheet.is_described]
     if refusing_sheets:
-        lines += ["", wrap_text(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
+        lines += ["", wrap_text(f"According to their documentation, these cannot use {facts.code}:", WIDTH)]
     for sheet in refusing_sheets:
         lines.append(wrap_text(f"{sheet.master.title} ({sheet.master.name})", WIDTH, prefix="    ", first="  "))
         lines += [wrap_text(refusal_text(reason), WIDTH, prefix="      ", first="    ") for reason in sheet.refusals]
     undescribed_titles = [sheet.master.title for sheet in sheets if not sheet.is_described]
     if undescribed_titles:
-        title = INTERFACES[record.words["interface"]].title
+        title = INTERFACES[facts.words["interface"]].title
         sentence = f"These masters are not described for {title}: {'; '.join(undescribed_titles)}."
         lines += ["", wrap_text(sentence, WIDTH, prefix="  ", first="")]
     return lines
 
 
-def _record_lines(device: Device, code_match: LabelMatch, record: EncoderFacts) -> list[str]:
+def _lines_of_facts(device: Device, code_match: LabelMatch, facts: EncoderFacts) -> list[str]:
     """Return lines with an order code, notes on its label, the grade of the spec, and the facts about it."""
     lines = [wrap_text(f"{code_match.variant.code}: {device.title}", WIDTH, prefix="  ", first="")]
     if code_match.written_as_in:
@@ -304,8 +303,8 @@ def _record_lines(device: Device, code_match: LabelMatch, record: EncoderFacts) 
     lines += [wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
     if code_match.special:
         lines.append(wrap_text("A code that ends in /Sxxx may differ from the manual.", WIDTH, prefix="  "))
-    lines += two_columns(record_facts(record), indent=2)
-    lines += [wrap_text(note, WIDTH, prefix="  ") for note in record.notes]
+    lines += two_columns(facts_in_words(facts), indent=2)
+    lines += [wrap_text(note, WIDTH, prefix="  ") for note in facts.notes]
     return lines
 
 
@@ -391,7 +390,7 @@ def masters_data(masters: Sequence[Master]) -> dict[str, Any]:
 
 
 def sheet_data(
-    device: Device, code_match: LabelMatch, record: EncoderFacts, sheets: Sequence[SettingsSheet]
+    device: Device, code_match: LabelMatch, facts: EncoderFacts, sheets: Sequence[SettingsSheet]
 ) -> dict[str, Any]:
     """Return the facts about an order code and the settings of each master as plain data.
 
@@ -399,8 +398,8 @@ def sheet_data(
     """
     return {
         "version": VERSION,
-        "order_code": record.code,
-        "family": record.family,
+        "order_code": facts.code,
+        "family": facts.family,
         "label": {
             "code": code_match.variant.code,
             "unlisted": list(code_match.unlisted),
@@ -410,25 +409,25 @@ def sheet_data(
         },
         "evidence": device.evidence.grade,
         "placeholders": list(device.evidence.placeholders),
-        "alternatives": dict(record.answers),
-        "record": _record_data(record),
+        "alternatives": dict(facts.answers),
+        "record": _data_of_facts(facts),
         "masters": [_sheet_data(sheet) for sheet in sheets],
     }
 
 
-def _record_data(record: EncoderFacts) -> dict[str, Any]:
+def _data_of_facts(facts: EncoderFacts) -> dict[str, Any]:
     """Return the facts about an order code as plain data."""
     return {
-        **record.words,
-        **record.numbers,
-        "clock_used_hz": list(record.used_hz),
-        "frame": [asdict(part) for part in record.parts],
-        "timeout": record.timeout,
-        "cable_m": record.cable_m,
-        "cable_lengths": [asdict(row) for row in record.cables.rows],
-        "cable_lengths_from": record.cables.origin if record.cables.rows else "",
-        "cable_errata": list(record.cables.errata),
-        "notes": list(record.notes),
+        **facts.words,
+        **facts.numbers,
+        "clock_used_hz": list(facts.used_hz),
+        "frame": [asdict(part) for part in facts.parts],
+        "timeout": facts.timeout,
+        "cable_m": facts.cable_m,
+        "cable_lengths": [asdict(row) for row in facts.cables.rows],
+        "cable_lengths_from": facts.cables.origin if facts.cables.rows else "",
+        "cable_errata": list(facts.cables.errata),
+        "notes": list(facts.notes),
     }
 
 

@@ -16,6 +16,9 @@ from ..say.names_and_places import bits as bits_text
 from ..say.plain_text import first_of
 from .bits_and_registers import continues_item, describe_bits
 from .disagreements import Comparison, Disagreement, HowOftenRead
+from ..say import first_of
+from .comparison import Comparison, Disagreement, HowOftenRead
+from .names import mistaken_pairs
 from .reading import (
     FACTORY_DEFAULTS,
     NOTHING,

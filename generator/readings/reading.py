@@ -15,7 +15,7 @@ from ..model import INTERFACES, Device, Field, Layout, Register
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..order_codes.parameters import with_changed
-from ..say.names_and_places import bits
+from ..say.names_and_evidence import bits
 
 #: Value shown for a fact that a reading lacks.
 NOTHING = "nothing"

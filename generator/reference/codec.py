@@ -87,10 +87,10 @@ def select_layout(
     selector_value = _selector_value(first_layout.place(variant.parameters), data)
     if selector_value is None:
         length_text = count_with_unit(len(data), "byte")
-        message = report.too_few_bytes(length_text)
+        message = frame_texts.too_few_bytes_message(length_text)
         return None, (FrameProblem(Fault.LENGTH, field="", message=message),)
     valid_values_text = ", ".join(f"{value:X}" for value in sorted(valid_selector_values))
-    message = report.no_frame(first_layout.selector, f"{selector_value:X}", valid_values_text)
+    message = frame_texts.no_frame_message(first_layout.selector, f"{selector_value:X}", valid_values_text)
     return None, (FrameProblem(Fault.RANGE, field=first_layout.selector, message=message),)
 
 
@@ -151,7 +151,7 @@ def _result_of_wrong_length(
 
     ``needed_length`` is a text such as ``24 bits``, and ``actual_length`` the number in the same unit.
     """
-    message = report.wrong_length_message(placed_layout.name, needed_length, f"{actual_length}")
+    message = frame_texts.wrong_length_message(placed_layout.name, needed_length, f"{actual_length}")
     problem = FrameProblem(Fault.LENGTH, field="", message=message)
     return DecodedFrame(layout=placed_layout, number=frame, fields=(), crc=None, problems=(problem,))
 
@@ -180,7 +180,9 @@ def decode(device: Device, placed_layout: PlacedLayout, number: int) -> DecodedF
     problems += problems_of_digits(device, placed_layout, number, binary_number)
     crc = _decode_crc(device, placed_layout, number)
     if crc is not None and not crc.ok:
-        message_of = report.crc_with_exchanged_bytes if crc.has_exchanged_bytes else report.wrong_crc_message
+        message_of = (
+            frame_texts.exchanged_crc_bytes_message if crc.has_exchanged_bytes else frame_texts.wrong_crc_message
+        )
         message = message_of(f"{crc.received:#04x}", f"{crc.computed:#04x}")
         problems.append(FrameProblem(Fault.CRC, field=_name_of_crc_field(placed_layout), message=message))
     fields += [_decode_join(placed_layout, join, number, binary_number) for join in placed_layout.layout.joins]
@@ -405,7 +407,7 @@ def _encode_field(placed_layout: PlacedLayout, placed_field: PlacedField, values
     field_bits = encode_value(kind, placed_field, values[name])
     highest = placed_field.mask
     if not 0 <= field_bits <= highest:
-        raise EncodeError(report.too_wide(name, f"{field_bits}", f"{placed_field.width}"))
+        raise EncodeError(frame_texts.too_wide_message(name, f"{field_bits}", f"{placed_field.width}"))
     return field_bits
 
 

@@ -392,9 +392,9 @@ def _find_differences(
         name = placed_field.field.printed_name or placed_field.name
         actual_text, documented_text = _quoted_or_hex(actual), _quoted_or_hex(documented)
         if is_register:
-            message = report.other_content(name, actual_text, variant.code, documented_text)
+            message = frame_texts.undocumented_content_message(name, actual_text, variant.code, documented_text)
         else:
-            message = report.other_value(name, actual_text, documented_text)
+            message = frame_texts.undocumented_value_message(name, actual_text, documented_text)
         yield ValueDifference(
             field=placed_field.name,
             actual=actual,

@@ -31,6 +31,10 @@ from ..say.report import of_older_edition, register_length
 from .bits_and_values import EncodeError, bits_of_field, number_of_text, with_bits
 from .codec import decode, encode
 from .findings import DecodedFrame, ValueDifference
+from ..say import count_with_unit, frame_texts
+from ..say.frame_texts import register_length_message
+from . import codec
+from .bits import with_bits
 
 
 def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> DecodedFrame:
@@ -52,7 +56,7 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
     if len(data) != register.length:
         needed_length = count_with_unit(register.length, "byte")
         actual_length = count_with_unit(len(data), "byte")
-        raise RegisterError(register_length(register.name, needed_length, actual_length))
+        raise RegisterError(register_length_message(register.name, needed_length, actual_length))
     placed_layout = register.layout.place(variant.parameters)
     return decode(device, placed_layout, number_from_bytes(register.layout, data))
 

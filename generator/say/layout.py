@@ -1,4 +1,4 @@
-"""Sentences that describe a frame, its CRC and the range of its position, and the labels of its fields in pictures."""
+"""Sentences that describe a frame, its CRC and the range of its position, and the places and labels of its fields."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from ..model import (
     answer_combinations,
 )
 from ..model.expressions import Expression
+from . import count_with_unit
 from .errata import answer_names, deciding_alternatives, describe_erratum, errata, needed_answers
-from .plain_text import count_with_unit
-from .report import conditions_text
+from .names_and_evidence import bits, conditions_text
 from .text import (
     VERDICT_CLAUSES,
     Amount,
@@ -40,7 +40,9 @@ from .text import (
 )
 
 
-def head(interface: Interface, layout: Layout, name: TextPart, alternatives: Sequence[Alternative] = ()) -> Statement:
+def describe_head(
+    interface: Interface, layout: Layout, name: TextPart, alternatives: Sequence[Alternative] = ()
+) -> Statement:
     """Return a sentence with the frame's ``name``, its sender, its interface and its length.
 
     If only the answers to ``alternatives`` (questions that the manual leaves open) decide the length, each possible
@@ -223,12 +225,12 @@ def as_one_number(parts: str) -> str:
 
 def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
     """Yield all statements about a CRC: its parameters, its note and its errata."""
-    yield crc_head(device, checksum)
+    yield describe_crc_head(device, checksum)
     yield from spec_text(checksum.note)
     yield from map(describe_erratum, errata(device, f"crcs.{checksum.name}"))
 
 
-def crc_head(device: Device, checksum: Crc) -> Statement:
+def describe_crc_head(device: Device, checksum: Crc) -> Statement:
     """Return one sentence with the name, the width and the parameters of a CRC."""
     width = count_with_unit(checksum.width, "bit")
     parameters = crc_parameters(device, checksum)
@@ -350,3 +352,87 @@ def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRang
     for layout in device.interface(interface).layouts:
         if layout.position_range is not None:
             yield layout.name, layout.position_range
+
+
+def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
+    """Return the bytes of a ``length``-bit frame that contain some bits: ``byte 1, bits 7:1`` or ``bytes 2 to 4``.
+
+    ``high`` and ``low`` are the highest and lowest of these bits in the frame as one number. Bytes are counted from 0
+    in the order sent. If the bits fill several bytes only in part, the result has their numbers in the whole frame.
+    """
+    first_byte, last_byte = _first_and_last_byte(layout, length, high=high, low=low)
+    # From the lowest bit of a byte to the highest bit of a byte.
+    are_whole_bytes = low % 8 == 0 and high % 8 == 7
+    if are_whole_bytes:
+        return f"byte {first_byte}" if first_byte == last_byte else f"bytes {first_byte} to {last_byte}"
+    if first_byte == last_byte:
+        return f"byte {first_byte}, {bits(high % 8, low % 8)}"
+    return f"{bits(high, low)} of the frame as one number"
+
+
+def _first_and_last_byte(layout: Layout, length: int, *, high: int, low: int) -> tuple[int, int]:
+    """Return the first and the last byte sent that have bits ``high`` to ``low`` of a ``length``-bit frame."""
+    lowest_byte, highest_byte = low // 8, high // 8
+    if layout.byte_order == "low_byte_first":
+        return lowest_byte, highest_byte
+    # The byte with the highest bits is sent first.
+    last_byte_of_frame = length // 8 - 1
+    return last_byte_of_frame - highest_byte, last_byte_of_frame - lowest_byte
+
+
+def bit_place(layout: Layout, length: int, high: int, low: int) -> str:
+    """Return the position of a field in short: ``46:31``, or ``byte 2.7:4`` for bits 7 to 4 of byte 2.
+
+    ``high`` and ``low`` are its highest and lowest bit in the frame as one number of ``length`` bits. The first byte is
+    byte 0. ``bytes 1.3-2.7`` means from bit 3 of byte 1 to bit 7 of byte 2.
+    """
+    is_one_bit = high == low
+    if not layout.in_bytes:
+        return f"{high}" if is_one_bit else f"{high}:{low}"
+    first_byte, last_byte = _first_and_last_byte(layout, length, high=high, low=low)
+    if first_byte != last_byte:
+        # From the lowest bit of a byte to the highest bit of a byte.
+        are_whole_bytes = low % 8 == 0 and high % 8 == 7
+        if are_whole_bytes:
+            return f"bytes {first_byte}-{last_byte}"
+        first_bit, last_bit = (low, high) if layout.byte_order == "low_byte_first" else (high, low)
+        return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
+    fills_byte = high - low == 7
+    if fills_byte:
+        return f"byte {first_byte}"
+    place = f"byte {first_byte}.{high % 8}"
+    return place if is_one_bit else f"{place}:{low % 8}"
+
+
+def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[TextPart]:
+    """Yield the location of a field with its padding: in bytes for a frame that consists of bytes, otherwise in bits.
+
+    If only the answers to ``alternatives`` (questions that the manual leaves open) decide the location, each possible
+    location is followed by its answers. If other parameters decide it, only the lowest bit is given, as an expression.
+    """
+    width_with_padding = Expression(field.container) if field.container else field.width
+    high = field.low + width_with_padding - Expression(1)
+    deciding_parameters = {*field.low.parameters, *high.parameters}
+    deciding = deciding_alternatives(alternatives, deciding_parameters)
+    if deciding_parameters and not deciding:
+        yield from ("starting at bit ", field.low)
+        return
+    possible_places: list[list[TextPart]] = []
+    # If no alternative decides, there is one combination, without answers.
+    for answers, answered_parameters in answer_combinations(deciding):
+        high_bit = high.value(answered_parameters)
+        low_bit = field.low.value(answered_parameters)
+        answers_in_parentheses: list[TextPart] = [" (", *answer_names(answers), ")"] if answers else []
+        possible_places.append([_place_text(layout, high_bit, low_bit), *answers_in_parentheses])
+    yield from join_groups(possible_places, " or ")
+
+
+def _place_text(layout: Layout, high: int, low: int) -> str:
+    """Return the bits from ``high`` to ``low`` as text: ``byte 1, bits 7:1``, ``bits 46:31``, or ``absent`` if none."""
+    if high < low:
+        return "absent"
+    # A register has no sender. Its bits are always numbered as bits of one number.
+    is_frame = bool(layout.sender)
+    if layout.in_bytes and is_frame:
+        return frame_bytes(layout, layout.widest, high, low)
+    return bits(high, low)

@@ -38,10 +38,10 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..model.order_codes import Restricted
+from . import count_with_unit, group_digits
 from .errata import describe_erratum, errata
-from .names_and_places import hexadecimal, name_in_words, printed_name_of, register_at, register_field
-from .names_and_places import register_reference as reference_to_register
-from .plain_text import count_with_unit, group_digits
+from .names_and_evidence import hexadecimal, name_in_words, printed_name_of, register_at, register_field
+from .names_and_evidence import register_reference as reference_to_register
 from .register import describe_range, describe_value
 from .text import (
     CodeText,
@@ -101,12 +101,8 @@ def open_values(code_part: CodePart) -> Iterator[Statement]:
 
 def describe_spelling(label_spelling: Spelling) -> Statement:
     """Return the pattern of another spelling of the order code on labels, and where it is used."""
-    return statement(
-        CodeText(label_spelling.pattern),
-        f", as in {label_spelling.where}",
-        label="Also written",
-        source=label_spelling.source,
-    )
+    where_used = f", as in {label_spelling.where}"
+    return statement(CodeText(label_spelling.pattern), where_used, label="Also written", source=label_spelling.source)
 
 
 def describe_parameter(device: Device, parameter: Parameter) -> Iterator[Statement]:
@@ -164,7 +160,7 @@ def _choice_with_values(device: Device, parameter: Parameter) -> Iterator[TextPa
             yield CodeText(answer.name)
 
 
-def initial(device: Device) -> str:
+def words_for_initial_values(device: Device) -> str:
     """Return the phrase for the values that parameters have until the registers that hold them are read.
 
     They are ``factory defaults`` or, if none of the registers has a known default, ``values of the order code``.

@@ -26,11 +26,19 @@ from ..model import (
     first_or_raise,
 )
 from ..model.expressions import Expression
-from .commands import describe_remedy
+from . import formula
+from .commands_and_alarms import describe_remedy
 from .errata import describe_erratum, errata, needed_answers
-from .names_and_places import HasOtherNames, hexadecimal, own_names, printed_name_of, register_at, register_field
-from .names_and_places import register_reference as reference_to_register
-from .plain_text import formula
+from .names_and_evidence import (
+    HasOtherNames,
+    hexadecimal,
+    own_names,
+    printed_name_of,
+    register_at,
+    register_field,
+    short_number,
+)
+from .names_and_evidence import register_reference as reference_to_register
 from .text import (
     VERDICT_CLAUSES,
     CodeText,
@@ -59,7 +67,7 @@ def describe_access(register: Register) -> str:
     return _ACCESS_IN_WORDS[register.access]
 
 
-def head(device: Device, register: Register, name: TextPart) -> Statement:
+def describe_head(device: Device, register: Register, name: TextPart) -> Statement:
     """Return the register's ``name``, address, access and interface: ``command, register 77h, write-only, over …``."""
     interface_title = device.interface(register.interface).title
     access = describe_access(register)
@@ -434,8 +442,3 @@ def describe_value(named_value: Value, bits: int) -> Statement:
 def _verdict_in_parentheses(named_value: Value) -> str:
     """Return the verdict on the position for a named value, in parentheses, or "" if the value has none."""
     return f" ({VERDICT_CLAUSES[named_value.makes_position]})" if named_value.makes_position is not None else ""
-
-
-def short_number(number: int) -> str:
-    """Return a number below 10 in decimal, and any other number in hexadecimal: ``7``, ``1Fh``."""
-    return f"{number}" if number < 10 else f"{number:X}h"

@@ -12,7 +12,7 @@ from functools import cached_property
 from ..model import Crc, Layout, channel_frame
 from ..reference.bits_and_values import compute_bits
 from .encoder import VirtualEncoder
-from .faults import BUSY_S, word_with_fault
+from .simulation_options import BUSY_S, word_with_fault
 
 #: Bytes that the master sends to wait for the timeout, and to set the clock low and high.
 TIMEOUT, CLOCK = b"TC"
@@ -101,7 +101,7 @@ class BissLine(ByLevels):
     def _channel_layouts(self) -> tuple[Layout, ...]:
         """The layouts of the data channels of a frame, in the order in which they are sent. Most frames have one."""
         frame = channel_frame(self.encoder.device.interface("biss"))
-        return frame.layouts if frame is not None else self.encoder.layouts("encoder")[:1]
+        return frame.layouts if frame is not None else self.encoder.layouts(sender="encoder")[:1]
 
     def _compose_word(self) -> int:
         """Return the current single cycle data, which consist of the frames of all data channels, one after another."""
@@ -245,12 +245,12 @@ class BissLine(ByLevels):
         """
         memory = self.encoder.memory
         read_bit, head = yield from _receive_head()
-        # CTS = 1 and slave ID 0 in 4 bits, 7 bits of the address, 4 bits of the CRC.
-        cts_and_id = head >> 11
-        address = (head >> 4) & 0x7F
-        received_crc = head & 0xF
-        correct_crc = compute_bits(_CONTROL_CRC, head >> 4, 11)
-        if cts_and_id != 0b1000 or received_crc != correct_crc:
+        # 4 bits for CTS and the slave ID, 7 bits of the address, 4 bits of the CRC over them.
+        covered_by_crc, received_crc = head >> 4, head & 0xF
+        cts_and_id, address = covered_by_crc >> 7, covered_by_crc & 0x7F
+        is_for_this_encoder = cts_and_id == 0b1000  # CTS = 1 accesses registers, and this encoder has the ID 0.
+        is_crc_correct = received_crc == compute_bits(_CONTROL_CRC, covered_by_crc, 11)
+        if not is_for_this_encoder or not is_crc_correct:
             return 0
         write_bit = yield read_bit
         is_read_or_write = read_bit != write_bit
@@ -284,15 +284,14 @@ class BissLine(ByLevels):
         CDS echoes each CDM bit, one cycle later. Return the next CDM bit and True. After a wrong CRC, return the last
         bit of the CRC, which CDS must still echo, and False.
         """
-        # The start bit, then 8 bits of the byte and 4 of the CRC.
+        # After the start bit, the first bit of the byte.
         cdm = yield 1
-        byte_and_crc = 0
+        byte_and_crc = cdm
+        # The other 7 bits of the byte, and 4 bits of its CRC.
         for _ in range(11):
-            byte_and_crc = (byte_and_crc << 1) | cdm
             cdm = yield cdm
-        byte_and_crc = (byte_and_crc << 1) | cdm
-        byte = byte_and_crc >> 4
-        received_crc = byte_and_crc & 0xF
+            byte_and_crc = (byte_and_crc << 1) | cdm
+        byte, received_crc = byte_and_crc >> 4, byte_and_crc & 0xF
         if received_crc != compute_bits(_CONTROL_CRC, byte, 8):
             return cdm, False
         self.encoder.memory.write(address, byte)
@@ -310,7 +309,7 @@ class BissLine(ByLevels):
 
 
 def _receive_head() -> Generator[int, int, tuple[int, int]]:
-    """Receive the 15 bits of the head of a control frame: CTS, slave ID (3), address (7), and CRC (4).
+    """Receive the head of a control frame, as a number of 15 bits: CTS (1), slave ID (3), address (7), and CRC (4).
 
     CDS answers the start bit with 1. Return the next CDM bit, which is the read bit, and the head.
     """
@@ -348,7 +347,7 @@ class SsiLine(ByLevels):
 
     @property
     def _frame_layout(self) -> Layout:
-        return self.encoder.layouts("encoder")[0]
+        return self.encoder.layouts(sender="encoder")[0]
 
     @property
     def _is_not_ready(self) -> bool:

@@ -10,9 +10,8 @@ from time import monotonic
 from ..model import Biss, Field, Flag, Layout, Measurement, PlacedField, PlacedLayout, Variant, channel_frame
 from ..order_codes.parameters import with_answers
 from ..reference import codec
-from .faults import Faults, Position
-from .find_order_code import find_order_code
 from .memory import Memory
+from .simulation_options import Faults, Position, find_order_code
 
 #: Seconds without supply after a restart, and until an encoder that reports this is ready.
 OFF_S = 0.02
@@ -356,15 +355,14 @@ class VirtualEncoder:
         position_width = self.place(position_layout).field(position_name).width
         position_bits = self.parts_now(position_layout)[position_name]
         # The highest bits of both fields are equal. In the wider field, the position is followed by zeros.
-        missing_bits = width - position_width
-        if missing_bits > 0:
-            return {name: position_bits << missing_bits}
-        return {name: position_bits >> -missing_bits}
+        if width > position_width:
+            return {name: position_bits << (width - position_width)}
+        return {name: position_bits >> (position_width - width)}
 
     @property
     def _position_layout(self) -> Layout | None:
         """The first layout that contains the position, or None if no frame does."""
-        for layout in self.layouts("encoder"):
+        for layout in self.layouts(sender="encoder"):
             if self._carries_position(layout):
                 return layout
         return None
@@ -399,7 +397,7 @@ class VirtualEncoder:
     @cached_property
     def _flag_names(self) -> frozenset[str]:
         """Names of the flags in the frames and registers of the encoder."""
-        frame_layouts = self.layouts("encoder")
+        frame_layouts = self.layouts(sender="encoder")
         register_layouts = [register.layout for register in self.device.registers_over(self.variant.interface)]
         names: set[str] = set()
         for layout in (*frame_layouts, *register_layouts):

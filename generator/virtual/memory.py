@@ -297,7 +297,7 @@ class Memory:
         if not command_names:
             return
         now = self._encoder.clock()
-        is_still_busy = now < self._ready_at
+        is_still_busy = now < self._ready_at  # with the previous command
         if is_still_busy:
             self.too_early += 1
             return

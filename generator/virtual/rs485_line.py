@@ -19,7 +19,7 @@ from ..model import (
 )
 from ..reference import codec
 from .encoder import VirtualEncoder
-from .faults import BUSY_S
+from .simulation_options import BUSY_S
 
 #: Seconds after which the rest of an incomplete request is discarded.
 GAP_S = 0.005

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..model import Exchange, Flag, Layout, Spi, member_named
 from ..reference import codec
 from .encoder import VirtualEncoder
-from .faults import word_with_fault
+from .simulation_options import word_with_fault
 
 
 class SpiLine:
@@ -108,7 +108,7 @@ class SpiLine:
     def _answer_word(self, word: int, length: int) -> int:
         """Execute the request in a word of this length, and return the reply. A write may need several words."""
         if not self.interface.exchanges:
-            return self.encoder.frame(self.encoder.layouts("encoder")[0])
+            return self.encoder.frame(self.encoder.layouts(sender="encoder")[0])
         request = self._find_request(word, length)
         if request is None:
             self._written_fields = {}

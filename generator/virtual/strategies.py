@@ -65,15 +65,16 @@ def _frame_layout(encoder: VirtualEncoder, name: str) -> Layout:
     Raises:
         ValueError: The encoder sends no such frame.
     """
-    layouts = encoder.layouts("encoder")
+    sent_layouts = encoder.layouts(sender="encoder")
     measurement = encoder.device.measurement_of(encoder.variant.interface)
+    # The name of the number that is the position. Fields can be parts of it.
     position_name = measurement.of if measurement is not None else "position"
-    for layout in layouts:
+    for layout in sent_layouts:
         has_whole_position = position_name in layout.member_names
         is_wanted = layout.name == name if name else has_whole_position
         if is_wanted:
             return layout
-    known_names = ", ".join(layout.name for layout in layouts)
+    known_names = ", ".join(layout.name for layout in sent_layouts)
     raise ValueError(f"{encoder.variant.code} has no frame '{name}'; it has: {known_names}")
 
 

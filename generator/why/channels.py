@@ -9,6 +9,8 @@ from itertools import permutations
 from ..model import Device, PlacedChannels
 from ..reference.codec import decode_channels
 from ..say import report as say_report
+from ..reference.channels import decode_channels
+from ..say import frame_texts
 
 #: Fewest bits that the CRCs of all channels need together. Of 65,536 random frames, one has valid CRCs by chance.
 LEAST_CRC_BITS = 16
@@ -40,7 +42,7 @@ def _readings_with_bits_around(device: Device, frame: PlacedChannels, number: in
         bits_after = extra_bits - bits_before
         frame_bits = (number >> bits_after) & ((1 << frame.bits) - 1)
         if _is_valid_frame(device, frame, frame_bits):
-            yield say_report.bits_around(f"{bits_before}", f"{bits_after}")
+            yield frame_texts.bits_around(f"{bits_before}", f"{bits_after}")
 
 
 def _readings_in_other_order(device: Device, frame: PlacedChannels, number: int) -> Iterator[str]:
@@ -48,7 +50,7 @@ def _readings_in_other_order(device: Device, frame: PlacedChannels, number: int)
     for channels in permutations(frame.channels):
         other_frame = replace(frame, channels=channels)
         if channels != frame.channels and _is_valid_frame(device, other_frame, number):
-            yield say_report.other_order(", ".join(channel.name for channel in channels))
+            yield frame_texts.other_order(", ".join(channel.name for channel in channels))
 
 
 def _is_valid_frame(device: Device, frame: PlacedChannels, number: int) -> bool:

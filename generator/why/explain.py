@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..model import Crc, Device, PlacedLayout, Rs485, Spi, Variant
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .diagnosis import (
     Diagnosis,
     Explanation,

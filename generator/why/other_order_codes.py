@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..model import Constant, Crc, Device, Layout, Parity, PlacedLayout, Variant
 from ..order_codes.parameters import possible_states, run_time_widths, with_changed
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .hypotheses import OTHER_CODE_WITHOUT_CRC, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .texts import TEXTS
 

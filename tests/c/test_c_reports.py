@@ -16,7 +16,7 @@ from codewheel.plan.verdicts import ReportCause, reportings, reports_of
 from codewheel.reference.bits_and_values import unused_bits
 from codewheel.reference.codec import decode, encode
 from codewheel.reference.findings import FrameReport, findings
-from codewheel.say.report import alarm_of, meaning
+from codewheel.say.commands_and_alarms import alarm_of, meaning
 from codewheel.targets.c.device import views_of
 from test_c_codec import Table, check, encoded_sample, on_the_wire, samples
 

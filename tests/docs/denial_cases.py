@@ -17,9 +17,9 @@ from typing import Any
 
 from codewheel.commands.new import write_spec
 from codewheel.loading.library import load_library
-from codewheel.masters.frame_parts import cable_table
-from codewheel.masters.record import record
-from codewheel.masters.text import record_facts
+from codewheel.masters.encoder_facts import cable_table
+from codewheel.masters.order_code_facts import facts_of_order_code
+from codewheel.masters.text import facts_in_words
 from codewheel.model import (
     Alarm,
     Biss,
@@ -59,24 +59,23 @@ from codewheel.model import (
     WriteStep,
 )
 from codewheel.model.expressions import Expression
-from codewheel.say import commands, evidence, layout, names_and_places, order_code, register, report
-from codewheel.say import commands as hardware_input
+from codewheel.say import commands_and_alarms, layout, names_and_evidence, order_code, register
+from codewheel.say import commands_and_alarms as hardware_input
 from codewheel.say import errata as erratum
-from codewheel.say import evidence as origin
 from codewheel.say import layout as crc
 from codewheel.say import layout as measurement
+from codewheel.say import names_and_evidence as origin
 from codewheel.say import order_code as interface
 from codewheel.say import order_code as timing
 from codewheel.say import register as field
-from codewheel.say import report as alarm
 from codewheel.say.text import PLAIN_STYLE, Statement
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate as generate_c
 from codewheel.targets.docs import (
+    ErrataLinks,
     bytes_to_send,
     cross_family_pages,
     family_pages,
-    inline_errata,
     layout_pictures,
     order_code_tables,
     page_pictures,
@@ -107,8 +106,8 @@ def case(name: str, true: Printed, false: Printed, is_slow: bool = False) -> Non
 
 @cache
 def tv62() -> Device:
-    devices, report = load_library([EXAMPLE])
-    assert not report
+    devices, frame_texts = load_library([EXAMPLE])
+    assert not frame_texts
     return devices[0]
 
 
@@ -309,7 +308,7 @@ def speed_text(kind: str, device: Device) -> str:
 
 def record_row(label: str, device: Device) -> str:
     """Return one row of the facts for masters."""
-    return dict(record_facts(record(device, device.variants[0])))[label]
+    return dict(facts_in_words(facts_of_order_code(device, device.variants[0])))[label]
 
 
 REPLY = a_timing("Time from the request until the encoder answers")
@@ -463,8 +462,8 @@ case(
 
 case(
     "alarm_implemented",
-    lambda: printed(alarm.alarm_facts(tv62(), alarm_with(group="", implemented=False))),
-    lambda: printed(alarm.alarm_facts(tv62(), alarm_with(group=""))),
+    lambda: printed(commands_and_alarms.alarm_facts(tv62(), alarm_with(group="", implemented=False))),
+    lambda: printed(commands_and_alarms.alarm_facts(tv62(), alarm_with(group=""))),
 )
 case("alarm_row_implemented", lambda: alarm_row(False), lambda: alarm_row(True))
 case("field_implemented", lambda: field_rules(a_field(Flag(), implemented=False)), lambda: field_rules(a_field(Flag())))
@@ -491,8 +490,8 @@ case("no_reply", lambda: exchange_text(""), lambda: exchange_text("answer"))
 case("gaps", lambda: gaps_text("zero"), lambda: gaps_text(""))
 case(
     "only",
-    lambda: printed(names_and_places.order_codes_text("A-x")),
-    lambda: printed(names_and_places.order_codes_text("")),
+    lambda: printed(names_and_evidence.order_codes_text("A-x")),
+    lambda: printed(names_and_evidence.order_codes_text("")),
 )
 case(
     "only_timing",
@@ -521,13 +520,13 @@ case("write_only", lambda: access_text("write_only"), lambda: access_text("read_
 case("opened_by", lambda: opened_text("bank"), lambda: opened_text(""))
 case(
     "reported_not_implemented",
-    lambda: report.meaning(a_field(ERROR, implemented=False), None),
-    lambda: report.meaning(a_field(ERROR), None),
+    lambda: commands_and_alarms.meaning(a_field(ERROR, implemented=False), None),
+    lambda: commands_and_alarms.meaning(a_field(ERROR), None),
 )
 case(
     "unused_bits",
-    lambda: report.deciding_value(replace(a_field(Unused(3)), widest=2)),
-    lambda: report.deciding_value(a_field(ERROR)),
+    lambda: names_and_evidence.deciding_value(replace(a_field(Unused(3)), widest=2)),
+    lambda: names_and_evidence.deciding_value(a_field(ERROR)),
 )
 case(
     "crc_inverted",
@@ -579,7 +578,7 @@ def special_model(suffix: str) -> Device:
 
 def succession_text(alone: bool) -> str:
     step = SendStep(data_id="reset", request=b"\xba", times=10, microseconds=40, in_succession=alone)
-    return PLAIN_STYLE.sentence(commands.describe_step(tv62(), step))
+    return PLAIN_STYLE.sentence(commands_and_alarms.describe_step(tv62(), step))
 
 
 def access_text(word: str) -> str:
@@ -592,7 +591,9 @@ def opened_text(by: str) -> str:
 
 
 def grade_text(word: str) -> str:
-    return PLAIN_STYLE.sentence(evidence.describe_grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word))))
+    return PLAIN_STYLE.sentence(
+        names_and_evidence.describe_grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word)))
+    )
 
 
 def contact_text(codes: str) -> str:
@@ -640,13 +641,13 @@ def an_erratum(**changes: Any) -> Erratum:
 
 
 def summary(*errata: Erratum) -> str:
-    badges = inline_errata.ErrataLinks(replace(tv62(), errata=errata))
+    badges = ErrataLinks(replace(tv62(), errata=errata))
     badges("registers.bank")
     return badges.count_by_status()
 
 
 def errata_page(*errata: Erratum) -> str:
-    page = inline_errata.page_values(replace(tv62(), errata=errata))
+    page = family_pages.errata_values(replace(tv62(), errata=errata))
     sections = [(kind, section) for kind, of_kind in page["errata_by_kind"] for section in of_kind]
     texts = (" ".join((kind, section["summary"], *section["cells"])) for kind, section in sections)
     return "\n".join((page["errata_summary"], *texts))
@@ -691,8 +692,8 @@ def template(like: str, *changes: tuple[str, str]) -> Device:
             assert old in text, old
             text = text.replace(old, new, 1)
         path.write_text(text, "utf-8")
-        devices, report = load_library([Path(folder)])
-    assert not report, "\n".join(problem.format() for problem in report.problems)
+        devices, frame_texts = load_library([Path(folder)])
+    assert not frame_texts, "\n".join(problem.format() for problem in frame_texts.problems)
     return devices[0]
 
 

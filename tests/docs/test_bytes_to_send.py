@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 from codewheel.model import Procedure, WriteStep
-from codewheel.say.commands import Commands
+from codewheel.say.commands_and_alarms import Commands
 
 
 def sections(pages: Mapping[str, str], family: str, words: str) -> list[str]:

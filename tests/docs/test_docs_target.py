@@ -13,8 +13,8 @@ import pytest
 from codewheel.dump.plain import device_dump
 from codewheel.loading.library import load_library
 from codewheel.model import Biss, Device, Rs485
-from codewheel.say.markdown import citation, code_span, escape
-from codewheel.say.names_and_places import heading
+from codewheel.say.names_and_evidence import heading
+from codewheel.say.text import citation, code_span, escape
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate
 from xml_reader import read_xml

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from codewheel.loading.spec_parts import parse_sources
 from codewheel.model import cite
-from codewheel.say.markdown import citation, code_span, escape, table, wrap_markdown
+from codewheel.say.text import citation, code_span, escape, table, wrap_markdown
 
 
 @pytest.mark.parametrize(

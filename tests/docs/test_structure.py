@@ -8,8 +8,10 @@ from collections.abc import Mapping
 import pytest
 from codewheel.model.registers import steps_of
 from codewheel.say.markdown import escape, escape_html
+from codewheel.model.steps import steps_of
+from codewheel.say.text import escape, escape_html
 from codewheel.targets import Library
-from codewheel.targets.docs.inline_errata import all_values
+from codewheel.targets.docs.cross_family_pages import all_errata_values
 
 Files = Mapping[str, str]
 
@@ -120,7 +122,7 @@ def test_other_editions_are_apart_from_the_errata_of_the_manual(library: Library
 
 
 def test_no_heading_without_errata() -> None:
-    assert all_values([]) == {"standings": []}
+    assert all_errata_values([]) == {"standings": []}
 
 
 def test_open_errata_of_all_families_come_first(library: Library, pages: Files) -> None:

@@ -22,7 +22,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Flag, Layout, Verdict
-from codewheel.say.names_and_places import bit_place
+from codewheel.say.layout import bit_place
 from planted import crc
 
 SPECS = Path(__file__).parents[1] / "specs"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.say.plain_text import decimal
+from codewheel.say import decimal
 
 ENCODERS = Path(__file__).parents[2] / "specs"
 #: A frame of real hardware, whose position is 2,979,902,961.

@@ -6,7 +6,7 @@ import json
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.say.plain_text import text_on_one_line
+from codewheel.say import text_on_one_line
 from codewheel.targets import Library
 from codewheel.targets.browser.files import family_data
 from codewheel.targets.c.files import generate as generate_c

@@ -13,7 +13,7 @@ from codewheel.commands.cli import main
 from codewheel.language.schema_check import load_schema
 from codewheel.model import Scale
 from codewheel.model.kinds import WIDEST
-from codewheel.say.plain_text import formula, quantity_text
+from codewheel.say import formula, quantity_text
 from codewheel_runtime import facts
 
 ENCODERS = Path(__file__).parents[2] / "specs"

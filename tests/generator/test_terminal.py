@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.terminal import _replace_in_text
-from codewheel.say.plain_text import STAND_INS
+from codewheel.say import STAND_INS
 from exhaustive import mostly_exhaustive
 
 COMMAND = [sys.executable, "-m", "codewheel"]

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.masters.record import EncoderFacts, record
+from codewheel.masters.encoder_facts import EncoderFacts
+from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, SettingsSheet, load_masters, sheet
 from codewheel.model import Device
 from codewheel.order_codes.labels import UnknownOrderCode, find_code
@@ -32,7 +33,7 @@ def record_of(devices: Mapping[str, Device]) -> Callable[[str], EncoderFacts]:
         answers = {"zero_bit": decided} if decided else {}
         for device in devices.values():
             try:
-                return record(device, find_code(device, code).variant, answers=answers)
+                return facts_of_order_code(device, find_code(device, code).variant, answers=answers)
             except UnknownOrderCode:
                 continue
         raise LookupError(code)

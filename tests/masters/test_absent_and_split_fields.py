@@ -15,7 +15,8 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
-from codewheel.masters.record import EncoderFacts, record
+from codewheel.masters.encoder_facts import EncoderFacts
+from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.setting_values import actual_value
 from codewheel.model import Biss, Device
 from codewheel.order_codes.parameters import with_sent_layouts
@@ -55,7 +56,7 @@ def settings_by_master(capsys: Capture, order_code: str) -> dict[str, dict[str, 
 
 def three(made: dict[str, Device], order_code: str) -> EncoderFacts:
     device = made["three_fields"]
-    return record(device, device.variant(order_code))
+    return facts_of_order_code(device, device.variant(order_code))
 
 
 @pytest.mark.parametrize(

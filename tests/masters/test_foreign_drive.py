@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.masters.groups import records_of
-from codewheel.masters.record import EncoderFacts
+from codewheel.masters.encoder_facts import EncoderFacts
 from codewheel.masters.sheet import Master, sheet
 from codewheel.targets import Library
+from codewheel.targets.masters import facts_of_order_codes
 from codewheel.targets.masters.files import file_text
 
 pytestmark = pytest.mark.slow
@@ -53,14 +53,14 @@ def test_a_drive_takes_the_configuration(
     typed = {"AMM5A17/1SC1": (25, 17), "SMA21-SC1-0002": (32, 24), "SMA21-SC1-0050": (32, 24)}
     loaded_count = 0
     for device in library.devices:
-        records = chain.from_iterable(records_of(device, interface) for interface in device.interfaces)
+        records = chain.from_iterable(facts_of_order_codes(device, interface) for interface in device.interfaces)
         for record in records:
             settings_sheet = sheet(master, record)
             if settings_sheet.refusals:
                 continue
             path = tmp_path / "encoder.xcf"
             path.write_text(
-                file_text(device, [record.code], settings_sheet, rule=rule, master_device=master.devices[0].name),
+                file_text(device, [record.code], settings_sheet, file_rule=rule, master_device=master.devices[0].name),
                 encoding="utf-8",
             )
             assert len(configuration.load_from_xcf(str(path)).registers) == 8
@@ -90,7 +90,7 @@ def test_a_wrong_register_is_reported(
         device,
         ["AMM5A17/1SC1"],
         sheet(master, record_of("AMM5A17/1SC1")),
-        rule=master.files[0],
+        file_rule=master.files[0],
         master_device=master.title,
     )
     path = tmp_path / "encoder.xcf"

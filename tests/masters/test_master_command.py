@@ -13,7 +13,7 @@ from typing import Any
 import jsonschema
 import pytest
 from codewheel.commands.cli import main
-from codewheel.masters.record import record
+from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import SettingsSheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device
@@ -87,7 +87,7 @@ def test_columns_end_where_most_settings_do(devices: Mapping[str, Device], sheet
     device = devices["sma21"]
     match = find_code(device, "SMA21-SC1-0050")
     narrow_sheet = replace(settings_sheet, settings=tuple(long), writing=(), notes=())
-    lines = sheet_text(device, match, record(device, match.variant), [narrow_sheet]).splitlines()
+    lines = sheet_text(device, match, facts_of_order_code(device, match.variant), [narrow_sheet]).splitlines()
     begun = lines.index(next(line for line in lines if line.startswith("  nnn")))
     assert lines[begun : begun + 3] == [
         "  " + "n" * 41 + "  1" + " " * 17 + "  place",

@@ -17,13 +17,14 @@ import file_readers as readers
 import pytest
 from codewheel.commands.cli import main
 from codewheel.language.written_masters import FILE_FORMATS
+from codewheel.language.master_items import FILE_FORMATS
+from codewheel.masters.encoder_facts import EncoderFacts
 from codewheel.masters.frame_parts import NoRecord
-from codewheel.masters.groups import records_of
-from codewheel.masters.record import EncoderFacts, record
+from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, SettingsSheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.masters.entries import content_of_file
+from codewheel.targets.masters import content_of_file, facts_of_order_codes
 from codewheel.targets.masters.files import file_text, generate
 
 Raw = Mapping[str, Any]
@@ -100,7 +101,11 @@ def file_of(devices: Mapping[str, Device], sheet_of: SheetOf) -> FileOf:
         rule = rule_of(settings_sheet.master, name)
         family = next(name for start, name in FAMILY_BY_START.items() if code.startswith(start))
         return file_text(
-            devices[family], [code], settings_sheet, rule=rule, master_device=on or settings_sheet.devices_with(rule)[0]
+            devices[family],
+            [code],
+            settings_sheet,
+            file_rule=rule,
+            master_device=on or settings_sheet.devices_with(rule)[0],
         )
 
     return written_file
@@ -310,7 +315,7 @@ def test_a_planted_mistake_changes_the_file(
 def records(library: Library) -> Iterator[tuple[Device, EncoderFacts]]:
     for device in library.devices:
         for interface in device.interfaces:
-            for encoder_record in records_of(device, interface):
+            for encoder_record in facts_of_order_codes(device, interface):
                 yield device, encoder_record
 
 
@@ -325,7 +330,7 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
             with pytest.raises(
                 NoRecord, match="has the interface RS-485; there are masters for SSI and BiSS C-mode only"
             ):
-                record(device, variant)
+                facts_of_order_code(device, variant)
     file_count = 0
     for device, encoder_record in records(library):
         for master in masters.values():
@@ -335,7 +340,7 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
                 continue
             for rule in master.files:
                 for on in settings_sheet.devices_with(rule):
-                    text = file_text(device, [encoder_record.code], settings_sheet, rule=rule, master_device=on)
+                    text = file_text(device, [encoder_record.code], settings_sheet, file_rule=rule, master_device=on)
                     assert "Not yet tested on hardware." in " ".join(text.split())
                     _read_back(rule["format"], text, settings_sheet, on, rule)
                     file_count += 1

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from codewheel.masters.record import EncoderFacts
+from codewheel.masters.encoder_facts import EncoderFacts
 from codewheel.masters.sheet import Master, load_masters, sheet
 
 RecordOf = Callable[[str], EncoderFacts]

@@ -23,10 +23,9 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.masters.places import SettingPlace
-from codewheel.masters.record import EncoderFacts
+from codewheel.masters.encoder_facts import EncoderFacts
+from codewheel.masters.places_and_writing import SettingPlace, write_order
 from codewheel.masters.sheet import Master, Setting, SettingsSheet, sheet
-from codewheel.masters.writing import write_order
 
 SheetOf = Callable[[str, str], SettingsSheet]
 RecordOf = Callable[[str], EncoderFacts]

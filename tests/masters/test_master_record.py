@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from codewheel.language.written_masters import NUMBERS, WORDS
 from codewheel.loading.library import load_library
+from codewheel.masters.encoder_facts import EncoderFacts, Undecided
 from codewheel.masters.frame_parts import NoRecord
-from codewheel.masters.record import EncoderFacts, Undecided, record
+from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
 from codewheel.order_codes.labels import find_code
@@ -132,7 +133,7 @@ def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf)
     device = devices["am36"]
     variant = find_code(device, "AM3616/4096-I7").variant
     # 0Ch = 12 bits of turns, 10h = 16 bits of position; bit 5 of the configuration cleared is Gray code.
-    changed_record = record(
+    changed_record = facts_of_order_code(
         device, with_registers(device, variant, {0x57: 0x0C, 0x56: 0x10, 0x49: 0x00}), as_delivered=False
     )
     assert (
@@ -160,7 +161,7 @@ def test_no_more_turns_than_bits(
 ) -> None:
     """Drives that are set to the revolutions derive the width of the frame from them."""
     device = devices["am36"]
-    encoder_record = record(
+    encoder_record = facts_of_order_code(
         device, with_registers(device, find_code(device, "AM3616/4096-I7").variant, registers), as_delivered=False
     )
     assert (encoder_record.numbers["turns"], encoder_record.numbers["multiturn_bits"]) == (turns, bits)
@@ -171,7 +172,7 @@ def test_no_more_turns_than_bits(
 def test_any_number_of_turn_bits(devices: Mapping[str, Device], masters: dict[str, Master]) -> None:
     """FB1.ENCRES is 2 to the power of 32 less the multiturn bits: 2^(32 - 13) = 2^19 = 524288."""
     device = devices["am36"]
-    encoder_record = record(
+    encoder_record = facts_of_order_code(
         device, with_registers(device, find_code(device, "AM3616/4096-I7").variant, {0x57: 0x0D}), as_delivered=False
     )
     assert {setting.name: setting.value for setting in sheet(masters["kollmorgen_akd"], encoder_record).settings}[
@@ -182,7 +183,7 @@ def test_any_number_of_turn_bits(devices: Mapping[str, Device], masters: dict[st
 def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master]) -> None:
     """Some masters can read it, others cannot, each for its own reason."""
     device = devices["am36"]
-    gray = record(
+    gray = facts_of_order_code(
         device, with_registers(device, find_code(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False
     )
     assert {setting.name: setting.value for setting in sheet(masters["beckhoff_el5042"], gray).settings}["Coding"] == 1
@@ -219,14 +220,16 @@ def test_other_frames(devices: Mapping[str, Device]) -> None:
     position, zero, error, warning, crc = layout.fields
     for kind in (Number(), Constant()):
         changed_device = with_fields(position, zero, error, replace(warning, kind=kind), crc)
-        roles = {part.name: part.role for part in record(changed_device, variant, answers=AS_PRINTED).parts}
+        roles = {
+            part.name: part.role for part in facts_of_order_code(changed_device, variant, answers=AS_PRINTED).parts
+        }
         assert (roles["error"], roles["warning"], roles["crc"]) == ("status", "other", "crc")
-    gap_record = record(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
+    gap_record = facts_of_order_code(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
     assert "the bits of 'single_cycle_data' above 'error' have no meaning" in gap_record.obstacle
     assert [part.name for part in gap_record.parts] == ["position", "error", "warning", "crc"]
     bare = replace(with_fields(replace(position, name="angle"), zero, error, warning, crc), measurement=None)
     with pytest.raises(NoRecord, match="no frame of BiSS C-mode carries 'position'"):
-        record(bare, variant, answers=AS_PRINTED)
+        facts_of_order_code(bare, variant, answers=AS_PRINTED)
 
 
 def test_a_step_of_nanometres() -> None:
@@ -234,7 +237,7 @@ def test_a_step_of_nanometres() -> None:
     devices, report = load_library([Path(__file__).parents[2] / "specs" / "renishaw"])
     assert not report
     (device,) = (device for device in devices if device.name == "resolute_linear")
-    numbers = record(device, find_code(device, "RESOLUTE-LINEAR-26-005").variant).numbers
+    numbers = facts_of_order_code(device, find_code(device, "RESOLUTE-LINEAR-26-005").variant).numbers
     widths = [numbers[name] for name in ("multiturn_bits", "singleturn_bits", "crc_polynomial", "step_um", "step_pm")]
     assert widths == [0, 26, 67, None, 5000]
 
@@ -244,11 +247,11 @@ def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:
     variant = find_code(device, "ASC8525/SC1").variant
     for change in ({"refin": True, "refout": True}, {"xorout": 1}):
         crcs = tuple(replace(crc, **change) if crc.name == "biss_6" else crc for crc in device.crcs)
-        changed_record = record(replace(device, crcs=crcs), variant, answers=AS_PRINTED)
+        changed_record = facts_of_order_code(replace(device, crcs=crcs), variant, answers=AS_PRINTED)
         assert changed_record.crc_obstacle.endswith("either plain or fully inverted.")
         assert changed_record.crc_obstacle in changed_record.notes
     straight = tuple(replace(crc, xorout=0) for crc in device.crcs)
-    assert record(replace(device, crcs=straight), variant, answers=AS_PRINTED).numbers["crc_inverted"] == 0
+    assert facts_of_order_code(replace(device, crcs=straight), variant, answers=AS_PRINTED).numbers["crc_inverted"] == 0
 
 
 def test_a_register_of_another_interface_decides_the_code() -> None:
@@ -256,5 +259,5 @@ def test_a_register_of_another_interface_decides_the_code() -> None:
     (device,), report = load_library([ROOT / "tests" / "specs" / "words.yaml"])
     assert not report.problems
     ssi = next(variant for variant in device.variants if variant.interface == "ssi")
-    notes = record(for_interface(device, "ssi"), ssi).notes
+    notes = facts_of_order_code(for_interface(device, "ssi"), ssi).notes
     assert any(note.startswith("The code depends on registers: configuration.") for note in notes)

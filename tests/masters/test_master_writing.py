@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.masters.places_and_writing import WriteCondition, WriteEffect
 from codewheel.masters.sheet import SettingsSheet
-from codewheel.masters.writing import WriteCondition, WriteEffect
 
 SheetOf = Callable[[str, str], SettingsSheet]
 

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
-from codewheel.masters.record import record
+from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, load_masters, sheet
 from codewheel.model import Device
 from codewheel.one_line.encoder import device_of_line
@@ -56,7 +56,9 @@ def test_the_example_of_siemens_in_gray_code(tmp_path: Path, masters: dict[str, 
     ssi = device.interface("ssi")
     gray_layout = replace(ssi.layouts[0], gray_of="position")
     gray_device = replace(device, interfaces=(replace(ssi, layouts=(gray_layout,)),))
-    gray_sheet = sheet(masters["siemens_posinput"], record(gray_device, find_code(gray_device, "EXAMPLE-X").variant))
+    gray_sheet = sheet(
+        masters["siemens_posinput"], facts_of_order_code(gray_device, find_code(gray_device, "EXAMPLE-X").variant)
+    )
     assert {setting.name: setting.value for setting in gray_sheet.settings[:5]} == {
         "Frame length": 34,
         "Code type": "Gray",
@@ -346,7 +348,7 @@ def test_a_crc_that_is_sent_reflected(tmp_path: Path, capsys: Capture, masters: 
     write_biss_spec(tmp_path, TURNS, STATUS, CRC_6)
     device = device_of(tmp_path)
     device = replace(device, crcs=tuple(replace(crc, refin=True, refout=True) for crc in device.crcs))
-    (refusal,) = sheet(masters["moteus"], record(device, find_code(device, "EXAMPLE-X").variant)).refusals
+    (refusal,) = sheet(masters["moteus"], facts_of_order_code(device, find_code(device, "EXAMPLE-X").variant)).refusals
     assert refusal.reason.startswith(reason.replace("crc_8", "crc_6"))
 
 
@@ -369,4 +371,4 @@ def test_a_second_channel(tmp_path: Path, capsys: Capture) -> None:
 def test_a_parity_bit_counts_constants() -> None:
     """The parity that a master checks is that of all bits, also of constants that are 1."""
     device, match = device_of_line("ssi:position=12,sign=1:1,parity=odd")
-    assert record(device, match.variant).words["parity"] == "odd"
+    assert facts_of_order_code(device, match.variant).words["parity"] == "odd"

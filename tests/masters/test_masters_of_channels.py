@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.loading.library import load_library
-from codewheel.masters.record import record
+from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import SettingsSheet, sheet, shipped_masters
 from codewheel.targets import Library
 from codewheel.targets.masters.files import generate
@@ -32,7 +32,7 @@ def sheets(text: str, folder: Path) -> dict[str, SettingsSheet]:
     path.write_text(text, encoding="utf-8")
     (device,), report = load_library([path, SPECS / "manufacturer.yaml"])
     assert not report
-    facts = record(device, device.variant("RXH"))
+    facts = facts_of_order_code(device, device.variant("RXH"))
     return {master.name: sheet(master, facts) for master in shipped_masters() if "biss" in master.supported_interfaces}
 
 

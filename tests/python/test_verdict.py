@@ -19,7 +19,7 @@ import pytest
 from codewheel.model import Device, Flag, Layout, PlacedLayout, Variant, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
-from codewheel.say.report import alarm_of, meaning, remedy
+from codewheel.say.commands_and_alarms import alarm_of, meaning, remedy
 from codewheel.targets.python.names import ModuleContext
 from exhaustive import mostly_exhaustive
 from python_path import python_path

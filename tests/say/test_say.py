@@ -16,9 +16,9 @@ from codewheel.order_codes.labels import find_code
 from codewheel.say import layout, order_code, register
 from codewheel.say import order_code as interface
 from codewheel.say import register as field
-from codewheel.say.markdown import MARKDOWN
 from codewheel.say.text import (
     DOCSTRING_STYLE,
+    MARKDOWN,
     PLAIN_STYLE,
     TITLE_STYLE,
     CodeText,

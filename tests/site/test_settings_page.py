@@ -18,14 +18,14 @@ from chromium import Browser
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.masters.frame_parts import NoRecord
-from codewheel.masters.groups import records_of
-from codewheel.masters.record import record
+from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import sheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device
 from codewheel.one_line.encoder import device_of_line
 from codewheel.one_line.line import LineError
 from codewheel.order_codes.labels import LabelMatch, find_code
+from codewheel.targets.masters import facts_of_order_codes
 from codewheel.targets.masters.files import file_text
 from exhaustive import mostly_exhaustive
 
@@ -115,13 +115,13 @@ def printed_texts(
         for code in (variant.code for variant in device.variants if variant.code in choices):
             match = find_code(device, code)
             for choice in choices[code]:
-                code_record = record(device, match.variant, answers=answers_of(choice))
+                code_record = facts_of_order_code(device, match.variant, answers=answers_of(choice))
                 for master in shipped_masters():
                     master_sheet = sheet(master, code_record)
                     if master_sheet.is_described:
                         files = {
                             (rule["format"], name): file_text(
-                                device, [code], master_sheet, rule=rule, master_device=name
+                                device, [code], master_sheet, file_rule=rule, master_device=name
                             ).rstrip("\n")
                             for rule in (() if master_sheet.refusals else master.files)
                             for name in master_sheet.devices_with(rule)
@@ -256,7 +256,7 @@ def random_line(numbers: random.Random) -> str:
 def printed_or_reason(device: Device, match: LabelMatch, cable: int | None, answers: dict[str, str]) -> list[str] | str:
     """Return what the command prints for each master of the interface, or why there are no settings."""
     try:
-        facts = record(device, match.variant, cable_m=cable, answers=answers)
+        facts = facts_of_order_code(device, match.variant, cable_m=cable, answers=answers)
     except NoRecord as error:
         return str(error)
     if facts.obstacle:
@@ -287,7 +287,7 @@ def test_a_cable_has_the_settings_that_the_command_prints(library: tuple[Device,
     wanted = []
     for device in library:
         for interface in device.interfaces:
-            records = list(records_of(device, interface))
+            records = list(facts_of_order_codes(device, interface))
             for facts in numbers.sample(records, min(2, len(records))):
                 cable = numbers.choice([1, 10, 30, 50, 100, 300, 1001])
                 choice = " ".join(f"--choose {name}={answer}" for name, answer in facts.answers.items())

@@ -14,8 +14,7 @@ from threading import Event, Thread
 from c_harness import devices_of
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
-from codewheel.virtual import BissLine, Rs485Line, VirtualEncoder
-from codewheel.virtual.serve import ByteLine, listener, serve
+from codewheel.virtual import BissLine, ByteLine, Rs485Line, VirtualEncoder, listener, serve
 from machines import _BARE, Machine
 from tools import tool
 

@@ -12,7 +12,7 @@ from typing import Annotated, TypedDict
 
 from codewheel.model import Biss, Device, Ssi, Variant
 from codewheel.render import Templates
-from codewheel.say.plain_text import text_on_one_line
+from codewheel.say import text_on_one_line
 from codewheel.targets import NO_OPTIONS, Library, Options, Target
 from codewheel.targets.registry import licence_in, names_of_codes
 

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable
 
 from codewheel.model import Device, Field, Interface, Layout, Register, cite
-from codewheel.say import layout, register
-from codewheel.say.names_and_places import field_place, title_of
-from codewheel.say.plain_text import wrap_text
+from codewheel.say import layout, register, wrap_text
+from codewheel.say.layout import field_place
+from codewheel.say.names_and_evidence import title_of
 from codewheel.say.text import Statement, Style
 
 _MARKUP = re.compile(r"[\\`*<\[\]]")
@@ -39,12 +39,15 @@ def doc(statements: Iterable[Statement | str] | Statement, indent: int = 0, mark
 
 def frame_text(device: Device, interface: Interface, frame: Layout) -> list[Statement]:
     """Return the description of a frame."""
-    return [layout.head(interface, frame, title_of(frame)), *layout.describe_layout(device, interface, frame)]
+    return [layout.describe_head(interface, frame, title_of(frame)), *layout.describe_layout(device, interface, frame)]
 
 
 def register_text(device: Device, described: Register) -> list[Statement]:
     """Return the description of a register."""
-    return [register.head(device, described, title_of(described)), *register.describe_register(device, described)]
+    return [
+        register.describe_head(device, described, title_of(described)),
+        *register.describe_register(device, described),
+    ]
 
 
 def field_text(device: Device, owner: Layout, described: Field) -> list[str]:

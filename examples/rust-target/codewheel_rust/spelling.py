@@ -9,7 +9,7 @@ from codewheel.model import BitSlice, Device, Field, Parameter, assert_never
 from codewheel.model.expressions import Expression, Factor, Term
 from codewheel.plan import values
 from codewheel.plan.codec import characters
-from codewheel.say.plain_text import text_on_one_line
+from codewheel.say import text_on_one_line
 
 from .names import snake
 

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 
 from codewheel.model import Device, Spi, Variant
-from codewheel.say.plain_text import text_on_one_line
+from codewheel.say import text_on_one_line
 from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.names import c_name

@@ -13,6 +13,9 @@ from ...reference.codec import decode_channels
 from ...reference.findings import ChannelFindings, Findings, channel_findings
 from ...say import report as say_report
 from ...say.plain_text import WIDTH, count_with_unit
+from ...reference.channels import ChannelFindings, channel_findings, decode_channels
+from ...reference.findings import Findings
+from ...say import WIDTH, count_with_unit, frame_texts
 from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
 from .field_table import wrapped
@@ -153,7 +156,7 @@ def report_of_length(frame: PlacedChannels, bits: int) -> str:
     verb = "is" if number_of_wrong_bits == 1 else "are"
     state = "missing" if bits < frame.bits else "too many"
     difference = f"{count_with_unit(number_of_wrong_bits, 'bit')} {verb} {state}"
-    return say_report.length_of_channels(
+    return frame_texts.wrong_length_of_channels_message(
         names_and_lengths, needed=f"{frame.bits} bits", actual=f"{bits}", difference=difference
     )
 
@@ -177,9 +180,9 @@ def _summary_lines(frame: PlacedChannels, result: ChannelResult) -> Iterator[str
         yield f"{problem.fault.value} error: {problem.message}"
     wrong_channels = [decoded.layout.name for decoded in result.channels if decoded.problems and decoded.layout]
     if wrong_channels:
-        yield say_report.no_position(" and ".join(wrong_channels))
+        yield frame_texts.no_position_note(" and ".join(wrong_channels))
     for reading in result.readings:
-        yield say_report.all_crcs_correct(reading)
+        yield frame_texts.all_crcs_correct(reading)
     if result.findings.agree is not None:
         yield comparison_sentence(frame, result.channels, agree=result.findings.agree)
     if result.findings.verdict is not None:
@@ -195,4 +198,4 @@ def comparison_sentence(frame: PlacedChannels, decoded_channels: Sequence[codec.
         f"{frame.compared[channel.name]} of {channel.name} {number:#x}"
         for channel, number in zip(compared_channels, numbers, strict=True)
     ]
-    return say_report.compared(f"{frame.compared_bits}", " and ".join(number_texts), agree=agree)
+    return frame_texts.compared_bits_note(f"{frame.compared_bits}", " and ".join(number_texts), agree=agree)

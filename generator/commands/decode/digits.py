@@ -8,8 +8,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from ...say import report as say
-from ...say.notations import DIGITS
+from ...say import frame_texts
+from ...say.frame_texts import DIGITS
 
 _HEX_DIGITS = re.compile(r"[0-9A-Fa-f]+")
 _DECIMAL_DIGITS = re.compile(DIGITS["decimal"])
@@ -157,11 +157,11 @@ def possible_meanings(digits: str, bits: int) -> Iterator[str]:
     """
     largest = (1 << bits) - 1
     if _DECIMAL_DIGITS.fullmatch(digits) and int(digits) <= largest:
-        yield say.if_decimal(f"0x{int(digits):X}")
+        yield frame_texts.if_decimal(f"0x{int(digits):X}")
     if re.fullmatch(DIGITS["hexadecimal"], digits) and int(digits, 16) <= largest:
-        yield say.if_hex(digits)
+        yield frame_texts.if_hex(digits)
     if re.fullmatch(DIGITS["bits"], digits):
-        yield say.if_bits(digits)
+        yield frame_texts.if_bits(digits)
 
 
 def meanings_of_long_number(digits: str) -> Iterator[str]:
@@ -170,8 +170,8 @@ def meanings_of_long_number(digits: str) -> Iterator[str]:
     The number may contain more bits than the frame, for example if it comes from a raw buffer.
     """
     if re.fullmatch(DIGITS["long_number"], digits):
-        yield say.if_decimal(f"0x{int(digits):X}")
-        yield say.if_hex(digits)
+        yield frame_texts.if_decimal(f"0x{int(digits):X}")
+        yield frame_texts.if_hex(digits)
 
 
 def meanings_of_array(text: str) -> list[str]:
@@ -191,9 +191,9 @@ def meanings_of_decimal_bytes(pieces: Sequence[str]) -> list[str]:
     can_be_decimal = len(pieces) > 1 and all(map(_DECIMAL_BYTE.fullmatch, pieces))
     if not can_be_decimal or set("".join(pieces)) <= {"0", "1"} or max(map(int, pieces)) > 0xFF:
         return []
-    meanings = [say.if_decimal(" ".join(f"0x{int(piece):02X}" for piece in pieces))]
+    meanings = [frame_texts.if_decimal(" ".join(f"0x{int(piece):02X}" for piece in pieces))]
     if max(map(len, pieces)) < _FEWEST_DIGITS_OF_NUMBER:
-        meanings.append(say.if_hex(" 0x".join(piece.zfill(2) for piece in pieces)))
+        meanings.append(frame_texts.if_hex(" 0x".join(piece.zfill(2) for piece in pieces)))
     return meanings
 
 

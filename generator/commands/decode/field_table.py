@@ -8,10 +8,9 @@ from typing import NamedTuple
 from ...model import Device, Measurement, PlacedLayout, Variant, Verdict
 from ...model.expressions import Expression
 from ...reference import codec
-from ...say import report as say_report
-from ...say.names_and_places import bit_place
-from ...say.plain_text import WIDTH, decimal, quantity_text
-from ...say.plain_text import wrap_text as wrapped_anew
+from ...say import WIDTH, decimal, frame_texts, quantity_text
+from ...say import wrap_text as wrapped_anew
+from ...say.layout import bit_place
 from ...say.text import as_sentence, with_unit
 
 #: Wrap a paragraph. Most paragraphs are the same for all frames, so the results are cached.
@@ -80,7 +79,7 @@ def _meaning_text(placed_layout: PlacedLayout, field: codec.DecodedField) -> str
     gray_names = (*placed_layout.layout.names_in(placed_layout.layout.gray_of), placed_layout.layout.gray_of)
     if field.name not in gray_names or not isinstance(field.value, int):
         return field.meaning
-    gray_text = say_report.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
+    gray_text = frame_texts.gray_code_note(f"{field.raw:#x}", f"{field.value:#x}")
     return f"{as_sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
 
 

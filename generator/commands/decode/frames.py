@@ -25,8 +25,7 @@ from ...model import (
 from ...model.layout import differ_in_length
 from ...reference import codec
 from ...reference.registers import decode_register
-from ...say import notations
-from ...say import report as say_report
+from ...say import frame_texts
 from ...why.hypotheses import LEAST_EQUAL_BITS, TypedFrame
 from .digits import (
     are_several_numbers,
@@ -49,9 +48,9 @@ _PREFIXED_HEX = re.compile(r"0[xX][0-9A-Fa-f]+")
 _WHOLE_BYTES = re.compile(r"(?:0x)?((?:[0-9A-F]{2})+)", re.IGNORECASE)
 #: A single number with its prefix, such as ``0x1F``.
 _LONE_PREFIXED_NUMBER = re.compile(r"0[xXbB][0-9A-Fa-f]+")
-_PASTED_FORMS = tuple((re.compile(pattern), replacement) for pattern, replacement in notations.PASTED)
-_TIME_STAMP = re.compile(notations.TIME)
-_ODD_BLANKS = re.compile(notations.ODD_BLANKS)
+_PASTED_FORMS = tuple((re.compile(pattern), replacement) for pattern, replacement in frame_texts.PASTED)
+_TIME_STAMP = re.compile(frame_texts.TIME)
+_ODD_BLANKS = re.compile(frame_texts.ODD_BLANKS)
 #: Faults that may be explained by a mistake in reading the line or in computing the CRC.
 _TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
 
@@ -91,8 +90,8 @@ def undecorated(frame_text: str) -> str:
     Raises:
         FrameTextError: The text is empty or longer than any frame, or an array of numbers that may be decimal or hex.
     """
-    if len(frame_text) > say_report.LONGEST:
-        raise FrameTextError(say_report.TOO_LONG)
+    if len(frame_text) > frame_texts.LONGEST:
+        raise FrameTextError(frame_texts.TOO_LONG)
     if _LONE_PREFIXED_NUMBER.fullmatch(frame_text):
         return frame_text
     meanings = meanings_of_array(frame_text)
@@ -103,13 +102,13 @@ def undecorated(frame_text: str) -> str:
         frame_text = pattern.sub(replacement, frame_text)
     frame_text = frame_text.strip()
     if not frame_text:
-        raise FrameTextError(say_report.EMPTY)
+        raise FrameTextError(frame_texts.EMPTY)
     return frame_text
 
 
 def _decimal_bytes_error(frame_text: str, meanings: Sequence[str]) -> FrameTextError:
     """Return the error for numbers that may be bytes in decimal. ``meanings`` says how to write each meaning."""
-    return FrameTextError(say_report.decimal_bytes(quoted(visible(frame_text)), ", ".join(meanings)))
+    return FrameTextError(frame_texts.decimal_bytes_message(quoted(visible(frame_text)), ", ".join(meanings)))
 
 
 def frame_bytes(frame_text: str) -> bytes:
@@ -130,15 +129,15 @@ def frame_bytes(frame_text: str) -> bytes:
     for piece in pieces:
         quoted_piece = quoted(visible(piece))
         if are_binary or not _HEX_NUMBER.fullmatch(piece):
-            raise FrameTextError(say_report.not_hex(quoted_piece))
+            raise FrameTextError(frame_texts.not_hex_message(quoted_piece))
         has_prefix = piece[:2] in ("0x", "0X")
         digits = piece[2:] if has_prefix else piece
         if len(digits) == 1 and has_prefix:
             digits = f"0{digits}"
         elif len(digits) == 1:
-            raise FrameTextError(say_report.one_digit(quoted_piece, digits))
+            raise FrameTextError(frame_texts.one_digit_message(quoted_piece, digits))
         elif len(digits) % 2:
-            raise FrameTextError(say_report.odd(quoted_piece))
+            raise FrameTextError(frame_texts.odd_digits_message(quoted_piece))
         frame += bytes.fromhex(digits)
     return frame
 
@@ -163,8 +162,8 @@ def placed_bytes(placed_layout: PlacedLayout, variant: Variant, frame_text: str)
     byte_count = placed_layout.bits // 8
     if len(digits) != bits:
         quoted_text = quoted(visible(frame_text))
-        remedy = say_report.write_bits(str(bits), str(byte_count))
-        raise FrameTextError(say_report.no_bits(quoted_text, str(bits), remedy))
+        remedy = frame_texts.write_bits(str(bits), str(byte_count))
+        raise FrameTextError(frame_texts.no_bits_message(quoted_text, str(bits), remedy))
     return int(digits, 2).to_bytes(byte_count, "big")
 
 
@@ -180,7 +179,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         FrameTextError: The text has a different form.
     """
     if are_several_numbers(frame_text.replace("_", "").split(), placed.bits):
-        raise _number_error(placed, frame_text, say_report.write_separately(str(placed.bits)))
+        raise _number_error(placed, frame_text, frame_texts.write_separately(str(placed.bits)))
     prefixed_text = with_prefix(frame_text, placed.bits)
     without_gaps = _GAPS_IN_NUMBERS.sub("", prefixed_text)
     if _BINARY_NUMBER.fullmatch(without_gaps):
@@ -206,7 +205,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     meanings = meanings_of_decimal_bytes(pieces)
     if meanings:
         raise _decimal_bytes_error(frame_text, meanings)
-    raise _number_error(placed, frame_text, say_report.write_number(str(placed.bits)))
+    raise _number_error(placed, frame_text, frame_texts.write_number(str(placed.bits)))
 
 
 def typed_bits(device: Device, placed_layout: PlacedLayout, frame_text: str, *, exact: bool = False) -> TypedFrame:
@@ -242,7 +241,7 @@ def _number_without_prefix(placed: PlacedLayout | PlacedChannels, digits: str, f
         FrameTextError: The digits have several possible meanings, or none.
     """
     meanings = list(possible_meanings(digits, placed.bits))
-    if meanings == [say_report.if_bits(digits)]:
+    if meanings == [frame_texts.if_bits(digits)]:
         return TypedFrame(int(digits, 2), len(digits), exact=True, written=len(digits))
     # Hex digits with only one meaning already have a prefix, unless it is misspelled.
     if len(meanings) == 1 and digits.isdecimal():
@@ -251,9 +250,9 @@ def _number_without_prefix(placed: PlacedLayout | PlacedChannels, digits: str, f
     if not meanings:
         meanings = list(meanings_of_long_number(digits))
     if meanings:
-        remedy = say_report.write_one_of(", ".join(meanings))
+        remedy = frame_texts.write_one_of(", ".join(meanings))
     else:
-        remedy = say_report.write_number(str(placed.bits))
+        remedy = frame_texts.write_number(str(placed.bits))
     raise _number_error(placed, frame_text, remedy)
 
 
@@ -265,7 +264,7 @@ def _number_error(placed: PlacedLayout | PlacedChannels, frame_text: str, remedy
     is_whole_frame = meanings and len(pieces) == (placed.bits + 7) // 8
     if is_whole_frame and int.from_bytes(map(int, pieces), "big") >> placed.bits == 0:
         return _decimal_bytes_error(frame_text, meanings)
-    return FrameTextError(say_report.no_bits(quoted_text, str(placed.bits), remedy))
+    return FrameTextError(frame_texts.no_bits_message(quoted_text, str(placed.bits), remedy))
 
 
 def _reject_zeros_and_ones(pieces: Sequence[str], frame_text: str) -> None:
@@ -275,7 +274,7 @@ def _reject_zeros_and_ones(pieces: Sequence[str], frame_text: str) -> None:
     """
     are_zeros_and_ones = set("".join(pieces)) <= {"0", "1"}
     if are_zeros_and_ones:
-        raise FrameTextError(say_report.bits_or_bytes(quoted(visible(frame_text))))
+        raise FrameTextError(frame_texts.bits_or_bytes_message(quoted(visible(frame_text))))
 
 
 # -- decoding

@@ -16,7 +16,7 @@ from ...model import (
 )
 from ...model.layout import differ_in_length
 from ...reference import codec
-from ...say import report as say_report
+from ...say import frame_texts
 from .frames import FrameTextError, decode_as, layouts_of_sender, undecorated
 
 if TYPE_CHECKING:
@@ -108,8 +108,8 @@ def other_frames_line(
         return ""
     layout_names = ", ".join(layout.name for layout in other_layouts)
     if not decoded.problems:
-        return f"{say_report.also_possible(layout_names)} (choose with --layout)"
+        return f"{frame_texts.also_possible(layout_names)} (choose with --layout)"
     if is_frame_of_other_kind(decoded, other_layouts, diagnosis):
-        sentence = f"{say_report.valid_other(layout_names)}: add --layout {layout_names}"
-        return f"{sentence}. {say_report.another_reading(other_code)}" if other_code else sentence
-    return f"{say_report.possible_instead(layout_names)} (choose with --layout)"
+        sentence = f"{frame_texts.valid_other(layout_names)}: add --layout {layout_names}"
+        return f"{sentence}. {frame_texts.another_reading(other_code)}" if other_code else sentence
+    return f"{frame_texts.possible_instead(layout_names)} (choose with --layout)"

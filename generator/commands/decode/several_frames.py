@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import INTERFACES, Device, Variant
-from ...say.notations import DIGITS
+from ...say.frame_texts import DIGITS
 from .digits import are_decimal_numbers, lack_leading_zeros, words_of
 from .frames import FrameLine
 

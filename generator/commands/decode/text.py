@@ -12,12 +12,10 @@ from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
 from ...reference.findings import Findings, FrameReport
-from ...say import report as say_report
-from ...say.evidence import origin, placeholders
-from ...say.names_and_places import name_in_words
+from ...say import WIDTH, frame_texts
+from ...say.frame_texts import ANOTHER_FRAME, UNCERTAIN_READINGS
+from ...say.names_and_evidence import name_in_words, origin, placeholders
 from ...say.order_code import not_on_label
-from ...say.plain_text import WIDTH
-from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, as_sentence, count_with_unit
 from .field_table import capitalized, field_table, position_text, wrapped
 from .frames import FrameLine, frame_number, undecorated
@@ -101,7 +99,7 @@ def described_frame(
         yield from _why_lines(diagnosis, decoded.layout)
     elif _is_corrupted(decoded) and not other_frames:
         is_searched = not _has_wide_crc_over_bytes(device, decoded)
-        yield from ("", as_sentence(say_report.NO_EXPLANATION if is_searched else say_report.NOT_SEARCHED))
+        yield from ("", as_sentence(frame_texts.NO_EXPLANATION if is_searched else frame_texts.NOT_SEARCHED))
 
 
 def _has_wide_crc_over_bytes(device: Device, decoded: codec.DecodedFrame) -> bool:
@@ -147,7 +145,7 @@ def _other_position_lines(
     typed_frame = frame_number(placed_layout, undecorated(frame_text)) if frame_text else None
     readings = [f"{position} {reason}" for reason, position in other_positions(device, variant, decoded, typed_frame)]
     if readings:
-        suggestion = say_report.looks_wrong(position_name(device, variant), ", ".join(readings))
+        suggestion = frame_texts.looks_wrong(position_name(device, variant), ", ".join(readings))
         yield wrapped(as_sentence(suggestion), WIDTH, prefix="  ", first="")
 
 
@@ -160,7 +158,7 @@ def _own_request_lines(device: Device, variant: Variant, decoded: codec.DecodedF
 
     request_name = own_request(device, variant, placed_layout, decoded.number)
     if request_name:
-        note = capitalized(say_report.own_request(request_name))
+        note = capitalized(frame_texts.own_request_note(request_name))
         yield from ("", wrapped(as_sentence(note), WIDTH, prefix="  ", first=""))
 
 
@@ -332,9 +330,9 @@ def _disturbed_lines(disturbed: Sequence[int], placed_layout: PlacedLayout | Non
     from ...why.hypotheses import has_only_parity
 
     if has_only_parity(placed_layout):
-        return ["", wrapped(say_report.disturbed_or_shifted(inverted_bits), WIDTH, prefix="  ", first="")]
+        return ["", wrapped(frame_texts.inverted_or_shifted_note(inverted_bits), WIDTH, prefix="  ", first="")]
     has_crc = placed_layout.crc_field is not None
-    hint = say_report.disturbed(inverted_bits, has_crc=has_crc)
+    hint = frame_texts.inverted_bit_note(inverted_bits, has_crc=has_crc)
     return ["", wrapped(f"{hint} If all frames fail, read on.", WIDTH, prefix="  ", first="")]
 
 
@@ -359,7 +357,7 @@ def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.explanations:
         lines.append(wrapped(_introduction_sentence(diagnosis, chance), WIDTH, prefix="  ", first=""))
     elif diagnosis.tried:
-        lines.append(wrapped(f"{say_report.NO_EXPLANATION} ({chance}).", WIDTH, prefix="  ", first=""))
+        lines.append(wrapped(f"{frame_texts.NO_EXPLANATION} ({chance}).", WIDTH, prefix="  ", first=""))
     for explanation in diagnosis.explanations:
         lines.append(wrapped(explanation.text, WIDTH, prefix=" " * 6, first="    - "))
         for detail in (_chance_and_values(explanation), _parts_of_recording(explanation)):
@@ -373,9 +371,9 @@ def _hint_lines(diagnosis: Diagnosis) -> list[str]:
     """Return hints: whether another frame would help, and which errors the CRC cannot detect."""
     lines = []
     if diagnosis.explanations and diagnosis.explanations[0].hides_shift:
-        lines.append(wrapped(as_sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
+        lines.append(wrapped(as_sentence(frame_texts.HIDDEN_SHIFT), WIDTH, prefix="  ", first=""))
     if diagnosis.equal_readings:
-        equal_readings = say_report.equal_readings(f"{diagnosis.equal_readings}")
+        equal_readings = frame_texts.equal_readings(f"{diagnosis.equal_readings}")
         lines.append(wrapped(as_sentence(equal_readings), WIDTH, prefix="  ", first=""))
     if diagnosis.needs_another_frame:
         lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
@@ -395,15 +393,15 @@ def together_lines(
     if not mistakes or mistakes[0].frames < 2:
         return
     explained_frames = mistakes[0].frames
-    introduction = say_report.explained_together(f"{explained_frames}", f"{failed_frames}")
+    introduction = frame_texts.explained_together(f"{explained_frames}", f"{failed_frames}")
     if with_valid_frames:
-        introduction = say_report.all_explained_together(f"{explained_frames}")
+        introduction = frame_texts.all_explained_together(f"{explained_frames}")
     yield f"\n{wrapped(introduction, WIDTH, prefix='  ', first='')}:"
     for mistake in mistakes:
         chance = f"; matches by chance in {_frequency_text(mistake.one_in)}" if mistake.one_in > 1 else ""
         yield wrapped(f"{mistake.text}{chance}", WIDTH, prefix=" " * 6, first="    - ")
     if mistakes[0].hides_shift:
-        yield wrapped(as_sentence(say_report.HIDDEN_SHIFT), WIDTH, prefix="  ", first="")
+        yield wrapped(as_sentence(frame_texts.HIDDEN_SHIFT), WIDTH, prefix="  ", first="")
     yield ""
 
 

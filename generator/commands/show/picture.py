@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from ...model import Constant, Field, PlacedLayout
-from ...say import register as say_field
-from ...say.names_and_places import bit_place
-from ...say.plain_text import WIDTH
+from ...say import WIDTH
+from ...say.layout import bit_place
+from ...say.names_and_evidence import short_number
 
 #: Columns of a picture before its first box, with the edges of the row.
 _PICTURE_MARGIN = 3
@@ -59,6 +59,6 @@ def _box_text(field: Field) -> str:
     """Return the text in the box of a field: its name, with ``= 5h`` for a constant, or only ``5h`` for padding."""
     if not isinstance(field.kind, Constant):
         return field.name
-    constant = say_field.short_number(field.kind.value)
+    constant = short_number(field.kind.value)
     has_no_name = bool(field.padding_of) or field.fills_gap
     return constant if has_no_name else f"{field.name} = {constant}"

@@ -27,6 +27,7 @@ from ...order_codes.labels import LabelMatch
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths, with_sent_layouts
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_interface, reduced_to_codes
+from ...say import WIDTH, decimal, two_columns, wrap_text
 from ...say import errata as say_errata
 from ...say import layout as say_layout
 from ...say import layout as say_measurement
@@ -36,10 +37,8 @@ from ...say import register as say_field
 from ...say import register as say_register
 from ...say.errata import describe_answer as say_answer
 from ...say.errata import describe_question, needed_answers
-from ...say.evidence import describe_grade, origin
-from ...say.names_and_places import bits, field_at, hexadecimal
+from ...say.names_and_evidence import bits, describe_grade, field_at, hexadecimal, origin, short_number
 from ...say.order_code import describe_spelling, not_on_label, open_values
-from ...say.plain_text import WIDTH, decimal, two_columns, wrap_text
 from ...say.text import PLAIN_STYLE, Style, count_with_unit, language_name
 from ..decode.text import label_differences
 from .picture import picture
@@ -144,7 +143,7 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     if fixed_parameters:
         lines += ["", "Parameters", *_value_lines(device, fixed_parameters, variant)]
     if run_time_parameters:
-        heading = f"Held in registers ({say_order_code.initial(device)})"
+        heading = f"Held in registers ({say_order_code.words_for_initial_values(device)})"
         lines += ["", heading, *_value_lines(device, run_time_parameters, variant)]
         # A calculated parameter has no register of its own.
         register_names = [parameter.register for parameter in run_time_parameters if parameter.read_from]
@@ -271,7 +270,7 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
     for field in layout.fields:
         name = field.group or field.name
         widths_by_name.setdefault(name, []).append(_width_text(field))
-    heading = PLAIN_STYLE.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
+    heading = PLAIN_STYLE.sentence(say_layout.describe_head(interface, layout, layout.name, device.alternatives))
     lines = [wrap_text(heading, WIDTH, prefix="    ", first="  ")]
     width_rows = [(name, ", ".join(widths)) for name, widths in widths_by_name.items()]
     lines += two_columns(width_rows, indent=4)
@@ -296,9 +295,9 @@ def _fixed_value_text(field: Field) -> str:
     """Return the fixed value of a field, such as ``, always 5`` or ``, unused, 1Fh in the manual``, or ""."""
     match field.kind:
         case Constant(value):
-            return f", always {say_field.short_number(value)}"
+            return f", always {short_number(value)}"
         case Unused(value):
-            return f", unused, {say_field.short_number(value)} in the manual"
+            return f", unused, {short_number(value)} in the manual"
         case _:
             return ""
 
@@ -309,13 +308,13 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     placed_layout = layout.place(variant.parameters)
     style = style_with(variant.parameters)
     name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
-    heading = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
+    heading = style.sentence(say_layout.describe_head(interface, layout, name, device.alternatives))
     notes = [style.sentence(fact) for fact in say_layout.describe_selector(interface, layout)]
     notes += _notes_about_choices(device, layout, style)
     paths_of_widths = run_time_widths(device, layout)
     if paths_of_widths:
         register_fields = " and ".join(field_at(device, field_path) for field_path in paths_of_widths)
-        notes.append(f"The widths are the {say_order_code.initial(device)} in {register_fields}.")
+        notes.append(f"The widths are the {say_order_code.words_for_initial_values(device)} in {register_fields}.")
     if layout.gray_of:
         notes.append(_position_code_note(device, placed_layout))
     note_lines = [wrap_text(note, WIDTH, prefix="  ", first="  ") for note in notes]
@@ -368,7 +367,7 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
     field are among the facts.
     """
     style = style_with(variant.parameters if variant is not None else None)
-    heading = style.sentence(say_register.head(device, register, register.name))
+    heading = style.sentence(say_register.describe_head(device, register, register.name))
     lines = [wrap_text(heading, WIDTH, prefix="    ", first="  ")]
     fields = register.layout.fields
     facts = list(say_register.describe_register_facts(device, register))

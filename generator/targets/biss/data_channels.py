@@ -18,12 +18,12 @@ from ...model import Biss, Crc, Device, Field, Layout, Variant
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
 from ...plan.values import ActiveFlag, meaning_of
+from ...say import count_with_unit, in_ascii, text_on_one_line
 from ...say import order_code as say_order_code
 from ...say.errata import describe_erratum, errata
 from ...say.layout import crc_parameters
-from ...say.names_and_places import field_at
-from ...say.order_code import initial
-from ...say.plain_text import count_with_unit, in_ascii, text_on_one_line
+from ...say.names_and_evidence import field_at
+from ...say.order_code import words_for_initial_values
 from ...say.text import PLAIN_STYLE
 from .identity import DataLength, IdBits, profile_ids
 
@@ -136,7 +136,8 @@ def _note_on_changing_length(device: Device, layout: Layout) -> str:
     if not register_fields:
         return ""
     joined_fields = " and ".join(register_fields)
-    return f"\nInferred: Length is that of the {initial(device)} of {joined_fields}. It changes with them."
+    values_text = f"{words_for_initial_values(device)} of {joined_fields}"
+    return f"\nInferred: Length is that of the {values_text}. It changes with them."
 
 
 def _length_by_profile(device: Device, lengths: Sequence[DataLength]) -> dict[int, int]:
@@ -335,7 +336,7 @@ def _first_settings_line(device: Device, layout: Layout, lengths: Sequence[DataL
     if register_fields:
         joined_fields = " and ".join(register_fields)
         dependence = f"it depends on the current content of {joined_fields}. Set it in the master."
-        return f"No Length: {dependence} {initial(device).capitalize()}:"
+        return f"No Length: {dependence} {words_for_initial_values(device).capitalize()}:"
     number_of_lengths = _number_of_lengths(lengths)
     if number_of_lengths == 1:
         return "Further settings of the master, by order code:"

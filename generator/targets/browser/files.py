@@ -35,13 +35,10 @@ from ...plan.crcs import CoveredData, kinds_of_covered_data
 from ...plan.frames import FrameDispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
-from ...say import notations, report
-from ...say.evidence import GRADES, describe_grade, lowest_grade, mark_in_lists, origin
-from ...say.markdown import escape
-from ...say.names_and_places import field_at
+from ...say import frame_texts, text_on_one_line
+from ...say.names_and_evidence import GRADES, describe_grade, field_at, lowest_grade, mark_in_lists, origin
 from ...say.order_code import not_on_label
-from ...say.plain_text import text_on_one_line
-from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES
+from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, escape
 from ...why import LEAST_FAILED, MOST_FRAMES
 from ...why.channels import LEAST_CRC_BITS
 from ...why.diagnosis import CERTAIN, LEAST_BITS
@@ -71,6 +68,8 @@ from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistak
 from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..registry import licence_in, our_runtime, palette_css
+from ..picture_elements import palette_css
+from ..registry import licence_in, our_runtime
 from .example_link import LinkedFrame, linked_frame
 from .layouts import (
     Data,
@@ -348,11 +347,11 @@ def script_table(library: Library) -> Data:
         "said": MESSAGES,
         "notations": {
             "pasted": PASTED,
-            "odd_blanks": notations.ODD_BLANKS,
-            "time": notations.TIME,
-            **notations.DIGITS,
+            "odd_blanks": frame_texts.ODD_BLANKS,
+            "time": frame_texts.TIME,
+            **frame_texts.DIGITS,
         },
-        "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
+        "limits": {"text": frame_texts.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
         | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT, "echoed": MOST_ECHOED_BYTES}

@@ -45,10 +45,11 @@ from ...plan.operations import (
     ZerosAbove,
 )
 from ...plan.verdicts import ReportCause, ReportsAndVerdict, codes_with_explanation
+from ...say.commands_and_alarms import alarm_of, alarm_source, flag_state_meanings, meaning, remedy
+from ...say.frame_texts import older_edition_message
 from ...say.layout import box_colour
-from ...say.names_and_places import register_at, title_of
+from ...say.names_and_evidence import register_at, title_of
 from ...say.register import describe_register_facts
-from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, of_older_edition, remedy
 from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import usual_values_of
 from ...why.other_order_codes import states_of_widths
@@ -448,5 +449,5 @@ def _edition_tests(device: Device, register: Register) -> Iterator[list[Any]]:
     """
     for revision, test in edition_tests_of_register(device, register.name):
         before = edition_before(device, revision)
-        message = of_older_edition(test.run, "{0}", f"{test.min} to {test.max}", revision, register.name, before)
+        message = older_edition_message(test.run, "{0}", f"{test.min} to {test.max}", revision, register.name, before)
         yield [test.run, test.min, test.max, message]

@@ -30,12 +30,12 @@ from ...plan.steps import (
     WriteRegister,
 )
 from ...plan.values import Latin1Text, meaning_of
-from ...say import commands as say_commands
+from ...say import commands_and_alarms as say_commands
 from ...say import layout as say_layout
 from ...say import order_code as say_order_code
 from ...say import register as say_register
-from ...say import report as say_report
-from ...say.names_and_places import addresses_text, bit_range, field_place, full_title, register_field, title_of
+from ...say.layout import field_place
+from ...say.names_and_evidence import addresses_text, bit_range, full_title, register_field, title_of
 from ...say.text import CodeText, Statement, count_with_unit, list_parts, statement
 from .comments import HEADER_STYLE, Paragraph
 from .order_codes import unknown_parts
@@ -105,7 +105,7 @@ def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
 
 def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
     """Return the comment on an alarm: its title, and the statements about it."""
-    return _paragraphs_with_heading(title_of(alarm), say_report.describe_alarm(device, alarm))
+    return _paragraphs_with_heading(title_of(alarm), say_commands.describe_alarm(device, alarm))
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
@@ -180,7 +180,7 @@ def about_layout(device: Device, interface: Interface, struct: LayoutStruct) -> 
     statements_elsewhere = list(say_layout.describe_joins(frame_layout))
     errata = list(say_layout.errata_of(device, interface, frame_layout))
     statements_elsewhere += errata
-    heading = say_layout.head(interface, frame_layout, CodeText(frame_layout.name), device.alternatives)
+    heading = say_layout.describe_head(interface, frame_layout, CodeText(frame_layout.name), device.alternatives)
     paragraphs: list[Paragraph] = [HEADER_STYLE.sentence(heading)]
     for layout_statement in say_layout.describe_layout(device, interface, frame_layout):
         if layout_statement not in statements_elsewhere:
@@ -273,7 +273,7 @@ def field_table(struct: LayoutStruct) -> Iterator[Paragraph]:
 
 def about_register(device: Device, register: Register) -> list[Paragraph]:
     """Return the comment on a register. Its default and limits are omitted, since constants and functions give them."""
-    heading = say_register.head(device, register, full_title(register))
+    heading = say_register.describe_head(device, register, full_title(register))
     statements = say_register.describe_register(device, register)
     other_statements = [statement for statement in statements if statement.label not in _IN_CODE]
     return list(map(HEADER_STYLE.sentence, (heading, *other_statements)))

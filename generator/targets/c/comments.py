@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from ...say.plain_text import in_ascii, text_on_one_line
+from ...say import in_ascii, text_on_one_line
 from ...say.text import TITLE_STYLE, Statement, Style
 from .names import string
 

@@ -17,8 +17,8 @@ from ...plan.crcs import crc_functions
 from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
 from ...say.errata import describe_erratum, errata
-from ...say.evidence import describe_grade, origin, other_editions, removals, titled_in_lists
-from ...say.order_code import initial
+from ...say.names_and_evidence import describe_grade, origin, other_editions, removals, titled_in_lists
+from ...say.order_code import words_for_initial_values
 from .. import TargetError
 from .code_facts import CodeFacts, timing_macros
 from .codec import StructCodec, crc_code
@@ -117,7 +117,7 @@ class DeviceView:
         frame_to_read = usage.frame if usage is not None else None
         reads_twice = usage is not None and usage.reads_twice
         self.reading = ReadCode(context, frame_to_read, self.lengths, reads_twice=reads_twice)
-        self.initial = initial(device)
+        self.initial = words_for_initial_values(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, register_code_by_name))
         self.procedures = [self._build_procedure(procedure, register_code_by_name) for procedure in device.procedures]

@@ -28,7 +28,7 @@ from ...plan.values import (
     UnsignedNumber,
     meaning_of,
 )
-from ...say.names_and_places import name_in_words, title_of
+from ...say.names_and_evidence import name_in_words, title_of
 from ...say.text import VERDICT_CLAUSES
 from .codec import StructCodec
 from .comments import ascii_text

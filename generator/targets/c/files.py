@@ -23,11 +23,11 @@ from ...plan import steps
 from ...plan.limits import Refusal
 from ...plan.operations import Check, JoinedNumber
 from ...render import Templates, our_templates, tests_for
+from ...say import text_on_one_line
 from ...say.layout import describe_join as say_join
-from ...say.markdown import escape as markdown_text
-from ...say.names_and_places import addresses_text, name_in_words, title_of
-from ...say.plain_text import text_on_one_line
+from ...say.names_and_evidence import addresses_text, name_in_words, title_of
 from ...say.text import TITLE_STYLE
+from ...say.text import escape as markdown_text
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..registry import licence_in
 from .about import place_of_field

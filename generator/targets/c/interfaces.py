@@ -24,7 +24,7 @@ from ...model.order_codes import repeated_names
 from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, RequestAndReply, SelectedFrame, dispatches, exchanges, reply_to_data_id
 from ...say.errata import describe_erratum, errata
-from ...say.names_and_places import title_of
+from ...say.names_and_evidence import title_of
 from ...say.order_code import control_field, describe_data_id, describe_exchange, describe_settings, describe_timing
 from ...say.order_code import describe_interface as say_interface
 from ...say.text import Statement

@@ -26,6 +26,7 @@ from ...plan.crcs import UndetectedErrors, crcs_and_lengths, undetected_errors_o
 from ...plan.verdicts import reportings
 from ...say.errata import STATUS_IN_WORDS, consequence, content_before_and_after, paths_in_words
 from ...say.names_and_places import name_in_words
+from ...say.names_and_evidence import name_in_words
 from .. import main_manufacturer, manufacturers
 from .comments import without_special_characters
 from .crcs import CrcCode

@@ -21,7 +21,7 @@ from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends_on_order_code, limits_check_of, limits_of, refusals
 from ...plan.operations import IsOneOf
 from ...plan.values import ActiveFlag, Latin1Text, NamedChoice, UnsignedNumber, meaning_of
-from ...say.names_and_places import full_title, name_in_words, title_of
+from ...say.names_and_evidence import full_title, name_in_words, title_of
 from .. import TargetError
 from .about import about_access, about_member, about_register, field_table
 from .codec import StructCodec

@@ -27,9 +27,9 @@ from ...plan.verdicts import (
     reportings,
     reports_of,
 )
-from ...say.names_and_places import title_of
-from ...say.report import alarm_of, alarm_source, remedy
-from ...say.report import meaning as report_meaning
+from ...say.commands_and_alarms import alarm_of, alarm_source, remedy
+from ...say.commands_and_alarms import meaning as report_meaning
+from ...say.names_and_evidence import title_of
 from ...say.text import statement
 from .. import TargetError
 from .about import about_alarm

@@ -14,8 +14,8 @@ from ...model.interfaces import channel_frame
 from ...model.record import dataclass
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received_sizes
 from ...plan.values import UnsignedNumber, ZeroMeans, parameters_in_measurement, widest_value
-from ...say.names_and_places import title_of
-from ...say.order_code import initial, timeouts_with_codes
+from ...say.names_and_evidence import title_of
+from ...say.order_code import timeouts_with_codes, words_for_initial_values
 from ...say.text import hertz, nanoseconds
 from .. import TargetError
 from .about import about_order_codes, about_parameter
@@ -419,7 +419,7 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
     clock = interface.clock or Clock(source=())
     delay_text = f"{shortest_bits} clock periods after its CDS"
     if any(frame.depends_on_registers for frame in frames):
-        delay_text += f" with {initial(device)}"
+        delay_text += f" with {words_for_initial_values(device)}"
     else:
         delay_text = f"at least {delay_text}"
     limits_hz = [limit_hz for limit_hz in (clock.max_hz, clock.min_hz) if limit_hz is not None]

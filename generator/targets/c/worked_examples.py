@@ -45,6 +45,7 @@ from .names import c_name
 from .procedures import ProcedureCode
 from .registers import RegisterFunctions
 from .structs import LayoutStruct
+from ...say.names_and_evidence import word_for_document
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,13 +30,11 @@ from ...model.record import dataclass
 from ...plan.codec import layout_plan_of
 from ...plan.frames import RequestAndReply, exchanges
 from ...plan.values import TwosComplement, UnsignedNumber, meaning_of
-from ...say.commands import Commands, commands_over
-from ...say.evidence import word_for_document
+from ...say.commands_and_alarms import Commands, commands_over
 from ...say.layout import name_as_words
-from ...say.markdown import code_span, escape, join_filled, markdown_link
-from ...say.names_and_places import addresses_text, bits, register_at, title_of
+from ...say.names_and_evidence import addresses_text, bits, register_at, title_of, word_for_document
 from ...say.order_code import PURPOSES, word_lengths
-from ...say.text import count_with_unit, time_text
+from ...say.text import code_span, count_with_unit, escape, join_filled, markdown_link, time_text
 
 Row = tuple[str, ...]
 

@@ -4,21 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain
-from typing import Annotated, TypedDict
+from typing import Annotated, Any, TypedDict
 
-from ...model import Alarm, Device, Field, Interface, Layout, Register, Ssi, Supply
+from ...model import Alarm, Device, Field, Interface, Layout, Register, Supply
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_names
 from ...order_codes.reduction import for_interface
 from ...say import register as say_register
-from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
-from ...say.names_and_places import TERMS, GlossaryTerm, Titled, addresses_text, name_in_words, title_of
+from ...say.names_and_evidence import addresses_text, name_in_words, title_of, titled_in_lists
 from ...say.order_code import describe_settings, parameter_value
-from ...say.text import volts
+from ...say.text import MARKDOWN, citation, code_span, escape, join_filled, markdown_link, volts
+from . import (
+    errata_of_manual,
+    fact_tables,
+    link_to_alarm,
+    link_to_erratum,
+    link_to_layout,
+    link_to_register,
+    links_to_steps,
+    names_and_anchors_on_pages,
+    path_to_anchor,
+)
 from .order_code_tables import order_codes
-from .page_links import link_to_alarm, link_to_layout, link_to_register, links_to_steps, path_to_anchor
 
 #: File names of the pages, which no family can have.
 WHICH_ENCODER, COMPARISON, REGISTERS, ALARMS = (
@@ -307,8 +315,19 @@ def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
 GLOSSARY = "glossary-of-terms.md"
 
 
+class TermUse(TypedDict, total=False):
+    """Where pages use a term: the names of fields, registers and times, or the section of an interface about it."""
+
+    names: list[str]
+    interface: str
+    section: str
+
+
 class GlossaryPage(TypedDict):
-    term_rows: Annotated[list[tuple[str, str, str]], "terms that these families use: term, meaning, links"]
+    term_rows: Annotated[
+        Callable[[Iterable[tuple[str, str, TermUse]]], list[tuple[str, str, str]]],
+        "rows of term, meaning, links for the terms that these families use, each given with where pages use it",
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -321,30 +340,37 @@ class _InterfacePage:
 
 
 def glossary_values(devices: Sequence[Device]) -> GlossaryPage:
-    """Return the values of the glossary, which has the terms that the pages of these families explain or use."""
+    """Return the values of the glossary, which has the terms that the pages of these families explain or use.
+
+    The terms and their meanings are in the template.
+    """
     pages: list[_InterfacePage] = []
     for device in devices:
         pages += [_interface_page(device, interface) for interface in device.interfaces]
-    term_rows: list[tuple[str, str, str]] = []
-    for term in sorted(TERMS, key=lambda term: term.name.casefold()):
-        term_links = _links_to_term(term, pages)
-        if term_links:
-            term_rows.append((escape(term.name), escape(term.meaning), term_links))
+
+    def term_rows(terms: Iterable[tuple[str, str, TermUse]]) -> list[tuple[str, str, str]]:
+        rows: list[tuple[str, str, str]] = []
+        for term, meaning, term_use in terms:
+            term_links = _links_to_term(term_use, pages)
+            if term_links:
+                rows.append((escape(term), escape(meaning), term_links))
+        return rows
+
     return {"term_rows": term_rows}
 
 
 def _interface_page(device: Device, interface: Interface) -> _InterfacePage:
     """Return the page of an interface with the names on it."""
     interface_device = for_interface(device, interface.name)
-    names_and_anchors = tuple(_names_and_anchors(interface_device, interface))
+    names_and_anchors = tuple(names_and_anchors_on_pages(interface_device, interface))
     return _InterfacePage(interface_device, interface, names_and_anchors)
 
 
-def _links_to_term(term: GlossaryTerm, pages: Sequence[_InterfacePage]) -> str:
+def _links_to_term(term_use: TermUse, pages: Sequence[_InterfacePage]) -> str:
     """Return links to the sections about a term: one for each interface that has such a section."""
     page_links: list[str] = []
     for page in pages:
-        anchor = _anchor_of_term(term, page)
+        anchor = _anchor_of_term(term_use, page)
         if anchor:
             page_title = f"{page.device.name.upper()} {page.interface.short}"
             path = path_to_anchor(page.device, page.interface.name, anchor)
@@ -352,22 +378,24 @@ def _links_to_term(term: GlossaryTerm, pages: Sequence[_InterfacePage]) -> str:
     return ", ".join(page_links)
 
 
-def _anchor_of_term(term: GlossaryTerm, page: _InterfacePage) -> str:
+def _anchor_of_term(term_use: TermUse, page: _InterfacePage) -> str:
     """Return the anchor of the section about a term on the pages of an interface, or "" if there is none.
 
     A term of one interface states its section. For any other term, it is the section about the first name that equals
-    a spelling of the term or else, that contains one as a whole word.
+    one of the names of the term or else, that contains one as a whole word.
     """
-    if term.interface is not None:
+    if "section" in term_use:
+        section = term_use["section"]
         # The name of a section is also its anchor.
-        is_on_page = isinstance(page.interface, term.interface) and _has_section(page, term.section)
-        return term.section if is_on_page else ""
+        is_on_page = page.interface.name == term_use["interface"] and _has_section(page, section)
+        return section if is_on_page else ""
+    names_of_term = term_use["names"]
     for lowercase_name, anchor in page.names_and_anchors:
-        if lowercase_name in term.spellings:
+        if lowercase_name in names_of_term:
             return anchor
     for lowercase_name, anchor in page.names_and_anchors:
-        # With spaces around both, a spelling is found only as a whole word.
-        contains_term = any(f" {spelling} " in f" {lowercase_name} " for spelling in term.spellings)
+        # With spaces around both, a name of the term is found only as a whole word.
+        contains_term = any(f" {name} " in f" {lowercase_name} " for name in names_of_term)
         if contains_term:
             return anchor
     return ""
@@ -384,35 +412,33 @@ def _has_section(page: _InterfacePage, section: str) -> bool:
     return section not in optional_contents or bool(optional_contents[section])
 
 
-def _names_and_anchors(device: Device, interface: Interface) -> Iterator[tuple[str, str]]:
-    """Yield the names on the pages of an interface, in lowercase, with their anchors: ``("crc", "crc-x24")``.
-
-    Names that have a section of their own come first. A name can occur several times.
-    """
-    for register in device.registers:
-        yield from _names_with_anchor(register, f"register-{register.name}")
-    for group in device.field_groups:
-        yield from _names_with_anchor(group, f"group-{group.name}")
-    for crc in device.crcs:
-        yield "crc", f"crc-{crc.name}"
-    if isinstance(interface, Ssi) and interface.output_code is not None and interface.output_code.code != "binary":
-        # The section about frames mentions Gray code.
-        yield "gray", "frames"
-    for timing in interface.timings:
-        yield timing.symbol.casefold(), "timings"
-    for layout in interface.layouts:
-        layout_anchor = f"layout-{layout.name}"
-        for field in layout.fields:
-            anchor = f"group-{field.group}" if field.group else layout_anchor
-            yield from _names_with_anchor(field, anchor)
-        # A join is a number that several fields form together.
-        yield from ((join.name, layout_anchor) for join in layout.joins)
-    for register in device.registers:
-        for field in register.layout.fields:
-            yield from _names_with_anchor(field, f"register-{register.name}")
+#: File name of the page about all families, which no family can have.
+ALL_ERRATA = "all-errata.md"
 
 
-def _names_with_anchor(titled: Titled, anchor: str) -> Iterator[tuple[str, str]]:
-    """Yield the name of an item in the spec and its name in the manual, both in lowercase, with the anchor."""
-    yield titled.name.replace("_", " "), anchor
-    yield titled.printed_name.casefold(), anchor
+class AllErrataPage(TypedDict):
+    standings: Annotated[list[dict[str, Any]], "open errata, then resolved ones: title, anchor, rows"]
+
+
+def all_errata_values(devices: Sequence[Device]) -> AllErrataPage:
+    """Return the values of the page that lists the errata of all families."""
+    titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Resolved"}
+    sections = []
+    for status, title in titles.items():
+        erratum_rows = list(_rows_of_all_families(devices, status))
+        if erratum_rows:
+            sections.append({"title": title, "anchor": status, "rows": erratum_rows})
+    return {"standings": sections}
+
+
+def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
+    """Yield rows of impact, family, title for the errata with this status, wrong bytes first and wording last."""
+    for severity in fact_tables.SEVERITIES:
+        for device in devices:
+            for erratum in errata_of_manual(device):
+                if erratum.status == status and erratum.severity == severity:
+                    yield (
+                        escape(fact_tables.severity_text(severity)),
+                        markdown_link(escape(device.name.upper()), f"{device.name}.md"),
+                        link_to_erratum(device, erratum),
+                    )

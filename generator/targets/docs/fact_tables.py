@@ -32,16 +32,27 @@ from ...model import (
 )
 from ...plan.procedures import plan_procedure
 from ...plan.steps import VerifyWrite
+from ...say import count_with_unit, group_digits, quantity_text
 from ...say import register as say_register
-from ...say.commands import describe_step, read_back
+from ...say.commands_and_alarms import describe_step, read_back
 from ...say.errata import content_before_and_after, errata
 from ...say.layout import crc_sent, describe_measurement, describe_position_range, own_ranges
-from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, join_filled, markdown_link
-from ...say.names_and_places import Titled, addresses_text, heading, hexadecimal, title_of
+from ...say.names_and_evidence import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
-from ...say.plain_text import count_with_unit, group_digits, quantity_text
 from ...say.register import describe_value
-from ...say.text import as_sentence, statement, volts
+from ...say.text import (
+    MARKDOWN,
+    anchor_of,
+    as_sentence,
+    citation,
+    code_span,
+    escape,
+    join_filled,
+    markdown_link,
+    statement,
+    volts,
+)
+from . import ERRATA
 from .layout_tables import (
     field_cell,
     field_place_cell,
@@ -53,7 +64,6 @@ from .layout_tables import (
     value_rows,
 )
 from .order_code_tables import order_codes
-from .page_links import ERRATA
 
 _SEVERITY_TEXTS = {
     "wrong_data": "wrong bytes or bits on the wire",

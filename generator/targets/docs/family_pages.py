@@ -2,18 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, TypedDict
 
-from ...model import Clocked, Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
+from ...model import Clocked, Device, Erratum, Interface, Manual, Release, ReleasedChange, Revision, Table
 from ...order_codes.reduction import for_interface
-from ...say.evidence import basis, describe_grade, edition_test, origin, other_editions
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
+from ...say import count_with_unit
+from ...say.errata import STATUS_IN_WORDS, consequence
+from ...say.names_and_evidence import _second_reading_text, basis, describe_grade, edition_test, origin, other_editions
 from ...say.order_code import describe_settings
-from ...say.plain_text import count_with_unit, group_digits
-from ...say.text import Statement, language_name
-from . import fact_tables, inline_errata, masters_page, order_code_tables, page_links, verdict_page
+from ...say.text import (
+    MARKDOWN,
+    Statement,
+    citation,
+    code_span,
+    escape,
+    join_filled,
+    language_name,
+    link_list,
+    markdown_link,
+)
+from . import (
+    ERRATA,
+    ErrataLines,
+    errata_of_manual,
+    fact_tables,
+    interface_page_path,
+    link_to_layout,
+    link_to_procedure,
+    masters_page,
+    order_code_tables,
+    page_in_folder,
+    path_to_anchor,
+    status_badge,
+    style_in_folder,
+    verdict_page,
+)
 from .interface_page import subjects
 from .order_code_page import ManualProcedure, OrderCodes, manual_procedures
 from .order_code_tables import order_codes
@@ -128,7 +153,7 @@ def index_values(family_codes: OrderCodes) -> FamilyPage:
         "origin": [*origin(device), *other_editions(device)],
         "manual": f"{escape(device.manual.title)}, revision {revision_and_date(device.manual)}",
         "evidence": describe_grade(device),
-        "errata_at": inline_errata.ErrataLines(device, f"{device.name}/"),
+        "errata_at": ErrataLines(device, f"{device.name}/"),
         "errata_count": f"{len(device.errata)}",
         "wish_rows": list(_task_rows(device)),
         "interface_rows": [_interface_row(device, interface) for interface in device.interfaces],
@@ -147,7 +172,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     number_of_clocks_or_ports = len(interface.clocks) if isinstance(interface, Clocked) else 1
     first_settings = list(describe_settings(device, interface))[:number_of_clocks_or_ports]
     return (
-        markdown_link(interface.title, page_links.interface_page_path(device, interface)),
+        markdown_link(interface.title, interface_page_path(device, interface)),
         order_codes(device, codes),
         "; ".join(map(MARKDOWN.phrase, first_settings)),
         ", ".join(_subject_links(device, interface)),
@@ -157,7 +182,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
 def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
     """Yield a link to each further page of an interface, such as the page about its registers."""
     for subject in subjects(device, interface.name):
-        yield markdown_link(subject, f"{device.name}/{page_links.page_in_folder(interface.name, subject)}")
+        yield markdown_link(subject, f"{device.name}/{page_in_folder(interface.name, subject)}")
 
 
 def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]]]:
@@ -183,7 +208,7 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
         if section_links:
             yield task, ", ".join(section_links)
     for procedure in device.procedures:
-        yield escape(procedure.title), page_links.link_to_procedure(device, procedure)
+        yield escape(procedure.title), link_to_procedure(device, procedure)
     for manual_procedure in manual_procedures(device):
         path_to_steps = f"{device.name}/hardware.md#by-hand-{manual_procedure.characteristic.name}"
         yield escape(manual_procedure.title), markdown_link("by hand", path_to_steps)
@@ -201,7 +226,7 @@ def _position_frame_links(device: Device) -> Iterator[str]:
         layouts = [layout for layout in interface.layouts if device.sends_position(interface.name, layout)]
         for layout in layouts:
             frame_name = f" {code_span(layout.name)}" if len(layouts) > 1 else ""
-            yield page_links.link_to_layout(device, layout, interface.title + frame_name)
+            yield link_to_layout(device, layout, interface.title + frame_name)
 
 
 #: Sections of an interface page, with the task that each one covers.
@@ -218,12 +243,12 @@ def _section_links(device: Device, section: str) -> Iterator[str]:
         page_device = for_interface(device, interface.name)
         contents_by_section = {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}
         if contents_by_section[section]:
-            yield markdown_link(interface.title, page_links.path_to_anchor(device, interface.name, section))
+            yield markdown_link(interface.title, path_to_anchor(device, interface.name, section))
 
 
 def hardware_values(device: Device) -> HardwarePage:
     """Return the values of the page with the characteristics and the procedures carried out by hand."""
-    errata_at = inline_errata.ErrataLines(device)
+    errata_at = ErrataLines(device)
     return {
         "device": device,
         "errata_at": errata_at,
@@ -232,7 +257,7 @@ def hardware_values(device: Device) -> HardwarePage:
     }
 
 
-def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -> Iterator[tuple[str, ...]]:
+def _characteristic_rows(device: Device, errata_at: ErrataLines) -> Iterator[tuple[str, ...]]:
     """Yield rows of name, value or link to the steps, order codes, source for the characteristics."""
     names_with_steps = {procedure.characteristic.name for procedure in manual_procedures(device)}
     for characteristic in device.characteristics:
@@ -250,7 +275,7 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -
 
 def manual_values(device: Device) -> ManualPage:
     """Return the values of the page about the manual."""
-    style = page_links.style_in_folder(device)
+    style = style_in_folder(device)
     tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
         "device": device,
@@ -295,29 +320,6 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     yield "Version", f"{escape(device.manufacturer.version)}, {changes_link}"
 
 
-def _second_reading_text(counts: TimesRead | None) -> str:
-    """Return how many facts agree in two transcriptions of the manual, and why the other facts do not.
-
-    Facts that follow from others are not part of the total. Return an empty string if there is only one transcription.
-    """
-    if counts is None:
-        return ""
-    number_of_facts = counts.twice + counts.explained + counts.decided + counts.once
-    sentence_parts = [f"Of {group_digits(number_of_facts)} facts, {group_digits(counts.twice)} agree in both readings"]
-    if counts.explained:
-        differ_verb = "differs for a reason" if counts.explained == 1 else "differ for reasons"
-        sentence_parts.append(f"{counts.explained} {differ_verb} given in the errata")
-    if counts.decided:
-        are_verb = "is" if counts.decided == 1 else "are"
-        sentence_parts.append(f"{counts.decided} {are_verb} not in the manual")
-    if counts.once:
-        were_verb = "was" if counts.once == 1 else "were"
-        sentence_parts.append(f"and {counts.once} {were_verb} read only once")
-    summary = f"The manual was transcribed twice. {', '.join(sentence_parts)}"
-    follow_verb = "follows" if counts.derived == 1 else "follow"
-    return f"{summary}. {counts.derived} more {follow_verb} from others" if counts.derived else summary
-
-
 def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
     """Yield rows of revision, date, differences before it, differences in it, labels for the editions of a manual."""
     for edition in device.editions:
@@ -335,7 +337,7 @@ def _edition_errata(device: Device, edition_name: str) -> str:
     errata_links = []
     for erratum in device.errata:
         if erratum.edition == edition_name:
-            path = f"{page_links.ERRATA}#erratum-{erratum.name}"
+            path = f"{ERRATA}#erratum-{erratum.name}"
             errata_links.append(markdown_link(escape(erratum.title), path))
     return link_list(errata_links)
 
@@ -349,3 +351,70 @@ def revision_and_date(manual: Manual) -> str:
 def table_rows(table: Table) -> Rows:
     """Return the rows of a table from the manual."""
     return [tuple(map(escape, row)) for row in table.rows]
+
+
+class ErrataPage(TypedDict):
+    device: Annotated[Device, "the family"]
+    errata_summary: Annotated[str, "number of errata and of open errata"]
+    errata_by_kind: Annotated[
+        list[tuple[str, list[dict[str, Any]]]],
+        "status and impact, and its complete errata: erratum, summary, and a table of one row: head, cells",
+    ]
+
+
+def errata_values(device: Device) -> ErrataPage:
+    """Return the values of the errata page of a family."""
+    manual_errata = errata_of_manual(device)
+    open_errata = [erratum for erratum in manual_errata if erratum.status == "open"]
+    summary = _summary_of_counts(len(manual_errata), len(open_errata))
+    return {
+        "device": device,
+        "errata_summary": summary + fact_tables.sentence_on_changes(len(device.errata) - len(manual_errata)),
+        "errata_by_kind": [*_sections_by_status_and_impact(manual_errata), *_sections_of_changes(device.errata)],
+    }
+
+
+def _erratum_section(erratum: Erratum) -> dict[str, Any]:
+    """Return one erratum for the errata page: a summary, and a table with a single row for its texts."""
+    labels_and_texts = (*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)))
+    # The labels become the head of the table, and the texts its only row.
+    head, cells = zip(*labels_and_texts, strict=True)
+    affected = ", ".join(map(code_span, erratum.affects))
+    result = f"{status_badge(erratum)}: {consequence(erratum.severity)}."
+    summary = f"{result} Affected parts of the spec: {affected}. Source: {citation(erratum.source)}."
+    return {"erratum": erratum, "summary": summary, "head": head, "cells": cells}
+
+
+def _summary_of_counts(count: int, open_count: int) -> str:
+    """Return sentences that state how many errata there are, how many are open, and what that means."""
+    if not count:
+        return "No errata are known."
+    sentences = ["There is 1 known erratum." if count == 1 else f"There are {count} known errata."]
+    if open_count:
+        verb = "is" if open_count == 1 else "are"
+        sentences.append(f"{open_count} {verb} open, which means that only hardware or the manufacturer can decide.")
+    resolved_count = count - open_count
+    if resolved_count > 0:
+        verb = "is" if resolved_count == 1 else "are"
+        sentences.append(f"{resolved_count} {verb} resolved by the manual's own evidence or by arithmetic.")
+    return " ".join(sentences)
+
+
+def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+    """Yield a heading with its errata for each status and impact: open errata first, and wrong bytes before wording."""
+    for status, status_word in STATUS_IN_WORDS.items():
+        errata_of_status = [erratum for erratum in listed_errata if erratum.status == status]
+        for severity in fact_tables.SEVERITIES:
+            errata_of_kind = [erratum for erratum in errata_of_status if erratum.severity == severity]
+            if errata_of_kind:
+                heading = f"{status_word.capitalize()}: {fact_tables.severity_text(severity)}"
+                yield escape(heading), list(map(_erratum_section, errata_of_kind))
+
+
+def _sections_of_changes(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
+    """Yield a heading with its errata for the changes by overlays, and for the changes in other editions."""
+    overlay_changes = [erratum for erratum in listed_errata if erratum.overlay]
+    edition_changes = [erratum for erratum in listed_errata if erratum.edition and not erratum.overlay]
+    for heading, changes in (("Overlays", overlay_changes), ("Other editions", edition_changes)):
+        if changes:
+            yield heading, list(map(_erratum_section, changes))

@@ -9,23 +9,25 @@ from typing import Annotated, Any, NamedTuple, TypedDict
 from ...masters.sheet import Master, shipped_masters
 from ...model import Device
 from ...render import Templates, our_templates
-from ...say import markdown
-from ...say.markdown import escape, markdown_link
-from ...say.names_and_places import addresses_text, heading, title_of
-from ...say.text import as_sentence, count_with_unit
+from ...say import text
+from ...say.names_and_evidence import addresses_text, heading, title_of
+from ...say.text import as_sentence, count_with_unit, escape, markdown_link
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..registry import licence_in
 from . import (
+    ERRATA,
     cross_family_pages,
     fact_tables,
     family_pages,
-    inline_errata,
     interface_page,
+    interface_page_path,
     masters_page,
     order_code_page,
-    page_links,
+    page_in_folder,
     timing_pictures,
     verdict_page,
+    with_errata_linked,
+    with_other_subjects_linked,
 )
 from .interface_page import Rows, Section
 
@@ -73,7 +75,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             f"{cross_family_pages.ALARMS}.jinja",
             cross_family_pages.alarms_page_values(library.devices),
         ),
-        inline_errata.ALL_ERRATA: (f"{inline_errata.ALL_ERRATA}.jinja", inline_errata.all_values(library.devices)),
+        cross_family_pages.ALL_ERRATA: (
+            f"{cross_family_pages.ALL_ERRATA}.jinja",
+            cross_family_pages.all_errata_values(library.devices),
+        ),
         cross_family_pages.GLOSSARY: (
             f"{cross_family_pages.GLOSSARY}.jinja",
             cross_family_pages.glossary_values(library.devices),
@@ -112,8 +117,8 @@ def _family_page_text(device: Device, page: _Page, library: Library) -> str:
     values = page.values()
     page_text = _page_text(page.template, values, library)
     if page.template in ("interface.md.jinja", "interface-subject.md.jinja"):
-        page_text = page_links.with_other_subjects_linked(values["interface"].name, page_text)
-    return page_links.with_errata_linked(device, page.path, page_text)
+        page_text = with_other_subjects_linked(values["interface"].name, page_text)
+    return with_errata_linked(device, page.path, page_text)
 
 
 def _page_text(template: str, values: Mapping[str, Any], library: Library) -> str:
@@ -132,7 +137,7 @@ def _pages_of_family(family_codes: order_code_page.OrderCodes, masters: tuple[Ma
         code_values = partial(_code_values, family_codes, group, interfaces_with_masters)
         yield _Page(f"{folder}/{group.name}.md", "code.md.jinja", code_values)
     yield _Page(f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device))
-    yield _Page(f"{folder}/{page_links.ERRATA}", "errata.md.jinja", partial(inline_errata.page_values, device))
+    yield _Page(f"{folder}/{ERRATA}", "errata.md.jinja", partial(family_pages.errata_values, device))
     yield _Page(f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device))
     for interface_name in interfaces_with_masters:
         masters_values = partial(masters_page.page_values, device, interface_name, masters)
@@ -150,9 +155,9 @@ def _pages_of_interfaces(
     device = family_codes.device
     for interface in device.interfaces:
         interface_values = partial(_interface_values, family_codes, interface.name, interfaces_with_masters)
-        yield _Page(page_links.interface_page_path(device, interface), "interface.md.jinja", interface_values)
+        yield _Page(interface_page_path(device, interface), "interface.md.jinja", interface_values)
         for subject in interface_page.subjects(device, interface.name):
-            subject_path = f"{device.name}/{page_links.page_in_folder(interface.name, subject)}"
+            subject_path = f"{device.name}/{page_in_folder(interface.name, subject)}"
             subject_values = partial(_subject_values, subject, interface_values)
             yield _Page(subject_path, "interface-subject.md.jinja", subject_values)
 
@@ -263,7 +268,7 @@ TEMPLATES = Templates(
         "interface-subject.md.jinja": interface_page.SubjectPage,
         "code.md.jinja": order_code_page.CodePage,
         "hardware.md.jinja": family_pages.HardwarePage,
-        "errata.md.jinja": inline_errata.ErrataPage,
+        "errata.md.jinja": family_pages.ErrataPage,
         "manual.md.jinja": family_pages.ManualPage,
         "masters.md.jinja": masters_page.MastersPage,
         "changes.md.jinja": family_pages.ChangesPage,
@@ -273,24 +278,24 @@ TEMPLATES = Templates(
         f"{cross_family_pages.COMPARISON}.jinja": cross_family_pages.WhichPage,
         f"{cross_family_pages.REGISTERS}.jinja": cross_family_pages.RegistersPage,
         f"{cross_family_pages.ALARMS}.jinja": cross_family_pages.AlarmsPage,
-        f"{inline_errata.ALL_ERRATA}.jinja": inline_errata.AllErrataPage,
+        f"{cross_family_pages.ALL_ERRATA}.jinja": cross_family_pages.AllErrataPage,
         f"{cross_family_pages.GLOSSARY}.jinja": cross_family_pages.GlossaryPage,
     },
     filters={
-        "md": markdown.escape,
-        "paragraph": markdown.wrap_markdown,
-        "code": markdown.code_span,
-        "html": markdown.escape_html,
-        "cited": markdown.citation,
-        "cited_html": markdown.cited_html,
-        "anchor": markdown.anchor_of,
+        "md": text.escape,
+        "paragraph": text.wrap_markdown,
+        "code": text.code_span,
+        "html": text.escape_html,
+        "cited": text.citation,
+        "cited_html": text.cited_html,
+        "anchor": text.anchor_of,
         "sentence": as_sentence,
         "titled": title_of,
         "heading": heading,
         "addresses": addresses_text,
-        "said": markdown.MARKDOWN.sentence,
+        "said": text.MARKDOWN.sentence,
     },
-    functions={"table": markdown.table, "timing_rows": fact_tables.timing_rows, "table_rows": family_pages.table_rows},
+    functions={"table": text.table, "timing_rows": fact_tables.timing_rows, "table_rows": family_pages.table_rows},
 )
 TARGET = Target(
     name="docs",

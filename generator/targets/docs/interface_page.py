@@ -28,20 +28,35 @@ from ...model import (
 from ...order_codes.parameters import follows_registers
 from ...order_codes.reduction import for_interface
 from ...plan.frames import exchanges
-from ...say import commands as say_commands
+from ...say import commands_and_alarms as say_commands
 from ...say import layout as say_layout
 from ...say import register as say_register
-from ...say import report
 from ...say.errata import needed_answers
-from ...say.evidence import origin, other_editions, word_for_document
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
-from ...say.names_and_places import HasOtherNames, addresses_text, name_in_words, title_of
-from ...say.order_code import PURPOSES, initial
-from ...say.text import CodeText, Statement, list_parts, statement
-from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
+from ...say.names_and_evidence import (
+    HasOtherNames,
+    addresses_text,
+    name_in_words,
+    origin,
+    other_editions,
+    title_of,
+    word_for_document,
+)
+from ...say.order_code import PURPOSES, words_for_initial_values
+from ...say.text import (
+    MARKDOWN,
+    CodeText,
+    Statement,
+    citation,
+    code_span,
+    escape,
+    join_filled,
+    list_parts,
+    markdown_link,
+    statement,
+)
+from . import ErrataLines, fact_tables, layout_tables, links_to_steps, order_code_tables, verdict_page
 from .layout_tables import has_value_table
 from .order_code_tables import order_codes
-from .page_links import links_to_steps
 from .page_pictures import Pictures
 from .timing_pictures import TimingDiagram, timing_diagram
 
@@ -80,7 +95,7 @@ def page_sections(device: Device) -> Sections:
         "document": word_for_document(device),
         "origin": [*origin(device), *other_editions(device)],
         "verdict_page": verdict_page.file_name(device),
-        "errata_at": inline_errata.ErrataLines(device),
+        "errata_at": ErrataLines(device),
         "alternatives": order_code_tables.alternative_sections(device),
         "interfaces": [_interface_section(device, interface) for interface in device.interfaces],
         "crcs": [{"crc": crc, "rows": fact_tables.crc_rows(device, crc)} for crc in device.crcs],
@@ -97,7 +112,7 @@ def page_sections(device: Device) -> Sections:
 
 def _alarm_section(device: Device, alarm: Alarm) -> Section:
     """Return an alarm with its title and its facts."""
-    return {"alarm": alarm, "title": title_of(alarm), "facts": report.alarm_facts(device, alarm)}
+    return {"alarm": alarm, "title": title_of(alarm), "facts": say_commands.alarm_facts(device, alarm)}
 
 
 def _input_section(device: Device, hardware_input: Input) -> Section:
@@ -230,7 +245,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
     size = statement(*say_layout.describe_size(layout, device.alternatives))
     return {
         "layout": layout,
-        "head": say_layout.head(interface, layout, CodeText(layout.name), device.alternatives),
+        "head": say_layout.describe_head(interface, layout, CodeText(layout.name), device.alternatives),
         "size": MARKDOWN.phrase(size),
         "facts": [*say_layout.describe_layout_facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
@@ -254,7 +269,7 @@ def _register_section(device: Device, register: Register) -> Section:
         "register": register,
         "title": title_of(register),
         "access": say_register.describe_access(register),
-        "head": say_register.head(device, register, CodeText(register.name)),
+        "head": say_register.describe_head(device, register, CodeText(register.name)),
         "facts": say_register.describe_register_facts(device, register),
         "rows": [] if is_named_like_register and adds_nothing else rows,
         "value_tables": [_value_table(field, is_only_field) for field in fields if has_value_table(field)],
@@ -381,7 +396,7 @@ def interface_values(
         "pictures": pictures,
         "timing": timing_diagram(device, interface),
         "frames_set_by_registers": [layout.name for layout in layouts if follows_registers(family_device, layout)],
-        "initial": initial(family_device),
+        "initial": words_for_initial_values(family_device),
     }
 
 

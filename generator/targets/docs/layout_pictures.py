@@ -1,113 +1,20 @@
-"""Contents of the pictures of frames and registers as rows of bytes, and the SVG elements that all pictures share.
+"""Contents of the pictures of frames and registers as rows of bytes, and pictures of frames on one line.
 
-A picture is as wide as the screen of a phone, so that its text is readable there and next to a table. Its background
-follows the light or dark color scheme of the screen. Each picture has a description in words.
+A picture with rows of bytes fits on the screen of a phone. A frame on one line has a ruler of bits or bytes, for wider
+screens. Each picture has a description in words.
 """
 
 from __future__ import annotations
 
-import html
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
 from ...model import Field, PlacedField, PlacedLayout
 from ...model.record import dataclass
 from ...plan.values import ActiveFlag, meaning_of
 from ...say.layout import box_colour, box_label, name_as_words
-from ...say.names_and_places import bit_range
-from ...say.plain_text import text_on_one_line
-from ..registry import palette
-
-#: Width in pixels that fits on the screen of a phone: 375 minus the margins of a page.
-PICTURE_WIDTH = 340.0
-#: Average character width of sans-serif fonts as a fraction of the font size, rounded up to be safe.
-_LETTER_WIDTH = 0.58
-#: Class of an element, CSS property, and name of the color in the palette.
-_CLASS_COLOURS = (
-    ("card", "fill", "page"),
-    ("card", "stroke", "border"),
-    ("ink", "fill", "ink"),
-    ("faint", "fill", "soft-ink"),
-    ("line", "stroke", "line"),
-    ("wave", "stroke", "ink"),
-    *((kind, "fill", f"bits-{kind}") for kind in ("data", "group", "flag", "check", "fixed", "choice", "nothing")),
-)
-
-
-def _style_element() -> str:
-    """Return the style sheet of a picture, with the colors of its classes for light and dark screens."""
-    colours = palette()
-    light = "".join(
-        f".{name}{{{css_property}:{colours.light[colour]}}}" for name, css_property, colour in _CLASS_COLOURS
-    )
-    dark = "".join(
-        f".{name}{{{css_property}:{colours.on_dark(colour)}}}" for name, css_property, colour in _CLASS_COLOURS
-    )
-    always = f".line,.wave{{fill:none}}rect{{stroke:{colours.light['line']}}}"
-    return f"<style>{always}{light}@media(prefers-color-scheme:dark){{{dark}}}</style>"
-
-
-def create_picture(title: str, body: Sequence[str], width: float, height: float, description: str) -> str:
-    """Return an SVG picture of this size. ``body`` are its elements, and ``description`` is its text alternative."""
-    picture_width, picture_height = number(width), number(height)
-    label = html.escape(text_on_one_line(title))
-    svg_start = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{picture_width}" height="{picture_height}" '
-        f'viewBox="0 0 {picture_width} {picture_height}" role="img" '
-        f'aria-label="{label}" '
-        'font-family="system-ui, -apple-system, Segoe UI, Helvetica, Arial, sans-serif">'
-    )
-    descriptions = [f"<title>{_escape_xml(title)}</title>", f"<desc>{_escape_xml(description)}</desc>"]
-    # Half a pixel inside the picture on each side, so that the border is fully visible.
-    background_size = f'width="{number(width - 1)}" height="{number(height - 1)}"'
-    background = f'<rect x="0.5" y="0.5" {background_size} rx="6" class="card"/>'
-    return "\n".join([svg_start, *descriptions, _style_element(), background, *body, "</svg>", ""])
-
-
-def _escape_xml(words: str) -> str:
-    """Return text for the content of an element, with the markup of XML escaped."""
-    return html.escape(text_on_one_line(words), quote=False)
-
-
-def draw_box(*, left: float, top: float, box_width: float, box_height: float, fill: str) -> str:
-    """Return a rectangle. ``fill`` is its color class."""
-    size = f'width="{number(box_width)}" height="{number(box_height)}"'
-    return f'<rect x="{number(left)}" y="{number(top)}" {size} class="{fill}"/>'
-
-
-def draw_swatch(*, left: float, top: float, box_width: float, box_height: float, colour: str) -> str:
-    """Return a rectangle in a color that is the same on light and dark screens, such as the color of a wire."""
-    size = f'width="{number(box_width)}" height="{number(box_height)}"'
-    return f'<rect x="{number(left)}" y="{number(top)}" {size} fill="{colour}"/>'
-
-
-def draw_text(
-    words: str, *, x: float, y: float, size: int, anchor: str, faint: bool = False, bold: bool = False
-) -> str:
-    """Return a line of text. ``anchor`` says which part of it is at ``x``: its ``start``, ``middle`` or ``end``."""
-    weight = ' font-weight="600"' if bold else ""
-    colour = "faint" if faint else "ink"
-    attributes = f'font-size="{size}" text-anchor="{anchor}" class="{colour}"{weight}'
-    return f'<text x="{number(x)}" y="{number(y)}" {attributes}>{_escape_xml(words)}</text>'
-
-
-def text_width(words: str, size: float) -> float:
-    """Return an upper estimate of the width of a line of text."""
-    return len(words) * size * _LETTER_WIDTH
-
-
-def wrap_to_width(words: str, room: float, size: float) -> list[str]:
-    """Return text as lines of at most ``room`` pixels, with at least one character per line."""
-    letters_per_line = int(room / (size * _LETTER_WIDTH))
-    return wrap(text_on_one_line(words), max(1, letters_per_line))
-
-
-def number(value: float) -> str:
-    """Return a number with at most one decimal, so that it is identical on every machine."""
-    return f"{value:.1f}".removesuffix(".0")
-
-
-_GROUP, _NOTHING = "group", "nothing"
+from ...say.names_and_evidence import bit_range
+from ..picture_elements import create_picture, draw_box, draw_text, number, text_width
 
 
 @dataclass(frozen=True)
@@ -190,7 +97,8 @@ def bit_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
 def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
     """Return a register with a row for each byte, in address order. Bits are numbered in the whole register."""
     bit_runs = runs_of(placed_layout)
-    lowest_bits = _lowest_bits(placed_layout.bits, low_byte_first)
+    bits = placed_layout.bits
+    lowest_bits = range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
     byte_addresses = [f"{address + index:02X}h" for index in range(len(lowest_bits))]
     place = byte_addresses[0]
     if len(byte_addresses) > 1:
@@ -244,34 +152,6 @@ def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: in
     return Stack(caption=caption, rows=_byte_rows(bit_runs, lowest_bits, empty_labels), text=_runs_text(bit_runs))
 
 
-def text_alternative(stacks: Sequence[Stack]) -> str:
-    """Return the text alternative for a picture of these frames. It describes the first ones and counts the others."""
-    # To count a single one would be no shorter than to describe it.
-    if len(stacks) <= _MOST_DESCRIBED + 1:
-        return "; ".join(map(_stack_text, stacks))
-    further_stacks = f"and {len(stacks) - _MOST_DESCRIBED} more, in the tables"
-    return "; ".join([*map(_stack_text, stacks[:_MOST_DESCRIBED]), further_stacks])
-
-
-#: Highest number of stacks that the text describes. The tables next to the picture describe all of them.
-_MOST_DESCRIBED = 4
-
-
-def _stack_text(stack: Stack) -> str:
-    """Return the description of one frame, with its caption."""
-    if not stack.caption:
-        return stack.text
-    # The caption of a frame ends with its number of bits, so its text does not need to begin with the same number.
-    number_of_bits = stack.caption.rpartition(": ")[2]
-    text_without_number = stack.text.removeprefix(f"{number_of_bits}: ")
-    return f"{stack.caption}: {text_without_number}"
-
-
-def _lowest_bits(bits: int, low_byte_first: bool) -> range:
-    """Return the lowest bit of each byte, in the order of the bytes. ``bits`` is a multiple of 8."""
-    return range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
-
-
 def _byte_rows(bit_runs: Sequence[_BitRun], lowest_bits: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
     """Return a row for each byte, with its bits numbered in the whole layout.
 
@@ -303,7 +183,7 @@ def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
     fields = placed_layout.fields
     bit_runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in fields]
     for high, low in _gaps_between_fields(placed_layout):
-        bit_runs.append(_BitRun(high=high, low=low, name="no field", fill=_NOTHING))
+        bit_runs.append(_BitRun(high=high, low=low, name="no field", fill="nothing"))
     return sorted(bit_runs, key=lambda run: -run.high)
 
 
@@ -327,7 +207,7 @@ def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
     bit_runs = []
     for group_name, group_fields in fields_by_group.items():
         high, low = _range_of_fields(group_fields)
-        bit_runs.append(_BitRun(high=high, low=low, name=name_as_words(group_name), fill=_GROUP))
+        bit_runs.append(_BitRun(high=high, low=low, name=name_as_words(group_name), fill="group"))
     for padded_name, field_and_padding in fields_by_padded_field.items():
         high, low = _range_of_fields(field_and_padding)
         bit_runs.append(_run_of_field(placed_layout.layout.field(padded_name), high, low))
@@ -336,9 +216,7 @@ def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
 
 def _range_of_fields(placed_fields: Sequence[PlacedField]) -> tuple[int, int]:
     """Return the highest and the lowest bit of several fields."""
-    highest_bit = max(placed_field.high for placed_field in placed_fields)
-    lowest_bit = min(placed_field.low for placed_field in placed_fields)
-    return highest_bit, lowest_bit
+    return max(field.high for field in placed_fields), min(field.low for field in placed_fields)
 
 
 def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
@@ -365,3 +243,208 @@ def _gaps_between_fields(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
     if covered_from > 0:
         gaps.append((covered_from - 1, 0))
     return gaps
+
+
+#: Width of a picture of a frame on one line, and of the narrowest screen that shows it instead of the rows of bytes.
+_WIDE_PICTURE_WIDTH, NARROWEST_SCREEN = 720.0, 700
+_MARGIN, _RULER_HEIGHT, _BOX_HEIGHT, _LINE_HEIGHT, _TEXT_SIZE = 8.0, 24.0, 44.0, 18.0, 11
+#: Width of a frame between the margins.
+_FRAME_WIDTH = _WIDE_PICTURE_WIDTH - 2 * _MARGIN
+#: Average width of a letter as a fraction of the font size.
+_LETTER_WIDTH = 0.54
+
+
+@dataclass(frozen=True, slots=True)
+class _Cell:
+    """Box between ``left`` and ``right``, in pixels. ``about`` is its text below the line if its name does not fit."""
+
+    left: float
+    right: float
+    name: str
+    place: str
+    about: str
+    fill: str
+
+    @property
+    def lines(self) -> list[str]:
+        """Lines of text inside the box: its name, then its place if it has one.
+
+        The box stays empty if a word is wider than the box, or if the name needs more than two lines.
+        """
+        # The text keeps a distance of 2 pixels from each side.
+        letters_per_line = int((self.right - self.left - 4) / (_TEXT_SIZE * _LETTER_WIDTH))
+        longest_word = max(len(word) for word in (*self.name.split(" "), self.place))
+        if longest_word > letters_per_line:
+            return []
+        name_lines = wrap(self.name, letters_per_line)
+        if len(name_lines) > 2:
+            return []
+        return [*name_lines, self.place] if self.place else name_lines
+
+
+def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
+    """Return the picture of a frame, with the first bit or byte on the left.
+
+    If the frame has several shapes, they are drawn one below the other, each with its caption.
+    """
+    body: list[str] = []
+    stacks: list[Stack] = []
+    top = _MARGIN
+    for caption, placed_layout in shapes:
+        in_bytes = placed_layout.layout.in_bytes
+        stack = byte_stack(caption, placed_layout) if in_bytes else bit_stack(caption, placed_layout)
+        stacks.append(stack)
+        if caption:
+            body.append(draw_text(caption, x=_MARGIN, y=top + 13, size=_TEXT_SIZE, anchor="start", bold=True))
+            top += _LINE_HEIGHT
+        elements, top = _frame_elements(placed_layout, stack, top)
+        body += elements
+    return create_picture(title, body, width=_WIDE_PICTURE_WIDTH, height=top, description=text_alternative(stacks))
+
+
+def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], float]:
+    """Return the elements of one frame that starts at ``top``, and the top of the next frame."""
+    box_top = top + _RULER_HEIGHT
+    if placed_layout.layout.in_bytes:
+        cells = list(_byte_cells(stack))
+        ruler_marks = list(_byte_marks(stack))
+    else:
+        cells = list(_bit_cells(placed_layout))
+        ruler_marks = list(_bit_marks(placed_layout))
+    elements: list[str] = []
+    for x, mark_text, anchor in ruler_marks:
+        elements.append(draw_text(mark_text, x=x, y=top + 12, size=_TEXT_SIZE, anchor=anchor, faint=True))
+    for cell in cells:
+        elements += _cell_elements(cell, box_top)
+    if not placed_layout.layout.in_bytes:
+        ticks_path = _ruler_ticks(placed_layout.bits, box_top)
+        elements.append(f'<path d="{ticks_path}" class="line"/>')
+    bottom = box_top + _BOX_HEIGHT
+    for line_bottom, element in _names_below(cells, bottom + 4):
+        elements.append(element)
+        bottom = max(bottom, line_bottom)
+    return elements, bottom + _MARGIN
+
+
+def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
+    """Yield the box of a cell and the lines inside it. If the cell has a place, the last line shows it."""
+    yield draw_box(left=cell.left, top=top, box_width=cell.right - cell.left, box_height=_BOX_HEIGHT, fill=cell.fill)
+    center = (cell.left + cell.right) / 2
+    last_index = len(cell.lines) - 1
+    # The lines are 14 pixels apart and centered in the box.
+    baseline = top + _BOX_HEIGHT / 2 + 4.5 - 7 * last_index
+    for index, box_text in enumerate(cell.lines):
+        is_place = bool(cell.place) and index == last_index
+        yield draw_text(box_text, x=center, y=baseline, size=_TEXT_SIZE, anchor="middle", faint=is_place)
+        baseline += 14
+
+
+def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
+    """Yield the box of each field in a frame that consists of bits."""
+    bit_width = _FRAME_WIDTH / placed_layout.bits
+    for run in runs_of(placed_layout):
+        left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
+        # The ruler above the box shows its bit numbers, so only the text below the line names them.
+        noun = "bits" if run.high > run.low else "bit"
+        place = f"{noun} {bit_range(run.high, run.low)}"
+        level = ", 0 = active" if run.active_low else ""
+        yield _Cell(
+            left=left,
+            right=left + (run.high - run.low + 1) * bit_width,
+            name=f"{run.name}{level}",
+            place="",
+            about=f"{run.name} ({place}{level})",
+            fill=run.fill,
+        )
+
+
+def _byte_cells(stack: Stack) -> Iterator[_Cell]:
+    """Yield the boxes of each byte in a frame that consists of bytes. The highest bit of a byte is on its left."""
+    byte_width = _FRAME_WIDTH / len(stack.rows)
+    for index, row in enumerate(stack.rows):
+        for box in row.boxes:
+            # Bit 7 is at the left of its byte.
+            left = _MARGIN + byte_width * (index + (7 - box.high) / 8)
+            spaced_place = f" {box.place}" if box.place else ""
+            yield _Cell(
+                left=left,
+                right=left + byte_width * (box.high - box.low + 1) / 8,
+                name=box.name,
+                place=box.place,
+                about=f"{box.name}{spaced_place} ({row.label})",
+                fill=box.fill,
+            )
+
+
+def _bit_marks(placed_layout: PlacedLayout) -> Iterator[tuple[float, str, str]]:
+    """Yield the x position, text and alignment of the ruler's numbers: the first and the last bit of each box."""
+    bit_width = _FRAME_WIDTH / placed_layout.bits
+    for run in runs_of(placed_layout):
+        left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
+        right = _MARGIN + (placed_layout.bits - run.low) * bit_width
+        if run.high == run.low:
+            yield (left + right) / 2, f"{run.high}", "middle"
+        else:
+            yield left + 2, f"{run.high}", "start"
+            yield right - 2, f"{run.low}", "end"
+
+
+def _byte_marks(stack: Stack) -> Iterator[tuple[float, str, str]]:
+    """Yield the x position, text and alignment of the name of each byte."""
+    byte_width = _FRAME_WIDTH / len(stack.rows)
+    for index, row in enumerate(stack.rows):
+        yield _MARGIN + byte_width * (index + 0.5), row.label, "middle"
+
+
+def _ruler_ticks(bits: int, top: float) -> str:
+    """Return the path of the ruler's ticks. Every eighth tick is longer, counted from the lowest bit."""
+    ticks = []
+    bit_width = _FRAME_WIDTH / bits
+    for index in range(bits + 1):
+        x = _MARGIN + index * bit_width
+        height = 8 if (bits - index) % 8 == 0 else 4
+        ticks.append(f"M{number(x)} {number(top)}v-{height}")
+    return " ".join(ticks)
+
+
+def _names_below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, str]]:
+    """Yield the elements for names that do not fit into their boxes, each with the bottom of its line.
+
+    Names are side by side, in as many lines as needed. Each has a small box in its color in front of it.
+    """
+    left = _MARGIN
+    for cell in cells:
+        if not cell.lines:
+            # The color box with its gap takes 16 pixels, and 16 more follow the text.
+            width_with_box = 16 + text_width(cell.about, _TEXT_SIZE) + 16
+            is_line_full = left + width_with_box > _WIDE_PICTURE_WIDTH - _MARGIN
+            if is_line_full and left > _MARGIN:
+                left = _MARGIN
+                top += _LINE_HEIGHT
+            bottom = top + _LINE_HEIGHT
+            yield bottom, draw_box(left=left, top=top + 4, box_width=10, box_height=10, fill=cell.fill)
+            yield bottom, draw_text(cell.about, x=left + 16, y=top + 13, size=_TEXT_SIZE, anchor="start")
+            left += width_with_box
+
+
+def text_alternative(stacks: Sequence[Stack]) -> str:
+    """Return the text alternative for a picture of these frames. It describes the first ones and counts the others."""
+    # To count a single one would be no shorter than to describe it.
+    if len(stacks) <= _MOST_DESCRIBED + 1:
+        return "; ".join(map(_stack_text, stacks))
+    further_stacks = f"and {len(stacks) - _MOST_DESCRIBED} more, in the tables"
+    return "; ".join([*map(_stack_text, stacks[:_MOST_DESCRIBED]), further_stacks])
+
+
+#: Highest number of stacks that the text describes. The tables next to the picture describe all of them.
+_MOST_DESCRIBED = 4
+
+
+def _stack_text(stack: Stack) -> str:
+    """Return the description of one frame, with its caption."""
+    if not stack.caption:
+        return stack.text
+    # The caption of a frame ends with its number of bits, so its text does not need to begin with the same number.
+    number_of_bits = stack.caption.rpartition(": ")[2]
+    text_without_number = stack.text.removeprefix(f"{number_of_bits}: ")
+    return f"{stack.caption}: {text_without_number}"

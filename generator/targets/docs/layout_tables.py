@@ -21,10 +21,24 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...say.errata import answer_names
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link, table
-from ...say.names_and_places import HasOtherNames, bit_range, bits, field_place, frame_bytes, hexadecimal
+from ...say.layout import field_place, frame_bytes
+from ...say.names_and_evidence import HasOtherNames, bit_range, bits, hexadecimal
 from ...say.register import describe_value, rules
-from ...say.text import CodeText, Statement, join_groups, list_parts, spec_text, statement
+from ...say.text import (
+    MARKDOWN,
+    CodeText,
+    Statement,
+    citation,
+    code_span,
+    escape,
+    join_filled,
+    join_groups,
+    list_parts,
+    markdown_link,
+    spec_text,
+    statement,
+    table,
+)
 from .order_code_tables import order_codes
 
 #: Highest number of named values in a cell. If there are more, they have their own table.

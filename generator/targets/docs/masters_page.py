@@ -7,24 +7,23 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import prod
 from typing import Annotated, Any, TypedDict
 
-from ...masters.groups import CodesWithSameSettings, GroupSheets, records_of, sheets_of
 from ...masters.sheet import Master, MasterRefusal, Setting, SettingsSheet
 from ...masters.text import (
     cited,
     condition_text,
     condition_texts,
+    facts_in_words,
     legend_of_marks,
-    record_facts,
     refusal_text,
     standing_mark,
 )
 from ...model import Device, Interface, first_or_raise
-from ...say.evidence import grade_below_manual
-from ...say.markdown import code_span, escape, join_filled, link_list, markdown_link
-from ...say.text import Statement
+from ...say.names_and_evidence import grade_below_manual
+from ...say.text import Statement, code_span, escape, join_filled, link_list, markdown_link
+from ..masters import CodesWithSameSettings, GroupSheets, facts_of_order_codes, sheets_of
+from . import link_to_erratum
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
-from .page_links import link_to_erratum
 
 Row = tuple[str, ...]
 Table = dict[str, Any]
@@ -43,7 +42,7 @@ def interfaces_with_masters(device: Device) -> list[str]:
 
 def _has_records(device: Device, interface: Interface) -> bool:
     """Return whether an order code has the facts that masters need over an interface."""
-    return next(records_of(device, interface), None) is not None
+    return next(facts_of_order_codes(device, interface), None) is not None
 
 
 class MastersPage(TypedDict):
@@ -106,13 +105,13 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         markdown_link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections
     ]
     # Each note once, in the order of the groups.
-    notes = dict.fromkeys(escape(note) for group in groups for note in group.record.notes)
+    notes = dict.fromkeys(escape(note) for group in groups for note in group.facts.notes)
     return {
         "title": interface.title,
         "anchor": interface.name,
         "facts": [*order_code_rows, *((escape(name), value) for name, value in common_rows)],
         "tables": tables,
-        "cable_errata": _links_to_errata(device, groups[0].record.cables.errata),
+        "cable_errata": _links_to_errata(device, groups[0].facts.cables.errata),
         "notes": list(notes),
         "masters": master_sections,
         "links": master_links,
@@ -127,7 +126,7 @@ def _links_to_errata(device: Device, names: Collection[str]) -> str:
 
 def _fact_rows(group: CodesWithSameSettings) -> dict[str, Row]:
     """Return a row of name and value for each fact about a group of order codes, by the name of the fact."""
-    return {name: (name, escape(value)) for name, value in record_facts(group.record)}
+    return {name: (name, escape(value)) for name, value in facts_in_words(group.facts)}
 
 
 def _common_rows_and_tables(group_facts: GroupFacts) -> tuple[list[Row], list[Table]]:
@@ -158,7 +157,7 @@ def _depends_only_on_supply(fact_name: str, group_facts: GroupFacts) -> bool:
     """Return whether all groups of order codes with the same supply have the same value of a fact."""
     rows_by_supply: dict[tuple[int | None, int | None], set[Row | None]] = {}
     for group, rows in group_facts:
-        numbers = group.record.numbers
+        numbers = group.facts.numbers
         supply = (numbers["supply_min_mv"], numbers["supply_max_mv"])
         rows_by_supply.setdefault(supply, set()).add(rows.get(fact_name))
     return all(len(rows) == 1 for rows in rows_by_supply.values())
@@ -196,9 +195,9 @@ def _codes_label(groups: Sequence[CodesWithSameSettings]) -> str:
     # Answers as pairs of a question and its answer.
     codes_by_answers: dict[tuple[tuple[str, str], ...], list[str]] = {}
     for group in groups:
-        answers = tuple(group.record.answers.items())
+        answers = tuple(group.facts.answers.items())
         codes_by_answers.setdefault(answers, []).extend(group.codes)
-    answered_questions = groups[0].record.answers.keys()
+    answered_questions = groups[0].facts.answers.keys()
     alternatives = [alternative for alternative in device.alternatives if alternative.name in answered_questions]
     number_of_combinations = prod(len(alternative.answers) for alternative in alternatives)
     has_all_combinations = len(codes_by_answers) == number_of_combinations

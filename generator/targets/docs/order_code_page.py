@@ -31,16 +31,13 @@ from ...model.registers import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.quantities import with_quantities
 from ...order_codes.reduction import for_codes
-from ...say.evidence import describe_grade
+from ...say import count_with_unit, with_unit
 from ...say.layout import describe_measurement, describe_position_range, describe_size, own_ranges
-from ...say.markdown import MARKDOWN, citation, code_span, escape, markdown_link
-from ...say.names_and_places import field_at, heading, hexadecimal, title_of
+from ...say.names_and_evidence import describe_grade, field_at, heading, hexadecimal, title_of
 from ...say.order_code import not_on_label, parameter_value
-from ...say.plain_text import count_with_unit, with_unit
-from ...say.text import Statement, as_sentence, statement
+from ...say.text import MARKDOWN, Statement, as_sentence, citation, code_span, escape, markdown_link, statement
 from ..registry import names_of_codes
-from . import bytes_to_send, fact_tables, order_code_tables, verdict_table, wide_pictures, wiring_tables
-from .inline_errata import ErrataLinks
+from . import ErrataLinks, bytes_to_send, fact_tables, layout_pictures, order_code_tables, verdict_table, wiring_tables
 from .interface_page import InterfaceValues, Section, Sections, interface_values, page_sections
 from .page_pictures import Pictures, pictures_of_family, pictures_of_order_codes
 from .wiring_tables import no_leds, no_supply
@@ -338,7 +335,7 @@ def _frame_section(code_group: CodeGroup, layout: Layout, pictures: Pictures) ->
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         # Width of the widest screen that shows the narrow picture.
-        "narrower": wide_pictures.NARROWEST_SCREEN - 1,
+        "narrower": layout_pictures.NARROWEST_SCREEN - 1,
         "questions": list(verdict_table.open_questions(device, layout)),
         "facts": list(verdict_table.frame_facts(family, layout, variant, question_names=open_question_names)),
         "verdict_head": verdict_head,

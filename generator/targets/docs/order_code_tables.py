@@ -22,10 +22,10 @@ from ...model import (
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.patterns import fill_pattern
 from ...say.layout import describe_measurement, describe_position_range, own_ranges
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
-from ...say.names_and_places import heading
+from ...say.names_and_evidence import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
-from .page_links import style_in_folder
+from ...say.text import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
+from . import style_in_folder
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:

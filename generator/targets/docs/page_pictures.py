@@ -30,24 +30,21 @@ from ...model.record import dataclass
 from ...say.markdown import join_filled
 from ...say.names_and_places import Titled, title_of
 from ..registry import palette
+from ...say.names_and_evidence import Titled, title_of
+from ...say.text import join_filled
+from ..picture_elements import PICTURE_WIDTH, create_picture, draw_box, draw_swatch, draw_text, palette, wrap_to_width
 from .layout_pictures import (
-    PICTURE_WIDTH,
     Box,
     ByteRow,
     Stack,
     bit_stack,
     byte_stack,
-    create_picture,
-    draw_box,
-    draw_swatch,
-    draw_text,
     group_stack,
     register_stack,
     text_alternative,
-    wrap_to_width,
+    wide_picture,
 )
 from .layout_tables import Placement, Shape, distinct_placements, group_shapes, shape_of, used_groups
-from .wide_pictures import wide_picture
 
 _MARGIN, _TEXT_SIZE = 10.0, 12
 #: Width between the margins.

@@ -13,13 +13,12 @@ from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.values import ActiveFlag, meaning_of
-from ...say.evidence import Topic, place_of_mention, word_for_document
 from ...say.layout import DATA, box_colour
-from ...say.names_and_places import name_in_words
+from ...say.names_and_evidence import Topic, name_in_words, place_of_mention, word_for_document
 from ...say.order_code import REPLIES, bounds_with_codes, timeouts_with_codes, word_lengths
 from ...say.text import count_with_unit, time_text
-from .layout_pictures import create_picture, draw_box, draw_text, number
-from .layout_pictures import text_width as text_width
+from ..picture_elements import create_picture, draw_box, draw_text, number
+from ..picture_elements import text_width as text_width
 
 _SIGNAL_HEIGHT, _ROW_HEIGHT, _NAME_WIDTH, _MARGIN = 24.0, 58.0, 70.0, 16.0
 #: Width of a clock pulse in pixels, including its low and its high part.

@@ -15,12 +15,21 @@ from ...plan.verdicts import (
     reportings,
     reports_of,
 )
-from ...say.evidence import word_for_document
-from ...say.markdown import MARKDOWN, citation, code_span, escape, join_filled, link_list, markdown_link
-from ...say.names_and_places import own_names
-from ...say.report import alarm_of, alarm_source, conditions_text, deciding_value, manual_steps, meaning, remedy_text
-from ...say.text import CodeText, list_parts, statement
-from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
+from ...say.commands_and_alarms import alarm_of, alarm_source, manual_steps, meaning, remedy_text
+from ...say.names_and_evidence import conditions_text, deciding_value, own_names, word_for_document
+from ...say.text import (
+    MARKDOWN,
+    CodeText,
+    citation,
+    code_span,
+    escape,
+    join_filled,
+    link_list,
+    list_parts,
+    markdown_link,
+    statement,
+)
+from . import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
 
 #: File name of the page on verdicts, which no family can have.

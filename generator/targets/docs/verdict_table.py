@@ -21,13 +21,12 @@ from ...model import (
 from ...order_codes.parameters import with_answers
 from ...plan.values import ActiveFlag, TwosComplement, meaning_of
 from ...plan.verdicts import MatchingValues, VerdictCause, VerdictRules, verdict_rules_in_family
-from ...say.layout import crc_inverted, crc_reflected, is_reserved
-from ...say.markdown import MARKDOWN, code_span, escape, join_filled, markdown_link
-from ...say.names_and_places import bits, frame_bytes, heading
-from ...say.plain_text import count_with_unit, group_digits
+from ...say import count_with_unit, group_digits
+from ...say.commands_and_alarms import alarm_of, manual_steps, remedy_text
+from ...say.layout import crc_inverted, crc_reflected, frame_bytes, is_reserved
+from ...say.names_and_evidence import bits, conditions_text, deciding_value, heading
 from ...say.register import covered_by_parity_bit
-from ...say.report import alarm_of, conditions_text, deciding_value, manual_steps, remedy_text
-from ...say.text import VERDICT_CLAUSES, as_sentence, statement
+from ...say.text import MARKDOWN, VERDICT_CLAUSES, as_sentence, code_span, escape, join_filled, markdown_link, statement
 
 Row = tuple[str, ...]
 #: Verdicts as cells of the table.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from ...masters.frame_parts import CableTable, cable_table
+from ...masters.encoder_facts import CableTable, cable_table
 from ...model import (
     Biss,
     Clock,
@@ -23,11 +23,22 @@ from ...model import (
 )
 from ...model.order_codes import fits
 from ...model.record import dataclass
-from ...say.evidence import Topic, mentions, word_for_document
-from ...say.markdown import MARKDOWN, anchor_of, citation, code_span, escape, markdown_link
+from ...say import count_with_unit
+from ...say.names_and_evidence import Topic, mentions, word_for_document
 from ...say.order_code import bounds_with_codes, clock_words, describe_settings
-from ...say.plain_text import count_with_unit
-from ...say.text import as_sentence, hertz, nanoseconds, timeout_words, volts
+from ...say.text import (
+    MARKDOWN,
+    anchor_of,
+    as_sentence,
+    citation,
+    code_span,
+    escape,
+    hertz,
+    markdown_link,
+    nanoseconds,
+    timeout_words,
+    volts,
+)
 
 Row = tuple[str, ...]
 

@@ -15,18 +15,20 @@ from ...language.written_masters import FILE_FORMATS
 from ...masters.groups import GroupSheets, sheets_of
 from ...masters.places import SettingPlace
 from ...masters.record import EncoderFacts
+from ...masters.encoder_facts import EncoderFacts
+from ...masters.places_and_writing import SettingPlace
 from ...masters.sheet import Master, SettingsSheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
 from ...model.record import dataclass
 from ...render import Templates, our_templates
-from ...say.evidence import grade_below_manual, titled_in_lists
-from ...say.markdown import escape as escape_markdown
-from ...say.plain_text import text_on_one_line, wrap_text
+from ...say import text_on_one_line, wrap_text
+from ...say.names_and_evidence import grade_below_manual, titled_in_lists
 from ...say.text import PLAIN_STYLE
+from ...say.text import escape as escape_markdown
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
-from .entries import Channel, Content, YamlMapping, content_of_file
+from . import Channel, Content, GroupSheets, YamlMapping, content_of_file, sheets_of
 
 _TEXT_WIDTH = 120
 _ONE_FILE_EACH = "each"
@@ -58,10 +60,10 @@ def _identifier(order_code: str) -> str:
     return re.sub(r"\W|^(?=\d)", "_", order_code, flags=re.ASCII)
 
 
-def _further_entries(rule: YamlMapping, file_content: Content) -> YamlMapping:
+def _further_entries(file_rule: YamlMapping, file_content: Content) -> YamlMapping:
     """Return the fixed entries of a file, such as a version, without those that a setting writes."""
     written_keys = {file_value.key for file_value in file_content.entries}
-    return {key: value for key, value in rule.get("also", {}).items() if key not in written_keys}
+    return {key: value for key, value in file_rule.get("also", {}).items() if key not in written_keys}
 
 
 def file_text(
@@ -69,7 +71,7 @@ def file_text(
     order_codes: Sequence[str],
     sheet: SettingsSheet,
     *,
-    rule: YamlMapping,
+    file_rule: YamlMapping,
     master_device: str,
     library: Library | None = None,
     is_short: bool = False,
@@ -81,18 +83,18 @@ def file_text(
         device: The family.
         order_codes: The order codes. Names in the file are based on the first one.
         sheet: The settings.
-        rule: Entry of ``files`` in the description of the master.
+        file_rule: Entry of ``files`` in the description of the master.
         master_device: Device of the master.
         library: The library, for the user's templates.
         is_short: Leaves out the text that all order codes of a family share.
         file_content: The content of the file, if it is known already.
     """
-    file_content = file_content or content_of_file(sheet, rule, master_device)
-    format_title = FILE_FORMATS[rule["format"]].title
+    file_content = file_content or content_of_file(sheet, file_rule, master_device)
+    format_title = FILE_FORMATS[file_rule["format"]].title
     first_paragraphs: list[str] = []
     if not is_short:
         first_paragraphs.append(f"{master_device} with {', '.join(order_codes)}. For {format_title}.")
-        first_paragraphs += _paragraphs_on_origin(device, [sheet], rule, master_device)
+        first_paragraphs += _paragraphs_on_origin(device, [sheet], file_rule, master_device)
     own_templates = library.own_templates if library is not None else None
     values: MasterFile = {
         "head": [*first_paragraphs, *_paragraphs_on_content(file_content, is_short)],
@@ -100,14 +102,14 @@ def file_text(
         "channels": file_content.channels[:1] if is_short else file_content.channels,
         "name": _identifier(order_codes[0]),
         "device": master_device,
-        "also": _further_entries(rule, file_content),
-        "line": rule.get("line", ""),
+        "also": _further_entries(file_rule, file_content),
+        "line": file_rule.get("line", ""),
     }
-    return TEMPLATES.render(f"{rule['format']}.jinja", values, own_templates)
+    return TEMPLATES.render(f"{file_rule['format']}.jinja", values, own_templates)
 
 
 def _paragraphs_on_origin(
-    device: Device, sheets: Sequence[SettingsSheet], rule: YamlMapping, master_device: str
+    device: Device, sheets: Sequence[SettingsSheet], file_rule: YamlMapping, master_device: str
 ) -> Iterator[str]:
     """Yield the paragraphs on the evidence for a file: the manual, the cited documents of the master, and the tests."""
     manual = device.manual
@@ -121,9 +123,9 @@ def _paragraphs_on_origin(
     documents = [document for document in sheets[0].master.documents if document.key in cited_keys]
     cited_documents = "; ".join(f"{document.key}: {document.title}" for document in documents)
     yield f"From the documents of the master: {cited_documents}."
-    reader = FILE_FORMATS[rule["format"]].reader
+    reader = FILE_FORMATS[file_rule["format"]].reader
     reader_sentence = f"Read by {reader}, see docs/master/master-files.md." if reader else "Not yet read by its tool."
-    yield f"Not yet tested on hardware. {reader_sentence} Form of the file: {cited(rule['source'])}."
+    yield f"Not yet tested on hardware. {reader_sentence} Form of the file: {cited(file_rule['source'])}."
 
 
 def _places_on_device(sheet: SettingsSheet, master_device: str) -> Iterator[SettingPlace]:
@@ -212,33 +214,33 @@ def _files_of_family(device: Device, library: Library, options: Options) -> Iter
     for index, master in enumerate(masters):
         # The sheets of a group of order codes are in the order of the masters.
         usable_sheets = list(_usable_sheets(interface_sheets, index))
-        for rule in master.files:
+        for file_rule in master.files:
             # Each device once, in the order of the sheets.
             master_devices: dict[str, None] = {}
             for sheet_of_codes in usable_sheets:
-                master_devices |= dict.fromkeys(sheet_of_codes.sheet.devices_with(rule))
+                master_devices |= dict.fromkeys(sheet_of_codes.sheet.devices_with(file_rule))
             for master_device in master_devices:
                 file_of_codes = _FileOfCodes(
-                    path_start=_start_of_path(master, rule, master_device),
+                    path_start=_start_of_path(master, file_rule, master_device),
                     device=device,
                     sheets=[codes for codes in usable_sheets if master_device not in codes.sheet.unusable_devices],
-                    rule=rule,
+                    file_rule=file_rule,
                     master_device=master_device,
                     library=library,
                 )
                 if files_option == _ONE_FILE_EACH:
                     yield from _file_of_each_order_code(file_of_codes)
                 else:
-                    suffix = FILE_FORMATS[rule["format"]].suffix
+                    suffix = FILE_FORMATS[file_rule["format"]].suffix
                     yield f"{file_of_codes.path_start}{device.name}{suffix}", partial(_bulk_text, file_of_codes)
 
 
-def _start_of_path(master: Master, rule: YamlMapping, master_device: str) -> str:
+def _start_of_path(master: Master, file_rule: YamlMapping, master_device: str) -> str:
     """Return the folder and the beginning of the names of files, such as ``masters/acme/c_struct/m100-``.
 
     If the master has only one device, the names have no such beginning, and the result is only the folder.
     """
-    folder = f"masters/{master.name}/{rule['format']}/"
+    folder = f"masters/{master.name}/{file_rule['format']}/"
     if len(master.devices) == 1:
         return folder
     (device_name,) = names_of_codes([master_device])
@@ -255,7 +257,7 @@ def _usable_sheets(interface_sheets: Sequence[GroupSheets], master_index: int) -
         _, sheets = group_sheets.sheets[master_index]
         for sheet, group in zip(sheets, group_sheets.groups, strict=True):
             if not sheet.refusals:
-                yield _SheetOfCodes(sheet=sheet, record=group.record, order_codes=group.codes)
+                yield _SheetOfCodes(sheet=sheet, facts=group.facts, order_codes=group.codes)
 
 
 def _format_page(library: Library, files: Iterable[str]) -> str:
@@ -266,7 +268,7 @@ def _format_page(library: Library, files: Iterable[str]) -> str:
         folders.add(folder.removeprefix("masters/"))
     rows: list[dict[str, str]] = []
     for master in shipped_masters():
-        rows += [_index_row(master, rule["format"]) for rule in master.files]
+        rows += [_index_row(master, file_rule["format"]) for file_rule in master.files]
     values: Index = {
         "families": [escape_markdown(titled_in_lists(device)) for device in library.devices],
         "rows": [row for row in rows if row["folder"] in folders],
@@ -290,7 +292,7 @@ class _SheetOfCodes(NamedTuple):
     """Settings of order codes for a master, with the facts that these order codes share."""
 
     sheet: SettingsSheet
-    record: EncoderFacts
+    facts: EncoderFacts
     order_codes: Sequence[str]
 
 
@@ -298,13 +300,13 @@ class _SheetOfCodes(NamedTuple):
 class _FileOfCodes:
     """File of a master for a family, or the files for its order codes. Their paths begin with ``path_start``.
 
-    ``rule`` is the entry of ``files`` in the description of the master, and ``master_device`` the device of the master.
+    ``file_rule`` is the entry of ``files`` in the description of the master, and ``master_device`` is its device.
     """
 
     path_start: str
     device: Device
     sheets: Sequence[_SheetOfCodes]
-    rule: YamlMapping
+    file_rule: YamlMapping
     master_device: str
     library: Library
 
@@ -320,7 +322,7 @@ class _FileOfCodes:
             self.device,
             order_codes,
             sheet,
-            rule=self.rule,
+            file_rule=self.file_rule,
             master_device=self.master_device,
             library=self.library,
             is_short=is_short,
@@ -333,42 +335,45 @@ def _file_of_each_order_code(files: _FileOfCodes) -> Iterator[tuple[str, Callabl
 
     Each path has the order code, and the answers to questions that the manual leaves open.
     """
-    suffix = FILE_FORMATS[files.rule["format"]].suffix
+    suffix = FILE_FORMATS[files.file_rule["format"]].suffix
     labels: list[str] = []
     text_functions: list[Callable[[], str]] = []
     for sheet_of_codes in files.sheets:
         for order_code in sheet_of_codes.order_codes:
-            labels.append(_code_and_answers(order_code, sheet_of_codes.record))
+            labels.append(_code_and_answers(order_code, sheet_of_codes.facts))
             text_functions.append(partial(files.text, [order_code], sheet_of_codes.sheet))
     for name, text_function in zip(names_of_codes(labels), text_functions, strict=True):
         yield f"{files.path_start}{name}{suffix}", text_function
 
 
-def _code_and_answers(code: str, record: EncoderFacts) -> str:
+def _code_and_answers(code: str, facts: EncoderFacts) -> str:
     """Return an order code with the answers to open questions, joined by hyphens."""
-    return "-".join((code, *record.answers.values()))
+    return "-".join((code, *facts.answers.values()))
 
 
 def _bulk_text(bulk_file: _FileOfCodes) -> str:
     """Return the text of a bulk file. Order codes with the same content and the same answers share a block."""
-    codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
-    sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], SettingsSheet] = {}
+    sheets_by_content: dict[tuple[Content, tuple[tuple[str, str], ...]], list[_SheetOfCodes]] = {}
     for sheet_of_codes in bulk_file.sheets:
-        file_content = content_of_file(sheet_of_codes.sheet, bulk_file.rule, bulk_file.master_device)
-        content_and_answers = (file_content, tuple(sheet_of_codes.record.answers.items()))
-        codes_by_content.setdefault(content_and_answers, []).extend(sheet_of_codes.order_codes)
-        sheet_by_content.setdefault(content_and_answers, sheet_of_codes.sheet)
-    blocks = []
-    for (file_content, answers), order_codes in codes_by_content.items():
-        title = ", ".join(order_codes)
-        if answers:
-            chosen_answers = " and ".join(f"{question}={answer}" for question, answer in answers)
-            title += f" with {chosen_answers}"
-        sheet = sheet_by_content[file_content, answers]
-        block_text = bulk_file.text(order_codes, sheet, is_short=True, file_content=file_content)
-        blocks.append(_Block(title, block_text))
-    head = _bulk_head(bulk_file, list(sheet_by_content.values()))
-    return _joined_blocks(blocks, head, FILE_FORMATS[bulk_file.rule["format"]].comment)
+        file_content = content_of_file(sheet_of_codes.sheet, bulk_file.file_rule, bulk_file.master_device)
+        answers = tuple(sheet_of_codes.facts.answers.items())
+        sheets_by_content.setdefault((file_content, answers), []).append(sheet_of_codes)
+    blocks = [_block(bulk_file, file_content, sheets) for (file_content, _), sheets in sheets_by_content.items()]
+    first_sheets = [sheets[0].sheet for sheets in sheets_by_content.values()]
+    head = _bulk_head(bulk_file, first_sheets)
+    return _joined_blocks(blocks, head, FILE_FORMATS[bulk_file.file_rule["format"]].comment)
+
+
+def _block(bulk_file: _FileOfCodes, file_content: Content, sheets: Sequence[_SheetOfCodes]) -> _Block:
+    """Return the block of order codes that share the content of their file and the answers to open questions."""
+    first_sheet = sheets[0]
+    order_codes = [order_code for sheet_of_codes in sheets for order_code in sheet_of_codes.order_codes]
+    title = ", ".join(order_codes)
+    if first_sheet.facts.answers:
+        chosen_answers = " and ".join(f"{question}={answer}" for question, answer in first_sheet.facts.answers.items())
+        title += f" with {chosen_answers}"
+    block_text = bulk_file.text(order_codes, first_sheet.sheet, is_short=True, file_content=file_content)
+    return _Block(title, block_text)
 
 
 def _bulk_head(bulk_file: _FileOfCodes, sheets: Sequence[SettingsSheet]) -> list[str]:
@@ -376,15 +381,15 @@ def _bulk_head(bulk_file: _FileOfCodes, sheets: Sequence[SettingsSheet]) -> list
 
     ``sheets`` are the settings in the file.
     """
-    device, rule, master_device = bulk_file.device, bulk_file.rule, bulk_file.master_device
-    format_title = FILE_FORMATS[rule["format"]].title
+    device, file_rule, master_device = bulk_file.device, bulk_file.file_rule, bulk_file.master_device
+    format_title = FILE_FORMATS[file_rule["format"]].title
     # Each condition once, in the order of the sheets.
     conditions: dict[str, None] = {}
     for sheet in sheets:
         conditions |= dict.fromkeys(map(condition_text, sheet.writing))
     return [
         f"{master_device} with the order codes of {device.title}. For {format_title}.",
-        *_paragraphs_on_origin(device, sheets, rule, master_device),
+        *_paragraphs_on_origin(device, sheets, file_rule, master_device),
         *conditions,
         "Each block is for the first channel. A file that codewheel prints for one order code has all channels.",
     ]

@@ -20,7 +20,7 @@ from ...plan.values import (
     ZeroMeans,
     meaning_of,
 )
-from ...say.plain_text import text_on_one_line
+from ...say import text_on_one_line
 from .literals import (
     Atom,
     Not,

@@ -22,14 +22,12 @@ from ...model import (
     Value,
 )
 from ...model.record import dataclass
-from ...say import commands, names_and_places
+from ...say import commands_and_alarms, count_with_unit, names_and_evidence, text_on_one_line, wrap_text
 from ...say import layout as say_layout
 from ...say import order_code as say_order_code
 from ...say import register as say_register
 from ...say.errata import describe_erratum, errata
-from ...say.evidence import describe_grade, origin, other_editions, removals
-from ...say.names_and_places import full_title, heading, title_of
-from ...say.plain_text import count_with_unit, text_on_one_line, wrap_text
+from ...say.names_and_evidence import describe_grade, full_title, heading, origin, other_editions, removals, title_of
 from ...say.text import DOCSTRING_STYLE, Statement, as_sentence, spec_text, statement
 from .line_breaks import WIDTH
 from .names import is_one_choice
@@ -262,7 +260,7 @@ def describe_layout(device: Device, interface: Interface, frame: Layout) -> tupl
     empty if there are none.
     """
     title = heading(frame.name)
-    summary = DOCSTRING_STYLE.sentence(say_layout.head(interface, frame, title, device.alternatives))
+    summary = DOCSTRING_STYLE.sentence(say_layout.describe_head(interface, frame, title, device.alternatives))
     group_names = dict.fromkeys(field.group for field in frame.fields if field.group)
     # These are paths in the spec of the device, where errata refer to them.
     group_paths = [f"field_groups.{name}" for name in group_names]
@@ -287,7 +285,7 @@ def describe_register(device: Device, device_register: Register) -> tuple[str, l
         as_sentence(device_register.note),
         *register_errata,
     ]
-    summary = DOCSTRING_STYLE.sentence(say_register.head(device, device_register, full_title(device_register)))
+    summary = DOCSTRING_STYLE.sentence(say_register.describe_head(device, device_register, full_title(device_register)))
     return summary, blocks
 
 
@@ -315,14 +313,14 @@ def describe_procedure(device: Device, device_procedure: Procedure) -> list[Bloc
     return paragraphs(
         [
             statement(device_procedure.title, source=device_procedure.source),
-            *commands.describe_procedure(device, device_procedure),
+            *commands_and_alarms.describe_procedure(device, device_procedure),
         ]
     )
 
 
 def describe_argument(device: Device, argument: Argument) -> str:
     """Return the description of an argument of a procedure."""
-    return DOCSTRING_STYLE.sentence(commands.describe_argument(device, argument))
+    return DOCSTRING_STYLE.sentence(commands_and_alarms.describe_argument(device, argument))
 
 
 # -- fields
@@ -354,7 +352,7 @@ def describe_unused(unused_field: Field, at: int) -> str:
 
     The bits are those in the attribute ``unused``, where its lowest bit is bit ``at``.
     """
-    return f"{names_and_places.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
+    return f"{names_and_evidence.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
 
 
 def describe_value(named_value: Field | Value) -> str:

@@ -27,8 +27,8 @@ from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of
-from ...say.plain_text import text_on_one_line
-from ...say.report import alarm_of, alarm_source, flag_state_meanings, meaning, remedy
+from ...say import text_on_one_line
+from ...say.commands_and_alarms import alarm_of, alarm_source, flag_state_meanings, meaning, remedy
 from .literals import CallLiteral, EnumMember, Literal, SourceText, literal_call, meaning_members, quoted, record
 from .records import record_of, records_of
 

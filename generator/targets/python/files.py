@@ -18,7 +18,7 @@ from ...model import Device, Manufacturer, Rs485, Spi, first_or_raise
 from ...plan import operations, steps
 from ...plan.limits import Refusal
 from ...render import Templates, our_templates, tests_for
-from ...say.plain_text import text_on_one_line
+from ...say import text_on_one_line
 from ...say.text import as_sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..registry import copied_files, licence_in, our_runtime

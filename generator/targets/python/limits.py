@@ -8,7 +8,7 @@ from ...model import Register
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.limits import NumberLimits, limits_of
-from ...say.names_and_places import name_in_words
+from ...say.names_and_evidence import name_in_words
 from .literals import Negative, ParameterExpressions, PythonExpression, PythonOperation, number
 from .names import ModuleContext, meaning_limits
 

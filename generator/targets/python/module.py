@@ -10,8 +10,8 @@ from itertools import chain
 from ...model import Device, Field, Interface, Register, Spi, Value
 from ...model.record import dataclass
 from ...plan.frames import FrameDispatch, dispatches, identities
-from ...say.names_and_places import name_in_words
-from ...say.plain_text import text_on_one_line
+from ...say import text_on_one_line
+from ...say.names_and_evidence import name_in_words
 from . import docstrings, facts
 from .bits import from_slices
 from .channel_examples import ChannelExample, channel_example

@@ -21,7 +21,7 @@ from ...model import (
 from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
 from ...plan.values import count_factors, is_number, meaning_of
-from ...say.report import alarm_of, meaning
+from ...say.commands_and_alarms import alarm_of, meaning
 from .codec import LayoutClass
 from .frame_kinds import FrameKind
 from .literals import bytes_literal, frame_literal, grouped

@@ -19,7 +19,7 @@ from ...plan.values import (
     parameters_in_measurement,
     position_ranges,
 )
-from ...say.order_code import initial
+from ...say.order_code import words_for_initial_values
 from . import docstrings
 from .codec import LayoutClass
 from .frame_kinds import ChannelCode, FrameKind, channel_code
@@ -439,7 +439,7 @@ class VariantTable:
     @property
     def initial_values(self) -> str:
         """The kind of values that these parameters have until they are read, such as ``factory defaults``."""
-        return initial(self.device)
+        return words_for_initial_values(self.device)
 
     @property
     def holding_registers(self) -> str:

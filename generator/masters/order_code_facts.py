@@ -1,4 +1,4 @@
-"""The record of an order code: the facts about its position, frame, clocks and times that settings of masters need.
+"""The facts about one order code: its position, frame, clocks and times that settings of masters need.
 
 The rules for masters in ``specs/masters`` refer to its items by name. An item that the manual does not give is None. A
 rule that needs it reports it as unknown.
@@ -7,82 +7,35 @@ rule that needs it reports it as unknown.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from types import MappingProxyType
 
 from ..language.written_masters import NUMBERS
 from ..model import Biss, Clock, Crc, Device, Interface, Layout, Measurement, PlacedLayout, Ssi, Timeout, Variant
+from ..language.master_items import NUMBERS
+from ..model import Biss, Clock, Crc, Device, Interface, Measurement, PlacedLayout, Ssi, Timeout, Variant
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
-from ..say.evidence import Topic, reference_to_mention, word_for_document
+from ..say.names_and_evidence import Topic, reference_to_mention, word_for_document
 from ..say.text import hertz, timeout_words
-from .coverage import NO_CHANNELS, FrameChannels, channel_notes, frame_channels
-from .frame_parts import (
+from .encoder_facts import (
     CableRow,
     CableTable,
-    FramePart,
-    NoRecord,
-    bit_counts,
+    EncoderFacts,
+    Undecided,
+    answer_notes,
     cable_table,
-    frame_parts,
-    parity_of_frame,
-    position_coding,
-    rough_parts,
+    channel_notes,
+    clock_notes,
+    frame_channels,
+    frame_notes,
+    split_notes,
 )
-from .notes import answer_notes, clock_notes, frame_notes, split_notes
+from .frame_parts import FramePart, NoRecord, bit_counts, frame_parts, parity_of_frame, position_coding, rough_parts
 
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
-
-
-class Undecided(NoRecord):
-    """The frame depends on a question that the manual leaves open, and the user gave no answer."""
-
-    def __init__(self, layout: Layout, names: Iterable[str]) -> None:
-        super().__init__(f"'{layout.name}' depends on {' and '.join(names)}, which you must choose")
-        self.layout = layout
-
-
-@dataclasses.dataclass(frozen=True, slots=True)
-class EncoderFacts:
-    """Facts about one order code that master settings depend on.
-
-    ``words`` and ``numbers`` are the facts to which the rules for masters refer, by name. A number that the spec does
-    not give is None. ``parts`` are the parts of the frame in the order in which they are sent, and ``notes`` are
-    sentences for the user. ``answers`` are the user's answers to questions that the manual leaves open, by the name of
-    the question. ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` is the row of
-    the table that limits the clock, or None. ``step`` is the exact length of a count in µm. ``document`` is the word
-    for the source of the spec, such as ``manual``. ``mentioned`` refers to a text of the manual about a subject.
-    ``used_hz`` has clocks with which the encoder is known to work, if its highest clock is unknown. ``obstacle`` is the
-    reason why no master can read the position, and ``crc_obstacle`` is the reason why none can check the CRC. Both are
-    sentences or empty. ``channels`` are the other data channels in the frame ``layout``.
-    """
-
-    code: str
-    family: str
-    words: Mapping[str, str]
-    numbers: Mapping[str, int | None]
-    parts: tuple[FramePart, ...]
-    timeout: str
-    cables: CableTable
-    mentioned: Mapping[Topic, str]
-    notes: tuple[str, ...] = ()
-    answers: Mapping[str, str] = dataclasses.field(default_factory=dict)
-    cable_m: int | None = None
-    cable_row: CableRow | None = None
-    step: Fraction | None = None
-    document: str = "manual"
-    used_hz: tuple[int, ...] = ()
-    obstacle: str = ""
-    crc_obstacle: str = ""
-    channels: FrameChannels = NO_CHANNELS
-    layout: str = ""
-
-    @property
-    def known_numbers(self) -> Mapping[str, int]:
-        """The numbers that the spec gives, by name."""
-        return {name: value for name, value in self.numbers.items() if value is not None}
 
 
 #: Position whose unit the spec does not state.
@@ -110,7 +63,7 @@ def _notes_on_frame(
     yield from channel_notes(frame.interface, placed_layout)
 
 
-def record(
+def facts_of_order_code(
     device: Device,
     variant: Variant,
     as_delivered: bool = True,
@@ -145,11 +98,11 @@ def record(
         *_notes_on_frame(device, frame, parts, as_delivered),
     ]
     notes += [reason for reason in (obstacle, crc_obstacle) if reason]
-    facts_without_notes = _build_record(frame, parts, numbers, cables)
-    record_for_any_cable = replace(
+    facts_without_notes = _facts_for_any_cable(frame, parts, numbers, cables)
+    facts_for_any_cable = replace(
         facts_without_notes, notes=tuple(notes), answers=needed_answers, obstacle=obstacle, crc_obstacle=crc_obstacle
     )
-    return record_for_any_cable if cable_m is None else _limit_to_cable(record_for_any_cable, cable_m)
+    return facts_for_any_cable if cable_m is None else _limit_to_cable(facts_for_any_cable, cable_m)
 
 
 def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]) -> _PositionFrame:
@@ -216,7 +169,7 @@ def _is_common_form(device: Device, crc: Crc) -> bool:
     return not is_reflected and is_plain_or_inverted and ends_with_1
 
 
-def _build_record(
+def _facts_for_any_cable(
     frame: _PositionFrame, frame_parts: tuple[FramePart, ...], numbers: Mapping[str, int | None], cables: CableTable
 ) -> EncoderFacts:
     """Return the facts about an order code for any cable length, without notes, answers and obstacles for masters."""

@@ -1,4 +1,7 @@
-"""Commands, presets, resets and saving: which of them an encoder has, and statements about procedures and inputs."""
+"""Commands, presets, resets and saving: which of them an encoder has, and statements about procedures and inputs.
+
+Also alarms: statements about them, and the meaning and remedy of the flags that report them.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,14 @@ import re
 from collections.abc import Iterator, Sequence
 
 from ..model import (
+    Alarm,
     Argument,
     Biss,
     DataId,
     Device,
     Exchange,
+    Field,
+    Flag,
     Input,
     Interface,
     ModifyStep,
@@ -21,18 +27,32 @@ from ..model import (
     RegisterStep,
     Rs485,
     SendStep,
+    Sources,
     Spi,
     Step,
+    Unused,
     Value,
     WaitStep,
     WriteStep,
     assert_never,
+    member_named,
 )
 from ..model.record import dataclass
 from .errata import describe_erratum, errata
-from .names_and_places import heading, register_at, register_field
-from .names_and_places import register_reference as reference_to_register
-from .text import CodeText, Reference, Statement, TextPart, as_sentence, list_parts, spec_text, statement, time_text
+from .names_and_evidence import heading, order_codes_text, register_at, register_field, short_number, title_of
+from .names_and_evidence import register_reference as reference_to_register
+from .text import (
+    CodeText,
+    Reference,
+    Statement,
+    TextPart,
+    as_sentence,
+    list_parts,
+    spec_text,
+    statement,
+    time_text,
+    volts,
+)
 
 
 def describe_procedure(device: Device, procedure: Procedure) -> Iterator[Statement]:
@@ -315,3 +335,99 @@ def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
         )
     if hardware_input.when_unused:
         yield statement(f"Connect it to {hardware_input.when_unused} when it is not used")
+
+
+def describe_alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
+    """Yield all statements about an alarm except its name."""
+    yield from spec_text(device_alarm.meaning, source=device_alarm.source)
+    yield from alarm_facts(device, device_alarm)
+    yield from map(describe_erratum, errata(device, f"alarms.{device_alarm.name}"))
+
+
+def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
+    """Yield the flag that shows an alarm, its cause, its duration, its remedy, and the procedures that clear it."""
+    if device_alarm.group:
+        group = member_named(device.field_groups, device_alarm.group, "field group")
+        group_reference = Reference(kind="group", name=group.name, title=title_of(group))
+        yield statement(CodeText(device_alarm.field), " in ", group_reference, label="Flag")
+    elif device_alarm.register:
+        # Without a field, the whole register is the flag, and the path has no period.
+        flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
+        yield statement(register_field(device, flag_path), label="Flag")
+    if not device_alarm.implemented and "not implemented" not in device_alarm.meaning.lower():
+        yield statement("Not implemented in this encoder")
+    yield from spec_text(device_alarm.detected, label="Detected")
+    if device_alarm.below_mv is not None:
+        yield statement(f"The alarm is raised below {volts(device_alarm.below_mv)}")
+    if device_alarm.latch is True:
+        yield statement("The alarm stays active until it is reset")
+    elif device_alarm.latch is False:
+        yield statement("The alarm clears itself when its cause is gone")
+    yield from describe_remedy(device_alarm.remedy, device_alarm.by_hand)
+    yield from order_codes_text(device_alarm.only)
+    if device_alarm.cleared_by:
+        procedures = [Reference(kind="procedure", name=name, title=name) for name in device_alarm.cleared_by]
+        yield statement(*list_parts(procedures, " or "), label="Cleared by")
+
+
+def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
+    """Return the alarm that a flag shows, or None if the manual describes none.
+
+    ``register`` is the name of the register that contains the flag, or empty for a flag in a frame.
+    """
+    for alarm in device.alarms:
+        if register:
+            has_same_owner = alarm.register == register
+        else:
+            # Alarms in frames belong to the group of their flag.
+            has_same_owner = bool(alarm.group) and alarm.group == field.group
+        if has_same_owner and alarm.field == field.name:
+            return alarm
+    return None
+
+
+def flag_state_meanings(field: Field) -> tuple[str, str]:
+    """Return the meanings of a flag while it is active and inactive, or two empty texts for any other field."""
+    if not isinstance(field.kind, Flag):
+        return "", ""
+    return field.kind.when_active, field.kind.when_inactive
+
+
+def meaning(field: Field, alarm: Alarm | None) -> str:
+    """Return the meaning of a report: of an active flag, or of unused bits that differ from the manual.
+
+    For a flag, it is the meaning of its active level, followed by the meaning of the field. If the spec states neither,
+    it is the meaning of the alarm or, without an alarm, ``active``. An active flag that the encoder does not implement
+    contradicts the manual, unless the manual explains its active level.
+    """
+    if isinstance(field.kind, Unused):
+        difference = f"unused bits differ from the documented value {short_number(field.kind.value)}"
+        return f"{difference}. {as_sentence(field.meaning)}" if field.meaning else difference
+    when_active, _ = flag_state_meanings(field)
+    if not field.implemented:
+        return when_active or "active, although the manual says that this encoder does not have it"
+    if when_active and field.meaning:
+        return f"{as_sentence(when_active)} {as_sentence(field.meaning)}"
+    meaning_of_flag = when_active or field.meaning
+    meaning_of_alarm = alarm.meaning if alarm is not None else ""
+    return meaning_of_flag or meaning_of_alarm or "active"
+
+
+def remedy(field: Field, alarm: Alarm | None) -> str:
+    """Return the remedy for a flag or its alarm, with the titles of its manual procedures, or an empty string."""
+    return remedy_with_procedures(remedy_text(field, alarm), manual_steps(field, alarm))
+
+
+def remedy_text(field: Field, alarm: Alarm | None) -> str:
+    """Return the remedy for a flag or, if the flag has none, for its alarm, without manual procedures."""
+    return field.remedy or (alarm.remedy if alarm is not None else "")
+
+
+def manual_steps(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
+    """Return the names of the manual procedures recommended for a flag or, if it has none, for its alarm."""
+    return field.by_hand or (alarm.by_hand if alarm is not None else ())
+
+
+def alarm_source(field: Field, alarm: Alarm | None) -> Sources:
+    """Return the source of a flag's alarm, or the source of the flag if there is no alarm with a source."""
+    return alarm.source if alarm is not None and alarm.source else field.source

@@ -1,20 +1,162 @@
-"""Statements about the evidence for facts and the origin of a family, and a search for subjects that a manual mentions.
+"""Text that identifies facts: names of items, bits, addresses and values, and statements about the evidence for facts.
 
 Some facts have no place of their own in the model. They are in texts: times with a meaning, characteristics, tables and
-notes.
+notes. Subjects that a manual mentions are searched in these texts too.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum
 from functools import lru_cache
+from typing import Protocol
 
-from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface
+from ..model import (
+    LEFT_OUT,
+    NOT_KNOWN,
+    Device,
+    EditionTest,
+    Field,
+    Flag,
+    Interface,
+    Register,
+    TimesRead,
+    Unused,
+)
+from . import group_digits
 from .errata import describe_erratum
-from .names_and_places import name_in_words
-from .text import CodeText, Reference, Statement, as_sentence, statement
+from .text import CodeText, Reference, Statement, TextPart, as_sentence, join_groups, statement
+
+_ACRONYMS = {
+    "biss": "BiSS",
+    "crc": "CRC",
+    "eeprom": "EEPROM",
+    "id": "ID",
+    "led": "LED",
+    "leds": "LEDs",
+    "lsb": "LSB",
+    "rs485": "RS-485",
+    "scd": "SCD",
+    "spi": "SPI",
+    "ssi": "SSI",
+    "um": "µm",
+}
+
+
+class Titled(Protocol):
+    """Item of the spec, with its name in the spec and its name in the manual."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def printed_name(self) -> str: ...
+
+
+class HasOtherNames(Titled, Protocol):
+    """Item that may also have other names in other editions of the manual."""
+
+    @property
+    def names(self) -> Mapping[str, str]: ...
+
+
+def name_in_words(name: str) -> str:
+    """Return a name from a spec as words for a sentence: ``encoder_id`` becomes ``encoder ID``."""
+    return " ".join(_ACRONYMS.get(word, word) for word in name.split("_"))
+
+
+def heading(name: str) -> str:
+    """Return a name from a spec as a heading: ``encoder_id`` becomes ``Encoder ID``."""
+    words = name_in_words(name)
+    return words[0].upper() + words[1:]
+
+
+def title_of(titled: Titled) -> str:
+    """Return the name used in the manual or, if the manual gives none, the name from the spec as a heading."""
+    return titled.printed_name or heading(titled.name)
+
+
+def printed_name_of(named: HasOtherNames) -> str:
+    """Return the name used in the manual, or else the names used in its other editions, or an empty string."""
+    return named.printed_name or ", ".join(named.names.values())
+
+
+def own_names(named: HasOtherNames) -> str:
+    """Return the names used in the manual and its other editions: ``Command, it: Comando``."""
+    names = [named.printed_name] if named.printed_name else []
+    names += [f"{language}: {name}" for language, name in named.names.items()]
+    return ", ".join(names)
+
+
+def full_title(named: HasOtherNames) -> str:
+    """Return the title, followed by different names in editions of other languages: ``Command (it: Comando)``."""
+    own_title = title_of(named)
+    other_names = [f"{language}: {name}" for language, name in named.names.items() if name != own_title]
+    return f"{own_title} ({'; '.join(other_names)})" if other_names else own_title
+
+
+def register_reference(device: Device, name: str) -> Reference:
+    """Return a reference to the register with this name."""
+    register = device.register(name)
+    return Reference(kind="register", name=name, title=title_of(register))
+
+
+def register_field(device: Device, path: str) -> Reference:
+    """Return a reference to a field of a register, whose path is ``register.field``, or to a register."""
+    register_name, _, field_name = path.partition(".")
+    if not field_name:
+        return register_reference(device, register_name)
+    register = device.register(register_name)
+    field_title = title_of(register.layout.field(field_name))
+    return Reference(kind="register", name=path, title=f"{field_title} in {title_of(register)}")
+
+
+def order_codes_text(codes: str) -> Iterator[Statement]:
+    """Yield the order codes that an item applies to. Nothing is yielded for an empty text, which means all of them."""
+    if codes:
+        yield statement("This applies only to ", CodeText(codes))
+
+
+def hexadecimal(value: int, digits: int = 2) -> str:
+    """Return a number in the hexadecimal notation of manuals, with at least ``digits`` digits: ``3Fh``."""
+    return f"{value:0{digits}X}h"
+
+
+def addresses_text(register: Register) -> str:
+    """Return the addresses of a register as text: ``49h`` or ``11h to 17h``."""
+    first_address = hexadecimal(register.address)
+    if register.last_address == register.address:
+        return first_address
+    return f"{first_address} to {hexadecimal(register.last_address)}"
+
+
+def register_at(register: Register) -> str:
+    """Return a register with its addresses as text: ``register 49h`` or ``registers 11h to 17h``."""
+    noun = "registers" if register.last_address > register.address else "register"
+    return f"{noun} {addresses_text(register)}"
+
+
+def field_at(device: Device, path: str) -> str:
+    """Return the address and path of a field: ``register 49h (configuration.code)``."""
+    register_name, _, _ = path.partition(".")
+    return f"{register_at(device.register(register_name))} ({path})"
+
+
+def bit_range(high: int, low: int) -> str:
+    """Return bit numbers as text: ``5`` or ``5:3``."""
+    return f"{high}" if high == low else f"{high}:{low}"
+
+
+def bits(high: int, low: int) -> str:
+    """Return bits as text: ``bit 5`` or ``bits 5:3``."""
+    noun = "bits" if high > low else "bit"
+    return f"{noun} {bit_range(high, low)}"
+
+
+def short_number(number: int) -> str:
+    """Return a number below 10 in decimal, and any other number in hexadecimal: ``7``, ``1Fh``."""
+    return f"{number}" if number < 10 else f"{number:X}h"
+
 
 _MEANING_BY_GRADE = {
     "manual": "all pages of the manufacturer's document were read",
@@ -231,3 +373,64 @@ def _interface_texts(device: Device, interface: Interface) -> Iterator[tuple[str
 
 def _with_spaces(name: str) -> str:
     return name.replace("_", " ")
+
+
+def deciding_value(field: Field) -> str:
+    """Return the value of a field that can decide the verdict, or "" for a field without such a value.
+
+    For a flag, this is its active level, such as ``1``. For unused bits, it is any undocumented value: ``not 5h``.
+    """
+    match field.kind:
+        case Flag(active_low=is_active_low):
+            return "0" if is_active_low else "1"
+        case Unused(value=documented_value):
+            is_one_bit = field.widest == 1
+            return f"{1 - documented_value}" if is_one_bit else f"not {short_number(documented_value)}"
+        case _:
+            return ""
+
+
+def conditions_text(values: Iterable[tuple[Field, int]]) -> Statement:
+    """Return the field values that together decide a verdict, such as ``error is 0 and mode is 5h (test)``.
+
+    A flag has the value 1 if it is active. An active flag that is active low is written as ``error is 0``.
+    """
+    phrases = [_condition_parts(field, value) for field, value in values]
+    return statement(*join_groups(phrases, " and "))
+
+
+def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:
+    """Return a field with its value: ``error is 0`` for a flag, or ``mode is 5h (test)`` for a named value.
+
+    For a flag, ``value`` is 1 if it is active. An active flag that is active low is written as ``error is 0``.
+    """
+    if isinstance(field.kind, Flag):
+        is_active = bool(value)
+        # The bit of an active flag is 1, or 0 if the flag is active low. It is inverted while the flag is inactive.
+        bit = int(is_active != field.kind.active_low)
+        return CodeText(field.name), f" is {bit}"
+    value_name = field.value_of(value).name
+    return CodeText(field.name), f" is {short_number(value)} (", CodeText(value_name), ")"
+
+
+def _second_reading_text(counts: TimesRead | None) -> str:
+    """Return how many facts agree in two transcriptions of the manual, and why the other facts do not.
+
+    Facts that follow from others are not part of the total. Return an empty string if there is only one transcription.
+    """
+    if counts is None:
+        return ""
+    number_of_facts = counts.twice + counts.explained + counts.decided + counts.once
+    sentence_parts = [f"Of {group_digits(number_of_facts)} facts, {group_digits(counts.twice)} agree in both readings"]
+    if counts.explained:
+        differ_verb = "differs for a reason" if counts.explained == 1 else "differ for reasons"
+        sentence_parts.append(f"{counts.explained} {differ_verb} given in the errata")
+    if counts.decided:
+        are_verb = "is" if counts.decided == 1 else "are"
+        sentence_parts.append(f"{counts.decided} {are_verb} not in the manual")
+    if counts.once:
+        were_verb = "was" if counts.once == 1 else "were"
+        sentence_parts.append(f"and {counts.once} {were_verb} read only once")
+    summary = f"The manual was transcribed twice. {', '.join(sentence_parts)}"
+    follow_verb = "follows" if counts.derived == 1 else "follow"
+    return f"{summary}. {counts.derived} more {follow_verb} from others" if counts.derived else summary

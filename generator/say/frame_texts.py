@@ -1,168 +1,12 @@
-"""Text for the reports of an encoder (flags, warnings, remedies), and messages about frames with errors."""
+"""Text of frames: notations in programs and logs, and messages about frames and registers with errors.
+
+``codewheel decode`` and the decode page accept the same notations, with patterns that Python and JavaScript understand.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-
-from ..model import (
-    Alarm,
-    Device,
-    Field,
-    Flag,
-    Sources,
-    Unused,
-    member_named,
-)
-from .commands import describe_remedy, remedy_with_procedures
-from .errata import describe_erratum, errata
-from .names_and_places import order_codes_text, register_field, title_of
-from .register import short_number
-from .text import (
-    CodeText,
-    Reference,
-    Statement,
-    TextPart,
-    as_sentence,
-    join_groups,
-    list_parts,
-    spec_text,
-    statement,
-    volts,
-)
-
-
-def describe_alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield all statements about an alarm except its name."""
-    yield from spec_text(device_alarm.meaning, source=device_alarm.source)
-    yield from alarm_facts(device, device_alarm)
-    yield from map(describe_erratum, errata(device, f"alarms.{device_alarm.name}"))
-
-
-def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield the flag that shows an alarm, its cause, its duration, its remedy, and the procedures that clear it."""
-    if device_alarm.group:
-        group = member_named(device.field_groups, device_alarm.group, "field group")
-        group_reference = Reference(kind="group", name=group.name, title=title_of(group))
-        yield statement(CodeText(device_alarm.field), " in ", group_reference, label="Flag")
-    elif device_alarm.register:
-        # Without a field, the whole register is the flag, and the path has no period.
-        flag_path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
-        yield statement(register_field(device, flag_path), label="Flag")
-    if not device_alarm.implemented and "not implemented" not in device_alarm.meaning.lower():
-        yield statement("Not implemented in this encoder")
-    yield from spec_text(device_alarm.detected, label="Detected")
-    if device_alarm.below_mv is not None:
-        yield statement(f"The alarm is raised below {volts(device_alarm.below_mv)}")
-    if device_alarm.latch is True:
-        yield statement("The alarm stays active until it is reset")
-    elif device_alarm.latch is False:
-        yield statement("The alarm clears itself when its cause is gone")
-    yield from describe_remedy(device_alarm.remedy, device_alarm.by_hand)
-    yield from order_codes_text(device_alarm.only)
-    if device_alarm.cleared_by:
-        procedures = [Reference(kind="procedure", name=name, title=name) for name in device_alarm.cleared_by]
-        yield statement(*list_parts(procedures, " or "), label="Cleared by")
-
-
-def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
-    """Return the alarm that a flag shows, or None if the manual describes none.
-
-    ``register`` is the name of the register that contains the flag, or empty for a flag in a frame.
-    """
-    for alarm in device.alarms:
-        if register:
-            has_same_owner = alarm.register == register
-        else:
-            # Alarms in frames belong to the group of their flag.
-            has_same_owner = bool(alarm.group) and alarm.group == field.group
-        if has_same_owner and alarm.field == field.name:
-            return alarm
-    return None
-
-
-def flag_state_meanings(field: Field) -> tuple[str, str]:
-    """Return the meanings of a flag while it is active and inactive, or two empty texts for any other field."""
-    if not isinstance(field.kind, Flag):
-        return "", ""
-    return field.kind.when_active, field.kind.when_inactive
-
-
-def meaning(field: Field, alarm: Alarm | None) -> str:
-    """Return the meaning of a report: of an active flag, or of unused bits that differ from the manual.
-
-    For a flag, it is the meaning of its active level, followed by the meaning of the field. If the spec states neither,
-    it is the meaning of the alarm or, without an alarm, ``active``. An active flag that the encoder does not implement
-    contradicts the manual, unless the manual explains its active level.
-    """
-    if isinstance(field.kind, Unused):
-        difference = f"unused bits differ from the documented value {short_number(field.kind.value)}"
-        return f"{difference}. {as_sentence(field.meaning)}" if field.meaning else difference
-    when_active, _ = flag_state_meanings(field)
-    if not field.implemented:
-        return when_active or "active, although the manual says that this encoder does not have it"
-    if when_active and field.meaning:
-        return f"{as_sentence(when_active)} {as_sentence(field.meaning)}"
-    meaning_of_flag = when_active or field.meaning
-    meaning_of_alarm = alarm.meaning if alarm is not None else ""
-    return meaning_of_flag or meaning_of_alarm or "active"
-
-
-def deciding_value(field: Field) -> str:
-    """Return the value of a field that can decide the verdict, or "" for a field without such a value.
-
-    For a flag, this is its active level, such as ``1``. For unused bits, it is any undocumented value: ``not 5h``.
-    """
-    match field.kind:
-        case Flag(active_low=is_active_low):
-            return "0" if is_active_low else "1"
-        case Unused(value=documented_value):
-            is_one_bit = field.widest == 1
-            return f"{1 - documented_value}" if is_one_bit else f"not {short_number(documented_value)}"
-        case _:
-            return ""
-
-
-def conditions_text(values: Iterable[tuple[Field, int]]) -> Statement:
-    """Return the field values that together decide a verdict, such as ``error is 0 and mode is 5h (test)``.
-
-    For a flag, a value of 1 means that it is active. The text has the level of its bit, which is 0 if it is active low.
-    """
-    phrases = [_condition_parts(field, value) for field, value in values]
-    return statement(*join_groups(phrases, " and "))
-
-
-def _condition_parts(field: Field, value: int) -> tuple[TextPart, ...]:
-    """Return a field with its value: ``error is 0`` for a flag, or ``mode is 5h (test)`` for a named value.
-
-    For a flag, ``value`` is 1 if it is active. The text has the level of its bit, which is 0 if it is active low.
-    """
-    if isinstance(field.kind, Flag):
-        is_active = bool(value)
-        # The bit of an active flag is 1, or 0 if the flag is active low. It is inverted while the flag is inactive.
-        bit = int(is_active != field.kind.active_low)
-        return CodeText(field.name), f" is {bit}"
-    value_name = field.value_of(value).name
-    return CodeText(field.name), f" is {short_number(value)} (", CodeText(value_name), ")"
-
-
-def remedy(field: Field, alarm: Alarm | None) -> str:
-    """Return the remedy for a flag or its alarm, with the titles of its manual procedures, or an empty string."""
-    return remedy_with_procedures(remedy_text(field, alarm), manual_steps(field, alarm))
-
-
-def remedy_text(field: Field, alarm: Alarm | None) -> str:
-    """Return the remedy for a flag or, if the flag has none, for its alarm, without manual procedures."""
-    return field.remedy or (alarm.remedy if alarm is not None else "")
-
-
-def manual_steps(field: Field, alarm: Alarm | None) -> tuple[str, ...]:
-    """Return the names of the manual procedures recommended for a flag or, if it has none, for its alarm."""
-    return field.by_hand or (alarm.by_hand if alarm is not None else ())
-
-
-def alarm_source(field: Field, alarm: Alarm | None) -> Sources:
-    """Return the source of a flag's alarm, or the source of the flag if there is no alarm with a source."""
-    return alarm.source if alarm is not None and alarm.source else field.source
+from collections.abc import Mapping
+from types import MappingProxyType
 
 
 def wrong_length_message(frame: str, needed: str, actual: str) -> str:
@@ -170,7 +14,7 @@ def wrong_length_message(frame: str, needed: str, actual: str) -> str:
     return f"'{frame}' has {needed}, got {actual}"
 
 
-def length_of_channels(channels: str, needed: str, actual: str, difference: str) -> str:
+def wrong_length_of_channels_message(channels: str, needed: str, actual: str, difference: str) -> str:
     """Return the message for a wrong length of a frame with several data channels. ``needed`` includes its unit."""
     remedy = "Write all of them, or all bits of a single channel"
     return f"{channels} have {needed} together, got {actual}: {difference}. {remedy}"
@@ -181,82 +25,82 @@ def wrong_crc_message(received: str, computed: str) -> str:
     return f"expected CRC {computed}, got {received}"
 
 
-def crc_with_exchanged_bytes(received: str, computed: str) -> str:
+def exchanged_crc_bytes_message(received: str, computed: str) -> str:
     """Return the message for a CRC that would be correct if its bytes were sent in reverse order."""
     return f"{wrong_crc_message(received, computed)}, which is this CRC with its bytes exchanged"
 
 
-def constant(name: str, actual: str, always: str) -> str:
+def wrong_constant_message(name: str, actual: str, always: str) -> str:
     """Return the message for a constant with a wrong value. ``always`` is the value that it must have."""
     return f"{name} is {actual}, but it must be {always}"
 
 
-def parity(name: str, actual: str, covered: str, expected: str) -> str:
+def wrong_parity_message(name: str, actual: str, covered: str, expected: str) -> str:
     """Return the message for a wrong parity bit. ``covered`` are the names of the fields that it covers."""
     return f"{name} is {actual}, but it must be {expected} as the parity of {covered}"
 
 
-def no_value(name: str, actual: str) -> str:
+def unknown_value_message(name: str, actual: str) -> str:
     """Return the message for a value that is not one of the named values of a field."""
     return f"{name} has no value {actual}"
 
 
-def digits(name: str, actual: str, highest: str) -> str:
+def too_many_digits_message(name: str, actual: str, highest: str) -> str:
     """Return the message for a number with too many decimal digits. ``highest`` is the number of digits allowed."""
     return f"{name} is {actual}, but it has at most {highest} digits"
 
 
-def too_high(name: str, actual: str, highest: str) -> str:
+def too_high_message(name: str, actual: str, highest: str) -> str:
     """Return the message for a position above the highest one of the encoder."""
     return f"{name} is {actual}, but the highest is {highest}"
 
 
-def not_in_code(name: str, sent: str, highest: str, code: str) -> str:
+def not_in_code_message(name: str, sent: str, highest: str, code: str) -> str:
     """Return the message for a number whose digits are not valid in their code, or that is too high."""
     return f"{name} is sent as {sent}, but it must be {code} of at most {highest}"
 
 
-def of_other_frame(name: str, actual: str) -> str:
+def other_frame_message(name: str, actual: str) -> str:
     """Return the message for a selector value that identifies a different frame."""
     return f"{name} {actual} does not belong to this frame"
 
 
-def too_few_bytes(actual: str) -> str:
+def too_few_bytes_message(actual: str) -> str:
     """Return the message for a frame that is too short to identify. ``actual`` includes its unit."""
     return f"{actual}: too short to identify the frame"
 
 
-def no_frame(selector: str, actual: str, choices: str) -> str:
+def no_frame_message(selector: str, actual: str, choices: str) -> str:
     """Return the message for a selector value that no frame from this sender has. ``choices`` are the valid values."""
     return f"{selector} is {actual}, but it must be {choices}"
 
 
-def other_value(name: str, actual: str, documented: str) -> str:
+def undocumented_value_message(name: str, actual: str, documented: str) -> str:
     """Return the message for a field whose value differs from the manual."""
     return f"{name} is {actual}, but the manual says {documented}"
 
 
-def other_content(name: str, actual: str, code: str, documented: str) -> str:
+def undocumented_content_message(name: str, actual: str, code: str, documented: str) -> str:
     """Return the message for a register whose content differs from the documented content for an order code."""
     return f"{name}: the register holds {actual}, but {code} has {documented}"
 
 
-def too_wide(name: str, value: str, bits: str) -> str:
+def too_wide_message(name: str, value: str, bits: str) -> str:
     """Return the message for a value that needs more bits than its field has."""
     return f"{name} {value} does not fit into {bits} bits"
 
 
-def no_power_of_two(name: str, value: str) -> str:
+def no_power_of_two_message(name: str, value: str) -> str:
     """Return the message for a value that must be a power of two."""
     return f"{name} {value} is not a power of two"
 
 
-def outside(value: str, low: str, high: str) -> str:
+def outside_limits_message(value: str, low: str, high: str) -> str:
     """Return the message for a value outside its limits."""
     return f"{value} is outside {low} to {high}"
 
 
-def of_older_edition(run: str, actual: str, bounds: str, revision: str, register: str, before: str) -> str:
+def older_edition_message(run: str, actual: str, bounds: str, revision: str, register: str, before: str) -> str:
     """Return the message for digits of a register that are impossible in this edition of the manual.
 
     ``run`` is the name of the digits. ``before`` is an edition before ``revision``, whose encoders may have them.
@@ -273,32 +117,32 @@ EMPTY = "the frame is empty"
 TOO_LONG = "the text is longer than any frame or register"
 
 
-def not_hex(piece: str) -> str:
+def not_hex_message(piece: str) -> str:
     """Return the message for text that is not a byte in hexadecimal. ``piece`` is this text in quotes."""
     return f"{piece} is not hex. Write the bytes like 02 00 12 34 00 24"
 
 
-def one_digit(piece: str, digit: str) -> str:
+def one_digit_message(piece: str, digit: str) -> str:
     """Return the message for a single hexadecimal digit where a byte is expected."""
     return f"{piece} is one hex digit. Write 0{digit} if it is a byte"
 
 
-def odd(piece: str) -> str:
+def odd_digits_message(piece: str) -> str:
     """Return the message for an odd number of hexadecimal digits."""
     return f"{piece} has an odd number of hex digits: one is missing or one too many"
 
 
-def decimal_bytes(text: str, meanings: str) -> str:
+def decimal_bytes_message(text: str, meanings: str) -> str:
     """Return the message for several numbers that may be bytes in decimal, and how to write them for each meaning."""
     return f"{text} could be decimal bytes. Write {meanings}"
 
 
-def bits_or_bytes(text: str) -> str:
+def bits_or_bytes_message(text: str) -> str:
     """Return the message for digits that could be bits or bytes in hexadecimal."""
     return f"{text} could be bits or hex bytes. Prefix it with 0b or 0x"
 
 
-def no_bits(text: str, bits: str, remedy: str) -> str:
+def no_bits_message(text: str, bits: str, remedy: str) -> str:
     """Return the message for text that is not a frame of ``bits`` bits, followed by a remedy."""
     return f"{text} is not a frame of {bits} bits. {remedy}"
 
@@ -318,7 +162,7 @@ def write_bits(bits: str, length: str) -> str:
     return f"Write 0b and all {bits} bits in the order sent, or {length} hex bytes with zeros in front"
 
 
-def no_order_code(text: str, remedy: str) -> str:
+def no_order_code_message(text: str, remedy: str) -> str:
     """Return the message for text that is not a frame, if no order code is given that states the length."""
     return f"{text} is not a frame. {remedy}"
 
@@ -368,12 +212,12 @@ def another_reading(text: str) -> str:
     return f"Another reading: {text}"
 
 
-def register_length(register: str, needed: str, actual: str) -> str:
+def register_length_message(register: str, needed: str, actual: str) -> str:
     """Return the message for a register value of a wrong length. ``needed`` and ``actual`` include their units."""
     return f"the register '{register}' has {needed}, but the text has {actual}"
 
 
-def in_gray_code(sent: str, decoded: str) -> str:
+def gray_code_note(sent: str, decoded: str) -> str:
     """Return the note on a number in Gray code, as sent and as decoded, both in hexadecimal."""
     return f"sent in Gray code as {sent}, decoded {decoded}"
 
@@ -393,17 +237,17 @@ def looks_wrong(name: str, readings: str) -> str:
     return f"Does the position look wrong? The {name} would be {readings}"
 
 
-def own_request(name: str) -> str:
+def own_request_note(name: str) -> str:
     """Return the note on a valid word that is also a request of the master."""
     return f"this word is also your own request {name}, as if MISO were connected to MOSI"
 
 
-def own_requests(names: str) -> str:
+def own_requests_note(names: str) -> str:
     """Return the note on several valid words that are all requests of the master. ``names`` are separated by commas."""
     return f"each of these words is also your own request, as if MISO were connected to MOSI: {names}"
 
 
-def no_position(channels: str) -> str:
+def no_position_note(channels: str) -> str:
     """Return the note on a frame with an error in some of its data channels, whose names are ``channels``."""
     return f"error in {channels}, so the frame has no position"
 
@@ -423,7 +267,7 @@ def all_crcs_correct(reading: str) -> str:
     return f"All CRCs are correct {reading}."
 
 
-def disturbed(bits: str, *, has_crc: bool) -> str:
+def inverted_bit_note(bits: str, *, has_crc: bool) -> str:
     """Return the sentences about a bit that noise may have inverted. ``bits`` names it, or the bits it may be."""
     proof = "the CRC matches" if has_crc else "the frame is valid"
     return (
@@ -432,8 +276,8 @@ def disturbed(bits: str, *, has_crc: bool) -> str:
     )
 
 
-def disturbed_or_shifted(bits: str) -> str:
-    """Return the sentences about a frame whose only check is a parity bit, after ``disturbed``."""
+def inverted_or_shifted_note(bits: str) -> str:
+    """Return the sentences about a frame whose only check is a parity bit, after ``inverted_bit_note``."""
     return (
         "A shift by one clock passes this check in half of all frames, so it is likely if about half of them "
         "fail. If only a few fail, one bit may have been corrupted on the line: the frame is valid with "
@@ -460,6 +304,40 @@ def equal_readings(count: str) -> str:
     return f"The frame fits {count} of these readings equally well. The likeliest one comes first"
 
 
-def compared(bits: str, numbers: str, *, agree: bool) -> str:
+def compared_bits_note(bits: str, numbers: str, *, agree: bool) -> str:
     """Return whether the compared bits of several data channels agree, with the numbers that they form."""
     return f"the highest {bits} bits {'agree' if agree else 'DISAGREE'}: {numbers}"
+
+
+#: Patterns for text from programs and logs, with their replacements. In this order: a label such as ``RX: `` with a
+#: letter that is not a hex digit, ``uint8_t rx[2] =`` in C, ``b'..'`` in Python, ``\x1F``, brackets and quotes,
+#: ``1F-2A``, ``1Fh``, and ``0x1FUL`` in C.
+PASTED: tuple[tuple[str, str], ...] = (
+    (r"^\s*(?=[^:]*[G-Zg-z])[A-Za-z_][A-Za-z0-9_ ]{0,39}:\s+", ""),
+    (r"^\s*[A-Za-z_][A-Za-z0-9_ ]{0,39}\[[0-9A-Z_a-z]{0,20}\]\s*=\s*(?=\{)", ""),
+    (r"\bb(?=['\"])", ""),
+    (r"\\x([0-9A-Fa-f]{2})", r" 0x\1 "),
+    (r"[\[\](){}<>\"',;:]", " "),
+    (r"(?<![0-9A-Za-z])([0-9A-Fa-f]{2})-(?=[0-9A-Fa-f]{2}(?![0-9A-Za-z]))", r"\1 "),
+    (r"(?<![0-9A-Za-z])(?:0[xX])?([0-9A-Fa-f]+)[hH](?![0-9A-Za-z])", r"0x\1"),
+    (r"(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])", r"\1"),
+)
+#: White space that only Python or only JavaScript strips from a text: the separators of ASCII, the next-line character
+#: of Latin-1, and the byte order mark at the beginning of a file.
+ODD_BLANKS = r"[\x1c-\x1f\x85\ufeff]"
+#: A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds. An arrow may follow, as in
+#: the serial monitor of Arduino.
+TIME = (
+    r"\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+    r"|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\]?[ \t,;]+(?:->[ \t]*)?(?=[^ \t])"
+)
+#: Digits without a prefix, by their meaning. A decimal number has no leading zero. A long number is too large for the
+#: frame, but may be a frame with extra bits.
+DIGITS: Mapping[str, str] = MappingProxyType(
+    {
+        "decimal": r"0|[1-9][0-9]{0,39}",
+        "hexadecimal": r"[0-9A-Fa-f]{1,40}",
+        "bits": r"[01]{1,160}",
+        "long_number": r"[1-9][0-9]{0,19}",
+    }
+)
