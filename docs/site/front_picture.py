@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-from codewheel.targets.registry import palette
 from codewheel.targets.picture_elements import palette
 
 

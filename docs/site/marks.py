@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from codewheel.targets.registry import palette
 from codewheel.targets.picture_elements import palette
 from sphinx.application import Sphinx
 

@@ -11,8 +11,6 @@ from itertools import chain
 from typing import Any, NamedTuple
 
 from codewheel.language.schemas import load_schema
-from codewheel.say.markdown import escape, table
-from codewheel.language.schema_files import load_schema
 from codewheel.say.text import escape, table
 from spec_words import ROOT, nodes_of, read_specs
 

@@ -7,11 +7,8 @@ from dataclasses import dataclass, replace
 
 from ..model import Field
 from ..model.expressions import Expression
-from ..say.plain_text import count_with_unit
-from .family_pair import FamilyPair, OldAndNew
 from ..say import count_with_unit
-from .family_pair import FamilyPair
-from .pairs import OldAndNew
+from .family_pair import FamilyPair, OldAndNew
 from .rules import RULES, Change, Impact
 
 _Impacts = tuple[Impact, Impact, Impact, Impact]

@@ -12,13 +12,6 @@ from typing import Any
 from ..language.document import Document
 from ..language.problems import ProblemReport, join_words, quoted, suggest_word
 from ..language.read import read_document
-from ..say.markdown import code_span as in_code
-from ..say.markdown import escape as escaped
-from ..say.plain_text import WIDTH, count_with_unit, first_of, wrap_text
-from ..language.files import top_keys
-from ..loading.evidence import history_beside, history_text, with_release
-from ..loading.overlays import Family
-from ..model import Release, ReleasedChange
 from ..say import WIDTH, count_with_unit, first_of, wrap_text
 from ..say.text import code_span as in_code
 from ..say.text import escape as escaped

@@ -19,12 +19,9 @@ from ..language.read import read_document
 from ..language.schema_check import FileKind, check_schema
 from ..loading.overlays import Family
 from ..readings.stated import dotted_path, is_source, prose_texts
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .cli import Parser, add_specs_option
 from .terminal import CommandError, error_after_printing
-from ..say import count_with_unit
-from .arguments import Parser, add_specs_option
-from .terminal import CommandError
 
 if TYPE_CHECKING:
     import argparse

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..say.plain_text import count_with_unit
-from .cli import Parser, add_specs_option
 from ..say import count_with_unit
-from .arguments import Parser, add_specs_option
+from .cli import Parser, add_specs_option
 from .terminal import CommandError, error_after_printing, print_json
 
 if TYPE_CHECKING:

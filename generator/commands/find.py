@@ -6,12 +6,9 @@ import shlex
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .cli import Parser
 from .find_encoder import command_for_spec
-from ..say import count_with_unit
-from .arguments import Parser
-from .line_encoder import command_for_spec
 from .terminal import CommandError, print_json
 
 if TYPE_CHECKING:

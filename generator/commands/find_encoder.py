@@ -15,13 +15,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..cache import Cache
 from ..one_line.line import EncoderLine, LineError
 from ..one_line.parse import is_line, parse_line
-from ..say.plain_text import count_with_unit, first_of
+from ..say import count_with_unit, first_of
 from .cli import bytes_by_address
 from .families_in_specs import families_for, has_family, has_same_spec, in_requested_edition
-from ..say import count_with_unit, first_of
-from .arguments import bytes_by_address
-from .line_encoder import WITHOUT_SPEC, encoder_in_line, is_line, refuse_line
-from .specs_by_text import families_for, has_family, has_same_spec
 from .terminal import CommandError, error_after_printing
 
 if TYPE_CHECKING:

@@ -10,10 +10,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..say.plain_text import count_with_unit
-from .cli import Parser, add_specs_argument
 from ..say import count_with_unit
-from .arguments import Parser, add_specs_argument
+from .cli import Parser, add_specs_argument
 from .terminal import CommandError
 
 if TYPE_CHECKING:

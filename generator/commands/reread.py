@@ -8,10 +8,8 @@ from itertools import chain, groupby
 from typing import TYPE_CHECKING, Any
 
 from ..language.problems import joined_lines
-from ..say.plain_text import count_with_unit
-from .cli import Parser, a_path, add_specs_option
 from ..say import count_with_unit
-from .arguments import Parser, a_path, add_specs_option
+from .cli import Parser, a_path, add_specs_option
 from .facts import facts_data
 from .terminal import CommandError, Progress, error_after_printing, print_json
 

@@ -35,7 +35,7 @@ from ..model import (
 from ..model.expressions import Expression, ExpressionError
 from ..model.registers import bounded_width, name_with_limits, numbers_that_fit, value_bounds
 from ..reference.bits_and_values import join_value
-from ..say.plain_text import first_of
+from ..say import first_of
 from .examples import build_examples, check_examples
 from .fields import LayoutContext, SpecPlace
 from .frame_kinds import check_errata, check_frame_kinds

@@ -28,11 +28,8 @@ from ..model import (
     Timeout,
 )
 from ..model.expressions import Expression
-from ..say.plain_text import count_with_unit
-from .fields import LayoutContext, SpecPlace, build_values
 from ..say import count_with_unit
-from .fields import LayoutContext, LayoutSite, build_values
-from .from_mapping import Raw, build_part, sources
+from .fields import LayoutContext, SpecPlace, build_values
 from .layouts import build_layout
 from .spec_parts import Raw, build_part, sources, valid_parts_so_far
 

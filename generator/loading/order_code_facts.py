@@ -38,7 +38,7 @@ from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..model.order_codes import Restricted, facts_for_code, fits
 from ..model.record import dataclass
 from ..order_codes.patterns import listed_codes
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from .spec_parts import (
     Raw,
     build_part,

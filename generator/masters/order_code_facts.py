@@ -13,8 +13,6 @@ from fractions import Fraction
 from types import MappingProxyType
 
 from ..language.written_masters import NUMBERS
-from ..model import Biss, Clock, Crc, Device, Interface, Layout, Measurement, PlacedLayout, Ssi, Timeout, Variant
-from ..language.master_items import NUMBERS
 from ..model import Biss, Clock, Crc, Device, Interface, Measurement, PlacedLayout, Ssi, Timeout, Variant
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers

@@ -26,8 +26,7 @@ from ..model import (
 )
 from ..model.registers import name_with_limits
 from ..order_codes.parameters import deciding_parameters
-from ..say.names_and_places import bits
-from ..say.plain_text import count_with_unit
+from ..say import count_with_unit
 from ..say.names_and_evidence import bits
 from .reading import (
     NOTHING,

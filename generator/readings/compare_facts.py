@@ -12,13 +12,10 @@ from functools import partial
 
 from ..changes.family_pair import match_by_key
 from ..language.document import Path
-from ..say.names_and_places import bits as bits_text
-from ..say.plain_text import first_of
+from ..say import first_of
+from ..say.names_and_evidence import bits as bits_text
 from .bits_and_registers import continues_item, describe_bits
 from .disagreements import Comparison, Disagreement, HowOftenRead
-from ..say import first_of
-from .comparison import Comparison, Disagreement, HowOftenRead
-from .names import mistaken_pairs
 from .reading import (
     FACTORY_DEFAULTS,
     NOTHING,

@@ -9,8 +9,6 @@ from itertools import chain
 from ..language.problems import Path
 from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
 from ..order_codes.patterns import values_by_spelling
-from ..say.names_and_places import bits
-from ..order_codes.labels import values_by_spelling
 from ..say.names_and_evidence import bits
 from .reading import FACTORY_DEFAULTS, CodeAndState, ComparedFact, ComparedFacts, FactClass, SpecReading, count_text
 from .stated import FactSubject

@@ -27,7 +27,7 @@ from ..model import (
     number_to_bytes,
 )
 from ..model.kinds import DataKind, DigitCode
-from ..say import report
+from ..say import frame_texts
 
 
 def bits_of_field(placed_field: PlacedField, frame: int) -> int:
@@ -332,7 +332,9 @@ def encode_value(kind: DataKind, placed_field: PlacedField, value: int | str | b
     number = _encode_by_kind(kind, placed_field, value)
     code = placed_field.field.code_of_digits
     if code is not None and number > code.highest(placed_field.width):
-        raise EncodeError(report.too_high(placed_field.name, f"{number}", f"{code.highest(placed_field.width)}"))
+        raise EncodeError(
+            frame_texts.too_high_message(placed_field.name, f"{number}", f"{code.highest(placed_field.width)}")
+        )
     return number
 
 
@@ -369,9 +371,9 @@ def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int
     # A number that does not fit loses bits, and decoding returns a different number.
     raw = 0 if value == number.zero_means else value & placed_field.mask
     if signed_or_plain(number, raw, placed_field.width) != value:
-        raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
+        raise EncodeError(frame_texts.too_wide_message(placed_field.name, f"{value}", f"{placed_field.width}"))
     if number.power_of_two and value.bit_count() != 1:
-        raise EncodeError(report.no_power_of_two(placed_field.name, f"{value}"))
+        raise EncodeError(frame_texts.no_power_of_two_message(placed_field.name, f"{value}"))
     return raw
 
 

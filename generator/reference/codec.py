@@ -19,9 +19,8 @@ from ..model import (
     Variant,
     number_from_bytes,
 )
-from ..say import report
+from ..say import count_with_unit, frame_texts
 from ..say.layout import as_one_number
-from ..say.plain_text import count_with_unit
 from .bits_and_values import EncodeError as EncodeError
 from .bits_and_values import Values as Values
 from .bits_and_values import (

@@ -32,8 +32,8 @@ from ..model import (
 from ..model.order_codes import fits
 from ..model.position_range import PositionRange
 from ..model.record import dataclass
-from ..say import report
-from ..say.report import alarm_of, alarm_source, meaning, remedy
+from ..say import frame_texts
+from ..say.commands_and_alarms import alarm_of, alarm_source, meaning, remedy
 from .bits_and_values import bits_of_field, parity_bit, signed_or_plain
 
 
@@ -60,10 +60,10 @@ def problems_with_other_fields(
         correct_bit = parity_bit(placed_layout, kind, frame)
         if sent_value != correct_bit:
             covered_names = ", ".join(field.name for field in placed_layout.find_fields(kind.of))
-            message = report.parity(name, f"{sent_value}", covered_names, f"{correct_bit}")
+            message = frame_texts.wrong_parity_message(name, f"{sent_value}", covered_names, f"{correct_bit}")
             yield FrameProblem(Fault.CONSTANT, field=name, message=message)
     elif name == placed_layout.layout.selector and sent_value not in placed_layout.layout.selects:
-        message = report.of_other_frame(name, f"{sent_value:X}")
+        message = frame_texts.other_frame_message(name, f"{sent_value:X}")
         yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 
@@ -101,7 +101,7 @@ def problems_of_digits(
         sent_bits = bits_of_field(placed_field, frame)
         number = bits_of_field(placed_field, binary_number)
         if number > highest:
-            message = report.not_in_code(name, f"{sent_bits:#x}", f"{highest}", code.name)
+            message = frame_texts.not_in_code_message(name, f"{sent_bits:#x}", f"{highest}", code.name)
             yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 
@@ -126,8 +126,8 @@ def range_message(position_range: PositionRange, placed_layout: PlacedLayout, bi
     if lowest <= position <= highest:
         return ""
     if is_signed:
-        return report.outside(f"{position_range.name} {position}", f"{lowest}", f"{highest}")
-    return report.too_high(position_range.name, f"{position}", f"{highest}")
+        return frame_texts.outside_limits_message(f"{position_range.name} {position}", f"{lowest}", f"{highest}")
+    return frame_texts.too_high_message(position_range.name, f"{position}", f"{highest}")
 
 
 def problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
@@ -137,15 +137,15 @@ def problems_of_value(field: Field, raw: int) -> Iterator[FrameProblem]:
         case Choice(named_values):
             known_numbers = {named_value.value for named_value in named_values}
             if raw not in known_numbers:
-                message = report.no_value(name, f"{raw:#x}")
+                message = frame_texts.unknown_value_message(name, f"{raw:#x}")
                 yield FrameProblem(Fault.RANGE, field=name, message=message)
         case Constant(constant):
             if raw != constant:
-                message = report.constant(name, f"{raw:#x}", f"{constant:#x}")
+                message = frame_texts.wrong_constant_message(name, f"{raw:#x}", f"{constant:#x}")
                 yield FrameProblem(Fault.CONSTANT, field=name, message=message)
         case Decimal() as decimal:
             if raw >= decimal.limit:
-                message = report.digits(name, f"{raw}", f"{decimal.digits}")
+                message = frame_texts.too_many_digits_message(name, f"{raw}", f"{decimal.digits}")
                 yield FrameProblem(Fault.RANGE, field=name, message=message)
 
 

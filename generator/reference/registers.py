@@ -25,16 +25,11 @@ from ..model.expressions import Expression
 from ..model.registers import name_with_limits, value_bounds
 from ..order_codes.labels import LabelMatch, edition_before, edition_tests_of_register
 from ..order_codes.parameters import RegisterError, after_write
-from ..say import report
-from ..say.plain_text import count_with_unit
-from ..say.report import of_older_edition, register_length
+from ..say import count_with_unit, frame_texts
+from ..say.frame_texts import register_length_message
 from .bits_and_values import EncodeError, bits_of_field, number_of_text, with_bits
 from .codec import decode, encode
 from .findings import DecodedFrame, ValueDifference
-from ..say import count_with_unit, frame_texts
-from ..say.frame_texts import register_length_message
-from . import codec
-from .bits import with_bits
 
 
 def decode_register(device: Device, variant: Variant, name: str, data: bytes) -> DecodedFrame:
@@ -209,7 +204,7 @@ def _check_argument(
     has_limits_of_meaning = limits != (register.min, register.max)
     is_limited = has_limits_of_meaning or field_name == name_with_limits(register)
     if is_limited and not lowest <= argument <= highest:
-        raise EncodeError(report.outside(f"{argument}", f"{lowest}", f"{highest}"))
+        raise EncodeError(frame_texts.outside_limits_message(f"{argument}", f"{lowest}", f"{highest}"))
 
 
 def _identity_registers(device: Device, variant: Variant) -> Iterator[Register]:
@@ -276,7 +271,9 @@ def _compare_register(
         path = f"{register.name}.{placed_field.name}" if len(placed_layout.fields) > 1 else register.name
         is_completely_known = known_bits == placed_field.mask
         if is_completely_known:
-            message = report.other_content(path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
+            message = frame_texts.undocumented_content_message(
+                path, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}"
+            )
         else:
             actual_digits = _known_digits(actual_bits, known_bits, placed_field.width)
             documented_digits = _known_digits(documented_bits, known_bits, placed_field.width)
@@ -316,7 +313,7 @@ def values_of_older_edition(device: Device, decoded: DecodedFrame) -> Iterator[V
         if number is None or test.min <= number <= test.max:
             continue
         bounds = f"{test.min} to {test.max}"
-        message = of_older_edition(
+        message = frame_texts.older_edition_message(
             run=test.run,
             actual=f"{number}",
             bounds=bounds,

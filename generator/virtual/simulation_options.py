@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Protocol
 
 from ..language.problems import ProblemReport
-from ..loading.editions import revision_for
+from ..loading.history import revision_for
 from ..loading.library import Family, families_without_problems, in_edition, load_families
 from ..model import INTERFACES, Device
 from ..one_line.encoder import device_of_line

@@ -8,8 +8,6 @@ from itertools import permutations
 
 from ..model import Device, PlacedChannels
 from ..reference.codec import decode_channels
-from ..say import report as say_report
-from ..reference.channels import decode_channels
 from ..say import frame_texts
 
 #: Fewest bits that the CRCs of all channels need together. Of 65,536 random frames, one has valid CRCs by chance.

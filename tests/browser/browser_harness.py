@@ -25,8 +25,6 @@ from codewheel.order_codes.labels import LabelMatch
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.reference.registers import values_of_older_edition
-from codewheel.say.plain_text import quantity_text
-from codewheel.reference.findings import findings, strange_values
 from codewheel.say import quantity_text
 from codewheel.targets import Library
 from rust_frames import numbers

@@ -7,8 +7,6 @@ from collections.abc import Mapping
 
 import pytest
 from codewheel.model.registers import steps_of
-from codewheel.say.markdown import escape, escape_html
-from codewheel.model.steps import steps_of
 from codewheel.say.text import escape, escape_html
 from codewheel.targets import Library
 from codewheel.targets.docs.cross_family_pages import all_errata_values

@@ -17,7 +17,6 @@ import file_readers as readers
 import pytest
 from codewheel.commands.cli import main
 from codewheel.language.written_masters import FILE_FORMATS
-from codewheel.language.master_items import FILE_FORMATS
 from codewheel.masters.encoder_facts import EncoderFacts
 from codewheel.masters.frame_parts import NoRecord
 from codewheel.masters.order_code_facts import facts_of_order_code

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 from urllib.parse import quote
 
 from ... import __version__
-from ...say.plain_text import count_with_unit, first_of
+from ...say import count_with_unit, first_of
 from ..cli import FORMATS, FORMATS_HELP, Parser, add_cache_option, add_specs, cache_for
 from ..terminal import CommandError, Progress, print_json
 

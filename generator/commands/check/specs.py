@@ -20,16 +20,6 @@ from ...loading.overlays import Family
 from ...model import TimesRead
 from ...readings import Coverage, Reader, SecondReading, add_counts, comparable_specs, compare_readings, read_beside
 from ...readings.reading import FactClass
-from ...say.plain_text import count_with_unit
-from ...readings.second_readings import (
-    Coverage,
-    Reader,
-    SecondReading,
-    add_counts,
-    comparable_specs,
-    compare_readings,
-    read_beside,
-)
 from ...say import count_with_unit
 from ...targets import Target
 from ..cloze import Reader as SheetReader

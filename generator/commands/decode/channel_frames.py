@@ -11,10 +11,6 @@ from ...model import Device, Fault, PlacedChannels, Variant, channel_frame
 from ...reference import codec
 from ...reference.codec import decode_channels
 from ...reference.findings import ChannelFindings, Findings, channel_findings
-from ...say import report as say_report
-from ...say.plain_text import WIDTH, count_with_unit
-from ...reference.channels import ChannelFindings, channel_findings, decode_channels
-from ...reference.findings import Findings
 from ...say import WIDTH, count_with_unit, frame_texts
 from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame

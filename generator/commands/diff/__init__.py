@@ -287,7 +287,7 @@ def _load_side(text: str, cache: Cache, *, lenient: bool, old_side: _Side | None
         CommandError: The specs do not exist, or have problems that prevent a comparison.
     """
     from ...loading.library import families_without_problems
-    from ...say.plain_text import count_with_unit
+    from ...say import count_with_unit
 
     is_old = old_side is None
     families, report, file_names = _read_side(text, cache, old_side)
@@ -364,7 +364,7 @@ def _print_first_problems(problems: Sequence[Problem]) -> None:
 
 def _not_comparable_error(text: str, problems: Sequence[Problem], *, is_old: bool) -> CommandError:
     """Print the first problems in a version, and return the error. For the old version, it suggests a remedy."""
-    from ...say.plain_text import count_with_unit
+    from ...say import count_with_unit
 
     _print_first_problems(problems)
     problems_text = count_with_unit(len(problems), "problem")

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, TypedDict
 
-from ...say.plain_text import count_with_unit
+from ...say import count_with_unit
 from ..cli import Parser, a_path, add_cache_option, add_specs, cache_for
 from ..terminal import CommandError, Progress, error_after_printing
 

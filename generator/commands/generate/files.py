@@ -26,10 +26,7 @@ from ...loading.configuration import BUILT_IN, NO_FILTERS, FamilyFilters
 from ...loading.stored import digest_of as model_digest_of
 from ...model import Device
 from ...output_folder import WriteError, families_in
-from ...say.plain_text import count_with_unit, first_of
-from ...output_folder import WriteError
-from ...removable_outputs import Guard
-from ...say import count_with_unit
+from ...say import count_with_unit, first_of
 from ...targets import Library, TargetError
 from ...targets.registry import load_target
 from ...write import FileChange, left_stages, list_changes, write

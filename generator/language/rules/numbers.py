@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from ...model import Crc
-from ...say.plain_text import count_with_unit
+from ...say import count_with_unit
 from ..document import Path
 from ..hints import POLYNOMIAL, polynomial_powers
 from ..problems import DocumentReport, quoted

@@ -67,7 +67,6 @@ from ...why.other_order_codes import MOST_CUT_BITS, MOST_STATES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistakes, line_name
 from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
-from ..registry import licence_in, our_runtime, palette_css
 from ..picture_elements import palette_css
 from ..registry import licence_in, our_runtime
 from .example_link import LinkedFrame, linked_frame

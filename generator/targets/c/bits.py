@@ -12,7 +12,7 @@ from ...model import BitSlice, Digits, Field, first_or_raise
 from ...model.record import dataclass
 from ...plan.codec import LayoutPlan, ShiftedBits, group_reserved_bits_by_shift
 from ...plan.operations import AlwaysIs, Check, FieldBits, JoinedNumber, Reserved, ZerosAbove
-from ...say.names_and_places import name_in_words
+from ...say.names_and_evidence import name_in_words
 from .expressions import (
     CCall,
     CCast,

@@ -13,7 +13,7 @@ from ...plan.crcs import kinds_of_covered_data
 from ...plan.frames import held_parameters
 from ...plan.values import NamedChoice, meaning_of
 from ...say.errata import describe_erratum, errata
-from ...say.names_and_places import name_in_words, printed_name_of, title_of
+from ...say.names_and_evidence import name_in_words, printed_name_of, title_of
 from ...say.register import describe_meaning
 from ...say.text import Statement, spec_text, statement
 from .comments import HEADER_STYLE, Paragraph

@@ -25,7 +25,6 @@ from ...model.record import dataclass
 from ...plan.crcs import UndetectedErrors, crcs_and_lengths, undetected_errors_of
 from ...plan.verdicts import reportings
 from ...say.errata import STATUS_IN_WORDS, consequence, content_before_and_after, paths_in_words
-from ...say.names_and_places import name_in_words
 from ...say.names_and_evidence import name_in_words
 from .. import main_manufacturer, manufacturers
 from .comments import without_special_characters

@@ -9,7 +9,7 @@ from itertools import chain
 
 from ...model import Spi
 from ...plan.values import is_number, meaning_of
-from ...say.evidence import Topic, mentions, word_for_document
+from ...say.names_and_evidence import Topic, mentions, word_for_document
 from .codec import StructCodec
 from .comments import COLUMNS
 from .device import DeviceView

@@ -38,14 +38,12 @@ from ...plan.values import (
     NamedChoice,
     TwosComplement,
 )
-from ...say.evidence import word_for_document
-from ...say.names_and_places import title_of
+from ...say.names_and_evidence import title_of, word_for_document
 from .comments import ascii_text
 from .names import c_name
 from .procedures import ProcedureCode
 from .registers import RegisterFunctions
 from .structs import LayoutStruct
-from ...say.names_and_evidence import word_for_document
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,9 +27,6 @@ from ...model import (
 )
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...say.markdown import join_filled
-from ...say.names_and_places import Titled, title_of
-from ..registry import palette
 from ...say.names_and_evidence import Titled, title_of
 from ...say.text import join_filled
 from ..picture_elements import PICTURE_WIDTH, create_picture, draw_box, draw_swatch, draw_text, palette, wrap_to_width

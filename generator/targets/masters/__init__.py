@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
+from ...language.written_masters import FILE_FORMATS, PLACE_KINDS, FileFormat
 from ...masters.encoder_facts import EncoderFacts, Undecided
 from ...masters.frame_parts import NoRecord
 from ...masters.order_code_facts import facts_of_order_code
@@ -20,8 +20,7 @@ from ...masters.places_and_writing import ObjectWrite, SettingPlace, write_order
 from ...masters.sheet import Master, Setting, SettingsSheet, sheet
 from ...masters.text import condition_text
 from ...model import Device, Interface, Variant, answer_combinations
-from ...model.lookup import first_or_raise
-from ...model.record import dataclass
+from ...model.record import dataclass, first_or_raise
 
 YamlMapping = Mapping[str, Any]
 Value = int | bool | str

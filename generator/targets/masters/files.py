@@ -12,9 +12,6 @@ from typing import Annotated, NamedTuple, TypedDict
 
 from ...language.problems import join_words
 from ...language.written_masters import FILE_FORMATS
-from ...masters.groups import GroupSheets, sheets_of
-from ...masters.places import SettingPlace
-from ...masters.record import EncoderFacts
 from ...masters.encoder_facts import EncoderFacts
 from ...masters.places_and_writing import SettingPlace
 from ...masters.sheet import Master, SettingsSheet, shipped_masters
