@@ -23,7 +23,9 @@ import working_tools
 from codewheel import cache
 from codewheel.commands import outputs
 from codewheel.commands.check import specs as checked_specs
+from codewheel.language.problems import ProblemReport
 from codewheel.loading import library as loading
+from codewheel.loading.overlays import Family
 from codewheel.masters import sheet
 from codewheel.model import Device
 from codewheel.targets import Library
@@ -108,7 +110,8 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
     """Commands and tests of one process read the specs of this repository only once. Other specs are read each time."""
-    families, masters = _once(loading.load_families, _spec_files), _once(sheet.load_masters, _as_given)
+    families = _once(_building_once(loading.load_families), _spec_files)
+    masters = _once(sheet.load_masters, _as_given)
     with pytest.MonkeyPatch.context() as patch:
         for module in (loading, outputs, checked_specs, find_order_code):
             patch.setattr(module, "load_families", families)
@@ -154,6 +157,30 @@ def _files_in(path: Path) -> tuple[Path, ...]:
     return tuple(file for file in sorted(path.rglob("*.yaml")) if file.parent.name != "masters")
 
 
+def _building_once(load_families: Callable[..., Any]) -> Callable[..., Any]:
+    """Return ``load_families`` that does not check and build the families of this repository again.
+
+    It reads their specs, also copies in other folders, and takes the device of a spec with the same content.
+    """
+    built_families: dict[tuple[bytes | str, ...], Family] = {}
+
+    def load(*arguments: Any, **options: Any) -> tuple[list[Family], ProblemReport]:
+        if options or len(arguments) > 1:
+            result: tuple[list[Family], ProblemReport] = load_families(*arguments, **options)
+            return result
+        families, report = load_families(*arguments, others=list(built_families.values()))
+        if all(_is_unchanged(path) for path in (arguments[0] if arguments else None) or ()):
+            built_families.update({tuple(family.content): family for family in families if family.content})
+        return families, report
+
+    return load
+
+
+def _is_unchanged(path: Path) -> bool:
+    """Return whether a spec or folder is in a folder that no test changes."""
+    return not _OURS.isdisjoint({*path.resolve().parents, path.resolve()})
+
+
 def _once(
     read: Callable[..., Any], files_of: Callable[[Sequence[Path] | None], tuple[Path, ...]]
 ) -> Callable[..., Any]:
@@ -161,7 +188,7 @@ def _once(
 
     def once(*arguments: Any, **options: Any) -> Any:
         paths: Sequence[Path] | None = arguments[0] if arguments else None
-        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths or ()):
+        if not all(_is_unchanged(path) for path in paths or ()):
             return read(*arguments, **options)
         # Messages have relative paths as they were given.
         is_absolute = all(path.is_absolute() for path in paths or ())
