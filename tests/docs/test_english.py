@@ -38,6 +38,8 @@ LAST = {
     "C": "exhaustive",
     "generated Python": "exhaustive",
     "generator": "slow",
+    "scripts": "slow",
+    "specs": "slow",
     "tests": "exhaustive",
 }
 #: Files whose messages are of commands. The others are counted like any prose.
