@@ -37,7 +37,7 @@ LAST = {
     "generated pages": "exhaustive",
     "C": "exhaustive",
     "generated Python": "exhaustive",
-    "generator": "slow",
+    "generator": "exhaustive",
     "scripts": "slow",
     "specs": "slow",
     "tests": "exhaustive",

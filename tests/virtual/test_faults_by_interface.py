@@ -153,7 +153,7 @@ def line_levels(encoder: VirtualEncoder) -> Callable[[], Any]:
 BITS = {"ssi": (words, line_levels), "biss": (cycles, line_levels), "spi": (spi_words,)}
 
 
-@pytest.mark.one_in(10, "exhaustive")
+@pytest.mark.one_in(20, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("pause_ms", PAUSES_MS)
 @pytest.mark.parametrize(("interface", "fault"), [(name, fault) for name in BITS for fault in faults_of(name)])
@@ -213,7 +213,7 @@ def timed_reply(request: bytes) -> Callable[[VirtualEncoder], Callable[[], Any]]
     return reply
 
 
-@pytest.mark.one_in(6, "exhaustive")
+@pytest.mark.one_in(10, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", faults_of("rs485"))
 def test_each_fault_changes_every_reply(fault: str) -> None:
