@@ -284,14 +284,17 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
     from codewheel.targets.python.files import generate
 
     def import_package(library: Library, package: str) -> tuple[Path, ModuleType]:
-        folder = tmp_path_factory.mktemp("generated")
-        for path, text in generate(library).items():
-            target = folder / path
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8")
-        return folder / "python", _import_from(folder / "python", package)
+        return _write_and_import(generate(library), tmp_path_factory.mktemp("generated"), package)
 
     return import_package
+
+
+def _write_and_import(files: Mapping[str, str], folder: Path, package: str) -> tuple[Path, ModuleType]:
+    for path, text in files.items():
+        target = folder / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, encoding="utf-8")
+    return folder / "python", _import_from(folder / "python", package)
 
 
 #: Folders from which tests of this process have imported each package, the last one first.
@@ -327,11 +330,19 @@ def _import_from(folder: Path, package: str) -> ModuleType:
 
 
 @pytest.fixture(scope="session")
+def python_files(library: Library) -> Mapping[str, str]:
+    """The text of each file of the generated Python packages, by its path."""
+    from codewheel.targets.python.files import generate
+
+    return generate(library)
+
+
+@pytest.fixture(scope="session")
 def generated_python(
-    library: Library, import_generated: Callable[[Library, str], tuple[Path, ModuleType]]
+    python_files: Mapping[str, str], tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, ModuleType]:
     """The folder of the generated package, and the package."""
-    return import_generated(library, "lika_encoders")
+    return _write_and_import(python_files, tmp_path_factory.mktemp("generated"), "lika_encoders")
 
 
 @pytest.fixture(scope="session")
