@@ -327,8 +327,9 @@ def test_reasons_to_refuse_values(by_hand: Device) -> None:
 
 def test_places_of_bits(by_hand: Device) -> None:
     codec = plan(by_hand, "number_word")
-    places = [(part.bits.low.constant, part.bits.width.constant, part.bits.on_top) for part in codec.parts]
-    assert places == [(8, 4, True), (4, 4, False), (0, 4, False)]
+    bits_of_fields = [field.bits for field in codec.parts]
+    lows_and_widths = [(bits.low.constant, bits.width.constant, bits.on_top) for bits in bits_of_fields]
+    assert lows_and_widths == [(8, 4, True), (4, 4, False), (0, 4, False)]
     assert (codec.by_word, codec.depends, codec.length) == (True, False, 1)
     reply = plan(by_hand, "low_reply")
     assert (reply.by_word, reply.length) == (False, 4)
