@@ -8,6 +8,7 @@ import gc
 import importlib
 import json
 import os
+import re
 import subprocess
 import sys
 from collections import Counter
@@ -23,7 +24,9 @@ import working_tools
 from codewheel import cache
 from codewheel.commands import outputs
 from codewheel.commands.check import specs as checked_specs
+from codewheel.language.problems import ProblemReport
 from codewheel.loading import library as loading
+from codewheel.loading.overlays import Family
 from codewheel.masters import sheet
 from codewheel.model import Device
 from codewheel.targets import Library
@@ -108,7 +111,8 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def _specs_read_once() -> Iterator[None]:
     """Commands and tests of one process read the specs of this repository only once. Other specs are read each time."""
-    families, masters = _once(loading.load_families, _spec_files), _once(sheet.load_masters, _as_given)
+    families = _once(_building_once(loading.load_families), _spec_files)
+    masters = _once(sheet.load_masters, _as_given)
     with pytest.MonkeyPatch.context() as patch:
         for module in (loading, outputs, checked_specs, simulation_options):
             patch.setattr(module, "load_families", families)
@@ -154,6 +158,30 @@ def _files_in(path: Path) -> tuple[Path, ...]:
     return tuple(file for file in sorted(path.rglob("*.yaml")) if file.parent.name != "masters")
 
 
+def _building_once(load_families: Callable[..., Any]) -> Callable[..., Any]:
+    """Return ``load_families`` that does not check and build the families of this repository again.
+
+    It reads their specs, also copies in other folders, and takes the device of a spec with the same content.
+    """
+    built_families: dict[tuple[bytes | str, ...], Family] = {}
+
+    def load(*arguments: Any, **options: Any) -> tuple[list[Family], ProblemReport]:
+        if options or len(arguments) > 1:
+            result: tuple[list[Family], ProblemReport] = load_families(*arguments, **options)
+            return result
+        families, report = load_families(*arguments, others=list(built_families.values()))
+        if all(_is_unchanged(path) for path in (arguments[0] if arguments else None) or ()):
+            built_families.update({tuple(family.content): family for family in families if family.content})
+        return families, report
+
+    return load
+
+
+def _is_unchanged(path: Path) -> bool:
+    """Return whether a spec or folder is in a folder that no test changes."""
+    return not _OURS.isdisjoint({*path.resolve().parents, path.resolve()})
+
+
 def _once(
     read: Callable[..., Any], files_of: Callable[[Sequence[Path] | None], tuple[Path, ...]]
 ) -> Callable[..., Any]:
@@ -161,7 +189,7 @@ def _once(
 
     def once(*arguments: Any, **options: Any) -> Any:
         paths: Sequence[Path] | None = arguments[0] if arguments else None
-        if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths or ()):
+        if not all(_is_unchanged(path) for path in paths or ()):
             return read(*arguments, **options)
         # Messages have relative paths as they were given.
         is_absolute = all(path.is_absolute() for path in paths or ())
@@ -183,9 +211,19 @@ def every_encoder() -> Library:
 
 
 @pytest.fixture(scope="session")
-def library(every_encoder: Library) -> Library:
-    """The encoders whose code and pages are in ``generated/``: the encoders of the highest two grades."""
-    return Library(tuple(device for device in every_encoder.devices if device.evidence.grade in TRACKED_GRADES))
+def library() -> Library:
+    """The encoders whose code and pages are in ``generated/``: the encoders of the highest two grades.
+
+    The other specs are not built, because most tests need none of them.
+    """
+    grade_pattern = re.compile(rf"\bgrade: ({'|'.join(TRACKED_GRADES)})\b")
+    spec_files = [path for path in _files_in(ROOT / "specs") if ".second." not in path.name]
+    devices, report = loading.load_library(
+        [path for path in spec_files if grade_pattern.search(path.read_text(encoding="utf-8"))]
+    )
+    assert not report, "\n".join(problem.format() for problem in report.problems)
+    assert all(device.evidence.grade in TRACKED_GRADES for device in devices)
+    return Library(devices)
 
 
 @pytest.fixture(scope="session")
@@ -257,14 +295,17 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
     from codewheel.targets.python.files import generate
 
     def import_package(library: Library, package: str) -> tuple[Path, ModuleType]:
-        folder = tmp_path_factory.mktemp("generated")
-        for path, text in generate(library).items():
-            target = folder / path
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_text(text, encoding="utf-8")
-        return folder / "python", _import_from(folder / "python", package)
+        return _write_and_import(generate(library), tmp_path_factory.mktemp("generated"), package)
 
     return import_package
+
+
+def _write_and_import(files: Mapping[str, str], folder: Path, package: str) -> tuple[Path, ModuleType]:
+    for path, text in files.items():
+        target = folder / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, encoding="utf-8")
+    return folder / "python", _import_from(folder / "python", package)
 
 
 #: Folders from which tests of this process have imported each package, the last one first.
@@ -300,11 +341,19 @@ def _import_from(folder: Path, package: str) -> ModuleType:
 
 
 @pytest.fixture(scope="session")
+def python_files(library: Library) -> Mapping[str, str]:
+    """The text of each file of the generated Python packages, by its path."""
+    from codewheel.targets.python.files import generate
+
+    return generate(library)
+
+
+@pytest.fixture(scope="session")
 def generated_python(
-    library: Library, import_generated: Callable[[Library, str], tuple[Path, ModuleType]]
+    python_files: Mapping[str, str], tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, ModuleType]:
     """The folder of the generated package, and the package."""
-    return import_generated(library, "lika_encoders")
+    return _write_and_import(python_files, tmp_path_factory.mktemp("generated"), "lika_encoders")
 
 
 @pytest.fixture(scope="session")

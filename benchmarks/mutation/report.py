@@ -175,13 +175,10 @@ def survivors_in_both(both: Outcome) -> Iterator[str]:
         yield f"- {code_span(passed.place)} {passed.difference} ({passed.effect})"
 
 
-def page(outcome: Outcome, both: Outcome, command: str, files: Sequence[str], reversed_words: tuple[int, int]) -> str:
-    """Return the page of a campaign with mistakes in one file, and of one with the same mistakes in both readings.
-
-    ``reversed_words`` are the number of all words that can be reversed, and the number of those with a gap in a sheet.
-    """
+def _introduction(command: str, files: Sequence[str], reversed_words: tuple[int, int]) -> str:
+    """Return the beginning of the page. See ``page`` for the arguments."""
     words, words_with_gap = reversed_words
-    head = f"""\
+    return f"""\
 # Mutants
 
 This page shows which transcription mistakes `check` detects. `{command}` plants mistakes, one at a time, in
@@ -209,7 +206,10 @@ the word has no gap. If the word was reversed before, only its gap shows the mis
 reversed in a text of these specs, {words_with_gap:,} have a gap ({words_with_gap / words:.0%}). The others are a lost
 *not*, and words that have no opposite in the sheets.
 """
-    in_both = f"""\
+
+
+#: Introduction of the table with mistakes in both readings.
+_IN_BOTH = f"""\
 ## The same mistake in both readings
 
 If the same mistake is in the spec and in its second reading, only facts that are repeated elsewhere reveal it: in an
@@ -221,7 +221,15 @@ none of a *pin*.
 No rule can find a word that is reversed both in a text and in its sheet, or two flags that are swapped in both
 readings.
 """
-    of_one = [head, *table(outcome), "", in_both, *table(both), "", *survivors(outcome)]
+
+
+def page(outcome: Outcome, both: Outcome, command: str, files: Sequence[str], reversed_words: tuple[int, int]) -> str:
+    """Return the page of a campaign with mistakes in one file, and of one with the same mistakes in both readings.
+
+    ``reversed_words`` are the number of all words that can be reversed, and the number of those with a gap in a sheet.
+    """
+    introduction = _introduction(command, files, reversed_words)
+    of_one = [introduction, *table(outcome), "", _IN_BOTH, *table(both), "", *survivors(outcome)]
     return "\n".join([*of_one, *survivors_in_both(both)]).rstrip() + "\n"
 
 

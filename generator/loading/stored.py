@@ -94,6 +94,8 @@ def store_device(cache: Cache, content: Sequence[bytes | str], device: model.Dev
 
     If a device cannot be stored, this is not an error. The device is then built again each time.
     """
+    if not cache:
+        return
     with suppress(NotStorable):
         cache.put(_MODEL_ENTRY, content, as_data(device))
 

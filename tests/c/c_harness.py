@@ -165,16 +165,19 @@ def runner_over(device: Device, folder: Path) -> Run:
 
 def combined_run(device: Device, programs: Mapping[str, Run]) -> Run:
     """Send each line to the program for the interface of its order code. A label to be found goes to all programs."""
-    kinds = {variant.code: variant.interface for variant in device.variants}
+    interface_by_code = {variant.code: variant.interface for variant in device.variants}
 
     def run(lines: Iterable[str]) -> list[str]:
         sent_lines = list(lines)
         codes = [line.split(" ")[0].split(";")[0] for line in sent_lines]
         answers = ["- 0"] * len(sent_lines)
-        for kind, program in programs.items():
-            mine = [at for at, code in enumerate(codes) if kinds.get(code, kind) == kind]
-            for at, answer in zip(mine, program(sent_lines[at] for at in mine), strict=True):
-                answers[at] = answers[at] if answer == "- 0" else answer
+        for interface, program in programs.items():
+            rows = [row for row, code in enumerate(codes) if interface_by_code.get(code, interface) == interface]
+            answers_of_program = program(sent_lines[row] for row in rows)
+            for row, answer in zip(rows, answers_of_program, strict=True):
+                # "- 0" means that the program does not have the label. Another program can have it.
+                if answer != "- 0":
+                    answers[row] = answer
         return answers
 
     return run

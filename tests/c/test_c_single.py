@@ -397,7 +397,7 @@ def write_headers(folder: Path, device: Device, only: str = "") -> Path:
 
 
 @pytest.mark.slow
-@pytest.mark.one_in(2, "exhaustive")
+@pytest.mark.one_in(4, "exhaustive")
 @pytest.mark.parametrize("compiler", COMPILERS, ids=lambda compiler: " ".join(compiler[:2]))
 def test_several_go_together_and_with_the_tree(
     compiler: tuple[str, ...], packaged: tuple[Device, ...], tmp_path: Path
@@ -428,7 +428,7 @@ cw_verdict worst(const uint8_t *bytes, size_t length, uint64_t *position)
 
 
 @pytest.mark.slow
-@pytest.mark.one_in(2, "exhaustive")
+@pytest.mark.one_in(4, "exhaustive")
 @pytest.mark.parametrize("compiler", COMPILERS, ids=lambda compiler: " ".join(compiler[:2]))
 def test_each_compiles_without_a_warning(
     compiler: tuple[str, ...], packaged: tuple[Device, ...], tmp_path: Path

@@ -254,6 +254,7 @@ def shown_codes(capsys: pytest.CaptureFixture[str], *options: object) -> set[str
     return {order_code["code"] for order_code in shown_family["order_codes"]}
 
 
+@pytest.mark.one_in(4, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("labels", LABELS.values(), ids=LABELS)
 @pytest.mark.parametrize("around", ["history", "no history", "editions"])

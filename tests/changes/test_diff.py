@@ -116,6 +116,7 @@ def test_fail_on_a_breaking_change(
     assert diff(capsys, "v1.0:specs", "specs", *words)[0] == 1
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize(
     ("impact", "code"), [("breaking", 0), ("behaviour", 0), ("compatible", 0), ("documentation", 1)]
 )

@@ -60,6 +60,7 @@ def test_only_changed_families_are_built_again(sides: tuple[Path, Path], monkeyp
     assert built["asc85"] == 2 * editions["asc85"]
 
 
+@pytest.mark.slow
 def test_families_with_equal_models_are_unchanged(sides: tuple[Path, Path]) -> None:
     asc85 = sides[1] / "asc85.yaml"
     asc85.write_text("# a comment\n" + asc85.read_text(encoding="utf-8"), encoding="utf-8")

@@ -14,6 +14,7 @@ from codewheel.loading.library import load_library
 from codewheel.targets import Library
 from codewheel.targets.c.files import TARGET
 from codewheel.targets.docs.files import generate as generate_docs
+from exhaustive import mostly_exhaustive
 from pair import BASE
 
 NONE, WORDS, NEW, OTHER, BROKEN = Impact
@@ -200,7 +201,7 @@ changes:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("applies_to", ["", "applies_to: {special: S007}\n"])
+@pytest.mark.parametrize("applies_to", mostly_exhaustive(["", "applies_to: {special: S007}\n"], ""))
 def test_a_family_with_an_overlay_is_recorded(tmp_path: Path, applies_to: str) -> None:
     """The overlay has no version, and a special model has no history of its own."""
     old, new = write_specs(tmp_path / "old"), write_specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"))

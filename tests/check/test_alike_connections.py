@@ -49,7 +49,7 @@ def unlike_parts(folder: Path) -> list[Problem]:
     return [problem for problem in report.problems if problem.rule == "not-alike"]
 
 
-@pytest.mark.one_in(3, "slow")
+@pytest.mark.one_in(8, "slow")
 @pytest.mark.parametrize(("family", "others", "first", "second", "message"), EXCHANGED)
 def test_a_mistake_in_both_readings_is_reported(
     tmp_path: Path, family: str, others: list[str], first: str, second: str, message: str
@@ -99,6 +99,7 @@ def test_a_fact_that_differs_or_is_missing_in_one_device_is_reported(
     assert problem.message.startswith(message)
 
 
+@pytest.mark.one_in(2, "slow")
 @pytest.mark.parametrize(
     ("other", "printed", "mistake", "place"),
     [

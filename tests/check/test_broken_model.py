@@ -13,8 +13,13 @@ from codewheel.targets import Library
 FOLDER = Path(__file__).parent / "broken_model"
 
 
+#: Specs of several hundred parts, which take as long as a hundred others.
+LONG_SPECS = ("too_many_places.yaml", "too_many_sets.yaml")
+NAMES = sorted(path.name for path in FOLDER.glob("*.yaml") if path.name != "manufacturer.yaml")
+
+
 @pytest.mark.parametrize(
-    "name", sorted(path.name for path in FOLDER.glob("*.yaml") if path.name != "manufacturer.yaml")
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in LONG_SPECS else name for name in NAMES]
 )
 def test_broken(name: str) -> None:
     path = FOLDER / name

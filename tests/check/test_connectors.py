@@ -37,7 +37,7 @@ def rules_broken(folder: Path, text: str, family: str) -> set[str]:
     return {problem.rule for problem in report.problems} & RULES
 
 
-@pytest.mark.one_in(3, "slow")
+@pytest.mark.one_in(10, "slow")
 @pytest.mark.parametrize(("family", "printed", "mistake", "rule"), MISTAKES)
 def test_a_wrong_pin_is_reported(tmp_path: Path, family: str, printed: str, mistake: str, rule: str) -> None:
     text = (LIKA / f"{family}.yaml").read_text(encoding="utf-8")

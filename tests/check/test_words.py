@@ -28,6 +28,7 @@ def contradictions(folder: Path, text: str) -> list[str]:
     return [problem.message for problem in report.problems if problem.rule == "words-contradict"]
 
 
+@pytest.mark.one_in(3, "slow")
 @pytest.mark.parametrize(("printed", "mistake"), MISTAKES)
 def test_a_reversed_word_is_reported(tmp_path: Path, printed: str, mistake: str) -> None:
     text = (LIKA / "amm5.yaml").read_text(encoding="utf-8")

@@ -46,6 +46,12 @@ class Question:
         return f"{self.order_code}: {self.kind}: {place}: {self.labels[0]}: {self.answer}"
 
 
+def _is_allowed(option: Raw, option_by_part: Mapping[str, str]) -> bool:
+    """Return whether an option of an order code can be combined with the options of the other parts."""
+    only_with = option.get("only_with", {})
+    return all(option_by_part[part_name] in allowed_texts for part_name, allowed_texts in only_with.items())
+
+
 @dataclass(frozen=True)
 class Reading:
     """A second reading as text."""
@@ -56,16 +62,21 @@ class Reading:
     @cached_property
     def codes(self) -> list[tuple[str, str, dict[str, str]]]:
         """Return each order code with its interface and its settings."""
-        parts = self.facts["order_code"]["parts"]
+        code_parts = self.facts["order_code"]["parts"]
         codes = []
-        for texts in itertools.product(*(part["values"] for part in parts)):
-            chosen = {part["name"]: text for part, text in zip(parts, texts, strict=True)}
-            values = [part["values"][text] or {} for part, text in zip(parts, texts, strict=True)]
-            allowed = (only for value in values for only in value.get("only_with", {}).items())
-            if all(chosen[name] in listed for name, listed in allowed):
-                sets = {key: number for value in values for key, number in value.get("sets", {}).items()}
-                interface = next(value["interface"] for value in values if "interface" in value)
-                codes.append((self.facts["order_code"]["pattern"].format(**chosen), interface, sets))
+        for option_texts in itertools.product(*(code_part["values"] for code_part in code_parts)):
+            option_by_part = {}
+            options = []
+            for code_part, option_text in zip(code_parts, option_texts, strict=True):
+                option_by_part[code_part["name"]] = option_text
+                options.append(code_part["values"][option_text] or {})
+            if all(_is_allowed(option, option_by_part) for option in options):
+                settings: dict[str, str] = {}
+                for option in options:
+                    settings |= option.get("sets", {})
+                interface = next(option["interface"] for option in options if "interface" in option)
+                order_code = self.facts["order_code"]["pattern"].format(**option_by_part)
+                codes.append((order_code, interface, settings))
         return codes
 
     def numbers(self, sets: Mapping[str, str]) -> dict[str, int]:

@@ -37,7 +37,9 @@ LAST = {
     "generated pages": "exhaustive",
     "C": "exhaustive",
     "generated Python": "exhaustive",
-    "generator": "slow",
+    "generator": "exhaustive",
+    "scripts": "slow",
+    "specs": "slow",
     "tests": "exhaustive",
 }
 #: Files whose messages are of commands. The others are counted like any prose.

@@ -151,13 +151,15 @@ def test_a_frame_as_one_line_has_its_ruler(pages: Files) -> None:
     """AMM5 6.2 p.32, 21 and 16 bits: the numbers of the first and the last bit of each field, from left to right."""
     name = "docs/amm5/AMM5A21-65KSC1-single_cycle_data-wide.svg"
     root = ElementTree.fromstring(pages[name])
-    words = [(float(element.attrib["x"]), element.text or "") for element in root.iter(f"{SVG}text")]
-    numbers = [(x, int(words)) for x, words in words if words.isdigit()]
-    assert [number for _, number in numbers] == [44, 29, 28, 8, 7, 6, 5, 0]
-    assert [x for x, _ in numbers] == sorted(x for x, _ in numbers)
-    boxes = [float(element.attrib["width"]) for element in root.iter(f"{SVG}rect")][1:]
-    bit = boxes[2]
-    assert [round(wide / bit) for wide in boxes[:5]] == [16, 21, 1, 1, 6]
+    bit_numbers = [element for element in root.iter(f"{SVG}text") if (element.text or "").isdigit()]
+    assert [int(element.text or "") for element in bit_numbers] == [44, 29, 28, 8, 7, 6, 5, 0]
+    x_positions = [float(element.attrib["x"]) for element in bit_numbers]
+    assert x_positions == sorted(x_positions)
+    # The first rectangle is the card around all fields.
+    _card, *field_boxes = root.iter(f"{SVG}rect")
+    box_widths = [float(box.attrib["width"]) for box in field_boxes]
+    width_of_one_bit = box_widths[2]
+    assert [round(box_width / width_of_one_bit) for box_width in box_widths[:5]] == [16, 21, 1, 1, 6]
     page = pages["docs/amm5/AMM5A21-65KSC1.md"]
     assert '<source media="(max-width: 699px)" srcset="AMM5A21-65KSC1-single_cycle_data.svg">' in page
     assert '<img src="AMM5A21-65KSC1-single_cycle_data-wide.svg" alt="45 bits: multiturn 44:29,' in page

@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from c_harness import GCC, compile_programs, runner_over, write
+from c_harness import GCC, Run, compile_programs, runner_over, write
 from codewheel.loading.library import load_library
 from codewheel.model import Device, PlacedLayout, Variant, Verdict
 from codewheel.plan.verdicts import reports_of
@@ -77,18 +77,20 @@ def load_made(name: str) -> Device:
 
 def split(number: int, widths: Sequence[tuple[str, int]]) -> dict[str, int]:
     """Return the bits of each field. The last field has the lowest bits. A field of 0 bits is 0."""
-    parts = {}
-    for name, width in reversed(widths):
-        parts[name] = number & (1 << width) - 1
-        number >>= width
-    assert number == 0
-    return parts
+    value_by_field = {}
+    remaining_bits = number
+    for field_name, width in reversed(widths):
+        value_by_field[field_name] = remaining_bits & (1 << width) - 1
+        remaining_bits >>= width
+    assert remaining_bits == 0
+    return value_by_field
 
 
-def joined(parts: Mapping[str, int], widths: Sequence[tuple[str, int]]) -> int:
+def joined(value_by_field: Mapping[str, int], widths: Sequence[tuple[str, int]]) -> int:
+    """Return the number with the bits of these fields. The last field has the lowest bits."""
     number = 0
-    for name, width in widths:
-        number = number << width | parts[name]
+    for field_name, width in widths:
+        number = number << width | value_by_field[field_name]
     return number
 
 
@@ -98,11 +100,15 @@ def ones(*numbers: int) -> int:
 
 def remainder(data: int, count: int, poly: int, width: int, start: int = 0) -> int:
     """Return the CRC over ``count`` bits, bit by bit."""
-    rest = start
+    register = start
+    register_mask = (1 << width) - 1
     for place in reversed(range(count)):
-        top = (rest >> width - 1 ^ data >> place) & 1
-        rest = (rest << 1 & (1 << width) - 1) ^ (poly if top else 0)
-    return rest
+        data_bit = data >> place & 1
+        highest_bit = register >> width - 1
+        register = register << 1 & register_mask
+        if highest_bit != data_bit:
+            register ^= poly
+    return register
 
 
 def named(**conditions: bool) -> frozenset[str]:
@@ -140,12 +146,12 @@ def decode_by_reference(encoder: MadeEncoder, cases: Sequence[Case], *_: object)
         if decoded.problems:
             yield with_result(case, decoded.problems[0].fault.value)
             continue
-        found = findings(encoder.device, variant, decoded)
-        assert found.verdict is not None
+        judgement = findings(encoder.device, variant, decoded)
+        assert judgement.verdict is not None
         values = {name: decoded.values.get(name, 0) for name in names[case.layout]}
         numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
-        reports = frozenset(report.field for report in found.reports)
-        yield with_result(case, "", found.verdict.value, reports, numbers)
+        reports = frozenset(report.field for report in judgement.reports)
+        yield with_result(case, "", judgement.verdict.value, reports, numbers)
 
 
 def decode_in_python(made: MadeEncoder, cases: Sequence[Case], import_generated: Import, _: Path) -> Iterator[Case]:
@@ -167,57 +173,80 @@ def decode_in_python(made: MadeEncoder, cases: Sequence[Case], import_generated:
 
 
 def decode_in_columns(made: MadeEncoder, cases: Sequence[Case], import_generated: Import, _: Path) -> Iterator[Case]:
-    np: Any = pytest.importorskip("numpy")
+    numpy: Any = pytest.importorskip("numpy")
     package = import_generated(Library((made.device,)), made.device.manufacturer.python_package)[1]
-    names = next(tuple(case.values) for case in cases if case.values is not None)
-    for code, group in by_code(cases):
-        encoder: Any = package.lookup(code)
-        if group[0].layout == "reply":
-            frames: Any = np.array([list(case.number.to_bytes(case.bits // 8, "little")) for case in group], np.uint8)
-        else:
-            frames = np.array([case.number for case in group], np.uint64)
+    field_names = next(tuple(case.values) for case in cases if case.values is not None)
+    for order_code, cases_of_code in by_code(cases):
+        encoder: Any = package.lookup(order_code)
+        frames = _frame_array(cases_of_code, numpy)
         table = encoder.decode_many(frames)
         faults = [FAULTS[str(fault)] for fault in table.fault.tolist()]
-        columns = {name: table[name].tolist() for name in names}
-        reports = {name: column.tolist() for name, column in table.reports.items()}
-        verdicts = table.verdict.tolist()
-        for row, case in enumerate(group):
+        verdicts = [VERDICTS[verdict] for verdict in table.verdict.tolist()]
+        value_columns = {name: table[name].tolist() for name in field_names}
+        report_columns = {name: column.tolist() for name, column in table.reports.items()}
+        for row, case in enumerate(cases_of_code):
             if faults[row]:
                 yield with_result(case, faults[row])
                 continue
-            values = {name: column[row] for name, column in columns.items()}
-            active = frozenset(name for name, column in reports.items() if column[row])
-            yield with_result(case, "", VERDICTS[verdicts[row]], active, values)
-        valid_frames = frames[[not fault for fault in faults]]
-        kind: Any = type(encoder.decode(frame_of(next(case for case in group if not case.fault))))
+            values = {name: column[row] for name, column in value_columns.items()}
+            reports = frozenset(name for name, column in report_columns.items() if column[row])
+            yield with_result(case, "", verdicts[row], reports, values)
+        is_valid = [not fault for fault in faults]
+        valid_case = next(case for case in cases_of_code if not case.fault)
+        frame_class: Any = type(encoder.decode(frame_of(valid_case)))
         # A class whose frames are the same for all order codes takes no encoder.
-        encoders = (encoder,) if issubclass(kind, ForEncoder) else ()
-        assert (kind.encode_many(encoder.decode_many(valid_frames), *encoders) == valid_frames).all()
+        encoders = (encoder,) if issubclass(frame_class, ForEncoder) else ()
+        encoded_frames = frame_class.encode_many(encoder.decode_many(frames[is_valid]), *encoders)
+        assert (encoded_frames == frames[is_valid]).all()
+
+
+def _frame_array(cases: Sequence[Case], numpy: Any) -> Any:
+    """Return an array with a row of bytes for each reply, or with a number for each word."""
+    if cases[0].layout == "reply":
+        return numpy.array([list(frame_of(case)) for case in cases], numpy.uint8)  # type: ignore[arg-type]
+    return numpy.array([case.number for case in cases], numpy.uint64)
 
 
 def decode_in_c(made: MadeEncoder, cases: Sequence[Case], _: Import, folder: Path) -> Iterator[Case]:
     compile_programs([*GCC, "-Wall", "-Wextra", "-Werror"], made.device, folder, write(folder, (made.device,)))
     run = runner_over(made.device, folder)
-    interface = made.placed(cases[0].code, cases[0].layout)[0].interface
-    view = next(view for view in by_interface(made.device) if view.interfaces[0].name == interface)
-    names = {1 << report.number: report.name for report in reports_of(view)}
-    member_names = made.members[cases[0].layout]
-    frames = [frame_of(case) for case in cases]
-    texts = [frame.hex() if isinstance(frame, bytes) else f"{frame:X}" for frame in frames]
-    decoded = run([f"{case.code} decode {case.layout} {text}" for case, text in zip(cases, texts, strict=True)])
-    valid = [(case, text, row[2:]) for case, text, row in zip(cases, texts, decoded, strict=True) if row[0] == "0"]
-    encoded = run([f"{case.code} encode {case.layout} {row}" for case, _, row in valid])
-    assert encoded == [f"0 {text.upper()}" for _, text, _ in valid]
-    judged = run([f"{case.code} tells {case.layout} {text}" for case, text in zip(cases, texts, strict=True)])
-    for case, values_text, verdict_text in zip(cases, decoded, judged, strict=True):
-        fault, *numbers = values_text.split()
+    variant, _placed_layout = made.placed(cases[0].code, cases[0].layout)
+    views = {view.interfaces[0].name: view for view in by_interface(made.device)}
+    report_by_bit = {1 << report.number: report.name for report in reports_of(views[variant.interface])}
+    field_names = made.members[cases[0].layout]
+    frame_texts = [_hex_text(frame_of(case)) for case in cases]
+    value_lines = _ask(run, "decode", cases, frame_texts)
+    _check_encoding(run, cases, frame_texts, value_lines)
+    verdict_lines = _ask(run, "tells", cases, frame_texts)
+    for case, value_line, verdict_line in zip(cases, value_lines, verdict_lines, strict=True):
+        # A line such as "0 17 5" has the number of the fault, 0 for none, and the value of each field.
+        fault, *numbers = value_line.split()
         if fault != "0":
             yield with_result(case, FAULTS[fault])
             continue
-        _, verdict, mask = verdict_text.split()
-        reports = frozenset(name for bit, name in names.items() if int(mask, 16) & bit)
-        values = dict(zip(member_names, map(int, numbers), strict=True))
+        _status, verdict, report_mask = verdict_line.split()
+        reports = frozenset(name for bit, name in report_by_bit.items() if int(report_mask, 16) & bit)
+        values = dict(zip(field_names, map(int, numbers), strict=True))
         yield with_result(case, "", VERDICTS[int(verdict)], reports, values)
+
+
+def _hex_text(frame: int | bytes) -> str:
+    return frame.hex() if isinstance(frame, bytes) else f"{frame:X}"
+
+
+def _ask(run: Run, command: str, cases: Sequence[Case], arguments: Sequence[str]) -> list[str]:
+    """Return the answer of the compiled program to a command with one argument for each case."""
+    case_arguments = zip(cases, arguments, strict=True)
+    return run([f"{case.code} {command} {case.layout} {argument}" for case, argument in case_arguments])
+
+
+def _check_encoding(run: Run, cases: Sequence[Case], frame_texts: Sequence[str], value_lines: Sequence[str]) -> None:
+    """Check that C encodes the values of each valid frame to the same frame."""
+    valid_rows = [row for row, value_line in enumerate(value_lines) if value_line[0] == "0"]
+    valid_cases = [cases[row] for row in valid_rows]
+    values = [value_lines[row].removeprefix("0 ") for row in valid_rows]
+    expected_answers = [f"0 {frame_texts[row].upper()}" for row in valid_rows]
+    assert _ask(run, "encode", valid_cases, values) == expected_answers
 
 
 #: Decodes frames with the script of the page: words as hexadecimal texts.

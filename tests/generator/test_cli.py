@@ -267,7 +267,7 @@ def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tm
     assert victim.read_text() == "changed"
 
 
-@pytest.mark.one_in(3, "exhaustive")
+@pytest.mark.one_in(7, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "imported"),

@@ -34,7 +34,7 @@ def library(*names: str) -> Library:
 
 @pytest.fixture(scope="module")
 def encoders() -> Library:
-    return library("renishaw", "ichaus")
+    return library("renishaw/resolute.yaml", "ichaus/icmhm.yaml")
 
 
 def device(encoders: Library, name: str) -> Device:

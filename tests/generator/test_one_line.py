@@ -6,6 +6,7 @@ for BiSS match ``lika-encoders capture --biss``, which is another implementation
 
 from __future__ import annotations
 
+import functools
 import json
 import random
 import re
@@ -41,13 +42,17 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
     return run
 
 
+#: The encoder that a line describes, built once for all frames of a test.
+encoder_of_line = functools.cache(device_of_line)
+
+
 def decoded(line: str, text: str) -> codec.DecodedFrame:
-    device, match = device_of_line(line)
+    device, match = encoder_of_line(line)
     return decode_text(device, match.variant, "encoder", text)
 
 
 def verdict(line: str, text: str) -> str:
-    device, match = device_of_line(line)
+    device, match = encoder_of_line(line)
     found = findings(device, match.variant, decode_text(device, match.variant, "encoder", text)).verdict
     return found.value if found is not None else ""
 

@@ -7,12 +7,11 @@ from collections.abc import Mapping
 import pytest
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.python.files import generate
 
 
 @pytest.fixture(scope="session")
-def files(library: Library) -> Mapping[str, str]:
-    return generate(library)
+def files(python_files: Mapping[str, str]) -> Mapping[str, str]:
+    return python_files
 
 
 @pytest.fixture(scope="session")

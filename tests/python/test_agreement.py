@@ -401,6 +401,7 @@ def test_round_trip_of_every_order_code(family: Family) -> None:
                 assert again == decoded
 
 
+@pytest.mark.one_in(2, "exhaustive")
 @pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_faults_are_told_as_the_model_tells_them(family: Family) -> None:
     source = random.Random(family.device.name)
@@ -498,7 +499,7 @@ def decoder(family: Family, name: str) -> Callable[..., Any]:
     return partial(decode, **{key: answer for key, answer in first_answers(family).items() if key in parameters})
 
 
-@pytest.mark.one_in(2, "exhaustive")
+@pytest.mark.one_in(4, "exhaustive")
 @pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
     source = random.Random(5)

@@ -117,6 +117,7 @@ def test_columns_are_what_each_frame_is(family: Family) -> None:
         assert not layout_cases[0].layout.crc_fields or FAULTS["crc"] in seen_faults, name
 
 
+@pytest.mark.one_in(2, "exhaustive")
 @pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_columns_are_what_the_model_says(family: Family) -> None:
     """Compared directly with the model, without the decoder of one frame."""

@@ -145,6 +145,7 @@ def test_one_change_of_a_manual_is_one_disagreement(
     assert about_change[0].startswith(start)
 
 
+@pytest.mark.slow
 def test_a_row_that_a_table_no_longer_has_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """SMA21 4.10 and 8: without the resolution of 10 µm, the later rows of both tables move up."""
     lines = (folder / "sma21.yaml").read_text(encoding="utf-8").splitlines(keepends=True)
@@ -168,6 +169,7 @@ def test_a_wrong_cell_next_to_a_missing_row_stays(folder: Path, capsys: pytest.C
     assert "column 3 of the table 'speeds': 4.8 here, 4.7 in sma21.second.yaml:" in found[1]
 
 
+@pytest.mark.slow
 def test_a_wider_position_of_one_model_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """SMA21 6.2: at 1 µm, the position has 25 bits in a field of 25. One more bit changes the frame and the limits."""
     edit(

@@ -122,47 +122,59 @@ class Program:
         return completed.stdout.splitlines()
 
     def _source(self) -> str:
-        device, family = self.device, self.family
-        scope = Scope(device)
+        """Return the harness with the types and functions of this device."""
+        text = (HERE / "harness.rs").read_text(encoding="utf-8")
+        for name, value in {**self._parameter_texts(), **self._frame_texts(), **self._family_texts()}.items():
+            text = text.replace(f"@{name}@", value)
+        return text
+
+    def _parameter_texts(self) -> dict[str, str]:
+        """Return the text for each mark of the harness that concerns the parameters of order codes."""
+        scope = Scope(self.device)
         assignments, printed = [], []
-        for parameter in device.parameters:
+        for parameter in self.device.parameters:
             member, is_open = f"variant.{snake(parameter.name)}", scope.is_open(parameter.name)
             if parameter.equals is None:
                 assignments.append(f"{member} = {_SOME if is_open else 'number(words) as _'};")
             call = "()" if parameter.equals is not None else ""
             printed.append(f"{member}{call}{_SHOWN[is_open]}")
+        return {"set": " ".join(assignments), "parameters": ", ".join(printed)}
+
+    def _frame_texts(self) -> dict[str, str]:
+        """Return the text for each mark of the harness that concerns frames."""
         dispatches = []
         for code, name, layouts in self.senders():
             dispatches.append(_TELL.format(code=code, type=name, arms=_layout_arms(name, layouts)))
-        codes = [*family.interfaces]
-        values = {
-            "module": snake(device.name),
-            "set": " ".join(assignments),
-            "parameters": ", ".join(printed),
+        read_positions = []
+        for index, struct in enumerate(self.structs):
+            if struct.position_member:
+                read_call = _READ.format(code=struct.code, type=_type(struct))
+                read_positions.append(f'            "{index}" => {read_call},')
+        return {
             "types": "".join(map(_implementation, self.structs)),
             "decode": _arms(f"decoded::<{_type(struct)}>(variant, words)" for struct in self.structs),
             "encode": _arms(f"encoded::<{_type(struct)}>(variant, words)" for struct in self.structs),
             "placed": _arms(f"told(<{_type(struct)} as Frame>::placed(variant))" for struct in self.structs),
             "dispatch": _arms(dispatches),
-            "held": _arms(
-                _TAKE.format(code=pascal(effect.register.interface), name=effect.register.name)
-                for effect in family.held
-            ),
+            "read": "\n".join(read_positions),
+        }
+
+    def _family_texts(self) -> dict[str, str]:
+        """Return the text for each mark of the harness that concerns registers, CRCs and interfaces."""
+        family = self.family
+        codes = [*family.interfaces]
+        takes = [
+            _TAKE.format(code=pascal(effect.register.interface), name=effect.register.name) for effect in family.held
+        ]
+        return {
+            "module": snake(self.device.name),
+            "held": _arms(takes),
             "codes": "\n            ".join(_CODES.format(code=code) for code in codes),
             "found": ", ".join(_FOUND.format(code=code) for code in codes),
             "first": codes[0],
-            "read": "\n".join(
-                f'            "{index}" => {_READ.format(code=struct.code, type=_type(struct))},'
-                for index, struct in enumerate(self.structs)
-                if struct.position_member
-            ),
             "crcs": _arms(f'format!("{{:X}}", {crc_name(crc)}({_crc_arguments(crc)}))' for crc in family.crcs),
             "registers": ", ".join(map(_constants, family.registers)),
         }
-        text = (HERE / "harness.rs").read_text(encoding="utf-8")
-        for name, value in values.items():
-            text = text.replace(f"@{name}@", value)
-        return text
 
     def senders(self) -> Iterator[tuple[str, str, list[Layout]]]:
         """Return the types of order codes, the types that hold any frame of one side, and their content."""

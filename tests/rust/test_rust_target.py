@@ -119,6 +119,7 @@ def lika(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "libencoders.rlib"
 
 
+@pytest.mark.one_in(4, "exhaustive")
 @pytest.mark.parametrize(("call", "code", "other"), MIXES)
 def test_an_order_code_of_another_interface_does_not_compile(
     call: str, code: str, other: str, lika: Path, tmp_path: Path

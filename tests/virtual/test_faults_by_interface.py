@@ -22,6 +22,7 @@ EXAMPLES = ROOT / "specs"
 #: Faults that need a request and a reply as bytes, and a fault that needs a start bit.
 ONLY_BYTES = {"doubled", "repeated", "second", "echo", "junk"}
 NOT_CLOCKED = {"biss": ONLY_BYTES, "ssi": ONLY_BYTES | {"late"}, "spi": ONLY_BYTES | {"late", "busy"}}
+LIKA = Path(__file__).parents[2] / "specs" / "lika"
 CODES = {"rs485": "AMM5A23/65KJP1", "biss": "AMM5A21/65KSC1", "ssi": "AMM5A21/65KBG1", "spi": "AS5047P"}
 REPLIES = 40
 #: Milliseconds between replies: within the 20 ms for which a fault lasts, and after them.
@@ -54,7 +55,7 @@ def test_a_fault_that_the_interface_cannot_have_is_refused(interface: str, fault
 @pytest.mark.parametrize("fault", ["junk", "echo", "doubled"])
 def test_simulate_refuses_it_before_it_opens_a_port(fault: str, capsys: pytest.CaptureFixture[str]) -> None:
     possible = "lost, short, late, flip, low, high, busy, restart, brownout"
-    assert main(["simulate", CODES["biss"], "--tcp", "--fault", f"{fault}:1e-3"]) == 2
+    assert main(["simulate", CODES["biss"], "--tcp", "--fault", f"{fault}:1e-3", "--specs", str(LIKA)]) == 2
     captured = capsys.readouterr()
     assert captured.err == f"codewheel: BiSS cannot have the fault '{fault}'; it can have: {possible}\n"
     assert captured.out == ""
@@ -153,7 +154,7 @@ def line_levels(encoder: VirtualEncoder) -> Callable[[], Any]:
 BITS = {"ssi": (words, line_levels), "biss": (cycles, line_levels), "spi": (spi_words,)}
 
 
-@pytest.mark.one_in(10, "exhaustive")
+@pytest.mark.one_in(20, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("pause_ms", PAUSES_MS)
 @pytest.mark.parametrize(("interface", "fault"), [(name, fault) for name in BITS for fault in faults_of(name)])
@@ -213,7 +214,7 @@ def timed_reply(request: bytes) -> Callable[[VirtualEncoder], Callable[[], Any]]
     return reply
 
 
-@pytest.mark.one_in(6, "exhaustive")
+@pytest.mark.one_in(10, "exhaustive")
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", faults_of("rs485"))
 def test_each_fault_changes_every_reply(fault: str) -> None:

@@ -54,7 +54,7 @@ def test_each_fault_has_errors_here() -> None:
     assert sorted(ERRORS) == sorted(FAULTS)
 
 
-@pytest.mark.one_in(4, "exhaustive")
+@pytest.mark.one_in(8, "exhaustive")
 @pytest.mark.parametrize("fault", FAULTS)
 def test_each_fault_has_its_error(generated_python: Package, library: Library, fault: str) -> None:
     """One reply in five has the fault, and nothing is retried."""
@@ -79,6 +79,7 @@ def test_retries_make_up_for_a_fault(generated_python: Package, library: Library
     assert injected[fault] > 10
 
 
+@pytest.mark.one_in(3, "exhaustive")
 @pytest.mark.parametrize("fault", FAULTS)
 def test_resets_of_ten_requests(generated_python: Package, library: Library, fault: str) -> None:
     """A reset that succeeds was carried out, however often it had to start again."""

@@ -330,8 +330,11 @@ def check_editions_in_other_languages(spec: WrittenSpec, report: DocumentReport)
 
 def problems_of_other_manual(source: str, document: str, contents: Mapping[str, WrittenSection]) -> Iterator[str]:
     """Yield a message for each section or page that a source cites wrongly in the manual with this key and contents."""
+    citations = _find_citations(source, document)
+    if not citations:
+        return
     page_ranges = _find_page_ranges(contents)
-    for citation in _find_citations(source, document):
+    for citation in citations:
         problem = _problem_of_citation(citation.group("section"), citation.group("page"), page_ranges, [])
         if problem:
             yield problem
