@@ -10,7 +10,9 @@ frame. Frames of a set with ``no trace`` are left out. Each set is in one column
   often "Does the position look wrong?" then lists the position that was sent.
 - ``no trace``: with each of several first bytes, any bytes would be a valid frame, so the missing byte is unknown.
 - ``undecided``: another mistake explains every one of 32 further frames with this one, and is at least as likely for
-  three frames. ``listed`` is how often the mistake is still in the list. Likelihoods are those of ``decode``.
+  three frames. Two mistakes are also undecided if a single mistake explains the three frames at least as well, even if
+  both were equally frequent: an encoder with only this mistake sends the same bits. ``listed`` is how often the mistake
+  is still in the list. Likelihoods are those of ``decode``.
 - ``judged``: all other sets. ``first`` is how often the mistake is named first, or the missing byte is named. ``three``
   is how often it is among the first three.
 """
@@ -81,7 +83,8 @@ class Mistake:
     """A mistake: how it changes a valid frame, and the kinds of its explanation.
 
     ``changes_frame`` is false if only the CRC differs. ``pair`` is true for two mistakes at once. With
-    ``loses_first_byte``, the length is right, because a byte follows a frame without its first byte.
+    ``loses_first_byte``, the length is right, because a byte follows a frame without its first byte. With
+    ``other_address``, fields that have a factory default, such as the address of the encoder, have any value.
     """
 
     name: str
@@ -90,6 +93,7 @@ class Mistake:
     changes_frame: bool = True
     pair: bool = False
     loses_first_byte: bool = False
+    other_address: bool = False
 
 
 @dataclass(frozen=True)
@@ -181,9 +185,11 @@ def distinct_encoders(devices: Iterable[Device]) -> list[Encoder]:
 # -- valid frames
 
 
-def valid_frame(encoder: Encoder, placed: PlacedLayout, source: random.Random) -> int:
-    """Return a random valid frame. Fields with a factory default, such as the address of the encoder, have it."""
-    usual_values = usual_values_of(encoder.device, encoder.variant.interface, placed.layout)
+def valid_frame(encoder: Encoder, placed: PlacedLayout, source: random.Random, *, other_address: bool = False) -> int:
+    """Return a random valid frame. Fields with a factory default have it, unless the address is another one."""
+    usual_values: Mapping[str, Sequence[int]] = {}
+    if not other_address:
+        usual_values = usual_values_of(encoder.device, encoder.variant.interface, placed.layout)
     crc = encoder.device.crc_of(placed)
     for _ in range(ATTEMPTS):
         frame = sum(random_value(placed, field, usual_values, source) << field.low for field in placed.fields)
@@ -341,6 +347,13 @@ def byte_mistakes(encoder: Encoder) -> Iterator[Mistake]:
         loses_first_byte=True,
     )
     yield Mistake("inverted", lambda frame, _: bytes(byte ^ 0xFF for byte in data(frame)).hex(" "), ("all_inverted",))
+    if usual_values_of(encoder.device, encoder.variant.interface, layout):
+        yield Mistake(
+            "first byte missing, address",
+            lambda frame, _: data(frame)[1:].hex(" "),
+            kinds=("first_byte_lost",),
+            other_address=True,
+        )
 
 
 def repeats_request(encoder: Encoder) -> bool:
@@ -399,7 +412,7 @@ def measure(encoder: Encoder, sets: int, counts: dict[tuple[str, str], Count], m
             if can_tell is None:
                 can_tell = is_decidable(encoder, mistake, source)
             place = place_of_mistake(encoder, mistake, planted_frames)
-            if not can_tell:
+            if not can_tell or (mistake.pair and fits_single_mistake(encoder, mistake, planted_frames)):
                 count.undecided += 1
                 count.listed += place is not None
                 continue
@@ -413,7 +426,7 @@ def measure(encoder: Encoder, sets: int, counts: dict[tuple[str, str], Count], m
 
 
 def plant(encoder: Encoder, mistake: Mistake, source: random.Random) -> Planted:
-    frame = valid_frame(encoder, encoder.placed, source)
+    frame = valid_frame(encoder, encoder.placed, source, other_address=mistake.other_address)
     text = mistake.plant(frame, source)
     name = None if encoder.placed.layout.in_bytes else encoder.placed.name
     decoded = decode_text(encoder.device, encoder.variant, "encoder", text, name)
@@ -537,6 +550,30 @@ def is_decidable(encoder: Encoder, mistake: Mistake, source: random.Random) -> b
         return True
     right_score = score_of_set(evidence_of_right)
     return all(score_of_set(evidence) < right_score for evidence in (evidence_of_others or {}).values())
+
+
+def fits_single_mistake(encoder: Encoder, mistake: Mistake, planted_frames: Sequence[Planted]) -> bool:
+    """Return whether a single mistake explains all frames of a set at least as well as the two that were made.
+
+    The frequencies of the mistakes are not counted, so this does not depend on estimates.
+    """
+    evidence_of_right: list[float] = []
+    evidence_by_single: dict[MistakeKey, list[float]] = {}
+    for planted in planted_frames:
+        diagnosis = why(encoder, planted, with_pairs=True)
+        right_ones = right_mistakes(mistake, planted, diagnosis)
+        if not right_ones:
+            return False
+        evidence_of_right.append(max(Evidence.of(right).bits for right in right_ones.values()))
+        singles: dict[MistakeKey, float] = {}
+        for explanation in explanations_of(diagnosis):
+            if not explanation.twice:
+                bits = Evidence.of(explanation).bits
+                singles[explanation.mistake] = max(bits, singles.get(explanation.mistake, 0.0))
+        for key, bits in singles.items():
+            evidence_by_single.setdefault(key, []).append(bits)
+    sums_of_all = [sum(bits) for bits in evidence_by_single.values() if len(bits) == len(planted_frames)]
+    return max(sums_of_all, default=0.0) >= sum(evidence_of_right)
 
 
 def is_any_frame(encoder: Encoder, source: random.Random) -> bool:

@@ -18,7 +18,7 @@ from ..model import (
     number_to_bytes,
 )
 from ..reference.bits import bits_of_field, compute_bytes, parity_bit, reflect
-from .exchanges import usual_values_of
+from .exchanges import LEAST_EVIDENCE, usual_values_of
 from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
 from .other_order_codes import other_order_code_hypotheses
@@ -176,8 +176,8 @@ def _missing_first_byte_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses with each possible first byte before the received bytes.
 
-    ``{0}`` in ``template`` is replaced by the byte. Its bits are assumed, so they prove nothing. With a CRC of two or
-    more bytes, any other first byte is searched too.
+    ``{0}`` in ``template`` is replaced by the byte. Its bits are assumed, so they prove nothing. Any other first byte
+    is searched too, such as another address, if the CRC and the constants have enough bits to show that it is missing.
     """
     assumed_bits = _constant_bits_in_first_byte(placed_layout)
 
@@ -194,7 +194,7 @@ def _missing_first_byte_hypotheses(
     for first_byte in first_bytes:
         hypothesis = with_first_byte(first_byte)
         yield replace(hypothesis, determined_bits=hypothesis.determined_bits - assumed_bits)
-    if crc is not None and crc.width > 8:
+    if crc is not None and crc.width - 8 + _constant_bits(placed_layout) - assumed_bits >= LEAST_EVIDENCE:
         searched_byte = _find_first_byte(placed_layout, crc, received_bytes)
         if searched_byte not in first_bytes:
             yield replace(with_first_byte(searched_byte), searched_places=BYTE_VALUES)
@@ -239,13 +239,18 @@ def _missing_last_byte_hypothesis(placed_layout: PlacedLayout, crc: Crc, receive
     return replace(hypothesis, searched_places=BYTE_VALUES)
 
 
+def _constant_bits(placed_layout: PlacedLayout) -> int:
+    """Return how many bits of a frame are constants, parity bits or determined by the selector."""
+    constant_bits, _ = check_constant_bits(placed_layout, frame=0)
+    return constant_bits
+
+
 def _constant_bits_in_first_byte(placed_layout: PlacedLayout) -> int:
     """Return how many bits of the constants, parity bits and selector of a frame are in its first byte."""
     bits_of_first_byte = _first_byte_mask(placed_layout)
     fields_outside = [field for field in placed_layout.fields if not (bits_of_first_byte >> field.low) & field.mask]
-    all_constant_bits, _ = check_constant_bits(placed_layout, frame=0)
-    constant_bits_outside, _ = check_constant_bits(replace(placed_layout, fields=tuple(fields_outside)), frame=0)
-    return all_constant_bits - constant_bits_outside
+    layout_without_first_byte = replace(placed_layout, fields=tuple(fields_outside))
+    return _constant_bits(placed_layout) - _constant_bits(layout_without_first_byte)
 
 
 def _first_byte_mask(placed_layout: PlacedLayout) -> int:

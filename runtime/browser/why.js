@@ -966,10 +966,11 @@ function tryMovedBytes(placedLayout, crc, data) {
     };
     const possibleBytes = findPossibleFirstBytes(placedLayout);
     hypotheses.push(...possibleBytes.map((byte) => assumeFirstByte(byte, constantBits)));
-    const searchedByte = crc?.width > 8 ? findFirstByte(placedLayout, crc, followingBytes) : possibleBytes[0];
-    if (crc?.width > 8 && !possibleBytes.includes(searchedByte)) {
-      hypotheses.push({ ...assumeFirstByte(searchedByte, 0), placeCount: TABLE.exchanges.byte_values });
-    }
+    // Any other first byte is searched if enough bits show that it is missing.
+    const canSearch = crc && crc.width - 8 + countConstantBits(placedLayout) - constantBits >= TABLE.exchanges.least;
+    const searchedBytes = canSearch ? [findFirstByte(placedLayout, crc, followingBytes)] : [];
+    hypotheses.push(...searchedBytes.filter((byte) => !possibleBytes.includes(byte)).map((byte) => (
+      { ...assumeFirstByte(byte, 0), placeCount: TABLE.exchanges.byte_values })));
     if (extraBytes && crc?.width > 8) {
       const bytes = [...data, findLastByte(placedLayout, crc, data)];
       hypotheses.push({

@@ -7,12 +7,14 @@ import json
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import reduce
+from operator import xor
 from typing import Any
 
 import pytest
 from browser_harness import Asker, Case
 from codewheel.commands.cli import main
-from codewheel.model import Crc
+from codewheel.model import Constant, Crc, number_to_bytes
 from codewheel.one_line.encoder import device_of_line
 from codewheel.reference.bits import compute_bytes, reflect
 from codewheel.targets import Library
@@ -32,6 +34,7 @@ LINES = {
     "inverted": "rs485,high_byte_first:position=32,status=8,crc=16:0x1021:0xffff:inverted",
     "32 bits": "rs485,high_byte_first:position=32,crc=32:0x4c11db7:0xffffffff:reflected:inverted:low_byte_first",
     "8 bits": "rs485,low_byte_first:status=8,position=24,crc=8:0x7",
+    "8 bits and a constant": "rs485,high_byte_first:address=8,constant=8:0x42,position=32,crc=8:0x101",
 }
 
 MISTAKES = {
@@ -76,6 +79,15 @@ def test_a_lost_byte_that_was_searched_proves_a_byte_less(capsys: Capture) -> No
     assert explanation["one_in"] == 1 << 16
 
 
+def test_another_address_of_a_frame_with_an_xor_is_found_by_the_constants(capsys: Capture) -> None:
+    """SKM36: the XOR fits one address in any case, but the command shows that it is missing."""
+    frame = bytes.fromhex("37 42 00 01 02 03")
+    checksum = reduce(xor, frame)
+    (explanation,) = explanations_of(capsys, "SKM36", frame[1:] + bytes([checksum]))
+    assert explanation["text"] == "the first byte (37) is missing"
+    assert explanation["one_in"] == 1 << 8
+
+
 def test_three_frames_are_judged_together(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     _, crc = device_and_crc(MODBUS)
     frames = [with_crc(crc, bytes.fromhex(f"01 03 04 00 00 {data}")) for data in ("17 E8", "20 01", "2A BC")]
@@ -102,14 +114,21 @@ def with_crc(crc: Crc, data: bytes) -> bytes:
     return data + compute_bytes(crc, data).to_bytes(crc.width // 8, "little")
 
 
+def data_with_constants(case: Case, numbers: random.Random) -> bytes:
+    """Return random bytes with the constants of a frame."""
+    number = numbers.getrandbits(case.placed.bits)
+    for field in case.placed.fields:
+        if isinstance(field.field.kind, Constant):
+            number = number & ~(field.mask << field.low) | field.field.kind.value << field.low
+    return number_to_bytes(case.layout, number, case.placed.bits)
+
+
 def planted_frames(line: str, numbers: random.Random) -> Iterator[bytes]:
     """Yield valid frames of a line with mistakes."""
     case, crc = device_and_crc(line)
     crc_length = crc.width // 8
     for _ in range(6):
-        data = numbers.randbytes(case.placed.bits // 8 - crc_length)
-        if line == MODBUS:
-            data = data[:1] + b"\x03" + data[2:]
+        data = data_with_constants(case, numbers)[:-crc_length]
         inverted = replace(crc, xorout=crc.xorout ^ crc.mask)
         in_other_order = replace(crc, refin=not crc.refin, refout=not crc.refout)
         for other_crc in (crc, inverted, in_other_order):
