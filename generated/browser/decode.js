@@ -3694,7 +3694,8 @@
     const crcBitsByBit = listNumbersBelow(8).map((bit) => crcOfBytes(crc, [1 << bit, ...data]) ^ crcWith0);
     const invertedCrcBits = (byte) => crcBitsByBit.reduce(
       (bits, crcBits, bit) => ((byte >> bit) & 1 ? bits ^ crcBits : bits), 0n);
-    return Math.max(listNumbersBelow(TABLE.exchanges.byte_values).findIndex((byte) => invertedCrcBits(byte) === wrongCrcBits), 0);
+    const isFirstByte = (byte) => invertedCrcBits(byte) === wrongCrcBits;
+    return Math.max(listNumbersBelow(TABLE.exchanges.byte_values).findIndex(isFirstByte), 0);
   }
 
   /** Find the last byte of a frame, which belongs to its CRC of several bytes. */

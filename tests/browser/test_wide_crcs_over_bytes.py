@@ -9,18 +9,21 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import reduce
 from operator import xor
+from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_harness import Asker, Case
+from browser_harness import Asker, Case, cases, library_of
 from codewheel.commands.cli import main
 from codewheel.model import Constant, Crc, number_to_bytes
 from codewheel.one_line.encoder import device_of_line
 from codewheel.reference.bits import compute_bytes, reflect
+from codewheel.say.report import NOT_SEARCHED
 from codewheel.targets import Library
 from test_browser_codec import expected_explanations
 
 Capture = pytest.CaptureFixture[str]
+SPECS = Path(__file__).resolve().parents[1] / "specs"
 
 #: A reply of MODBUS, with the CRC low byte first and the number high byte first.
 MODBUS = "rs485,high_byte_first:address=8,constant=8:0x03,length=8,position=32,crc=16:0x8005:0xffff:reflected"
@@ -157,3 +160,14 @@ def test_the_page_finds_the_same(name: str, ask: Callable[[Library, str], Asker]
     }
     assert difference_by_frame == {}
     assert sum(bool(explained[0]) for explained in expected) >= 60
+
+
+@pytest.mark.starts_process
+def test_a_crc_that_is_not_whole_bytes_is_not_searched(capsys: Capture, ask: Callable[[Library, str], Asker]) -> None:
+    """The CRC of 12 bits belongs to bits that are stored in bytes."""
+    text = "00 01 02 03 04 05 06 07 00 01"
+    main(["decode", "CS", text, "--specs", str(SPECS)])
+    assert f"{NOT_SEARCHED}." in " ".join(capsys.readouterr().out.split())
+    (case,) = [case for (case, *_) in cases(library_of("specs/long_crc").devices[0]) if case.variant.code == "CS"]
+    ((answer,),) = ask(library_of("specs/long_crc"), "node")("reasons", [{**case.data, "frames": [text]}])
+    assert answer[0] == []
