@@ -10,9 +10,7 @@ frame. Frames of a set with ``no trace`` are left out. Each set is in one column
   often "Does the position look wrong?" then lists the position that was sent.
 - ``no trace``: with each of several first bytes, any bytes would be a valid frame, so the missing byte is unknown.
 - ``undecided``: another mistake explains every one of 32 further frames with this one, and is at least as likely for
-  three frames. Two mistakes are also undecided if a single mistake explains the three frames at least as well, even if
-  both were equally frequent: an encoder with only this mistake sends the same bits. ``listed`` is how often the mistake
-  is still in the list. Likelihoods are those of ``decode``.
+  three frames. ``listed`` is how often the mistake is still in the list. Likelihoods are those of ``decode``.
 - ``judged``: all other sets. ``first`` is how often the mistake is named first, or the missing byte is named. ``three``
   is how often it is among the first three.
 """
@@ -412,7 +410,7 @@ def measure(encoder: Encoder, sets: int, counts: dict[tuple[str, str], Count], m
             if can_tell is None:
                 can_tell = is_decidable(encoder, mistake, source)
             place = place_of_mistake(encoder, mistake, planted_frames)
-            if not can_tell or (mistake.pair and fits_single_mistake(encoder, mistake, planted_frames)):
+            if not can_tell:
                 count.undecided += 1
                 count.listed += place is not None
                 continue
@@ -550,30 +548,6 @@ def is_decidable(encoder: Encoder, mistake: Mistake, source: random.Random) -> b
         return True
     right_score = score_of_set(evidence_of_right)
     return all(score_of_set(evidence) < right_score for evidence in (evidence_of_others or {}).values())
-
-
-def fits_single_mistake(encoder: Encoder, mistake: Mistake, planted_frames: Sequence[Planted]) -> bool:
-    """Return whether a single mistake explains all frames of a set at least as well as the two that were made.
-
-    The frequencies of the mistakes are not counted, so this does not depend on estimates.
-    """
-    evidence_of_right: list[float] = []
-    evidence_by_single: dict[MistakeKey, list[float]] = {}
-    for planted in planted_frames:
-        diagnosis = why(encoder, planted, with_pairs=True)
-        right_ones = right_mistakes(mistake, planted, diagnosis)
-        if not right_ones:
-            return False
-        evidence_of_right.append(max(Evidence.of(right).bits for right in right_ones.values()))
-        singles: dict[MistakeKey, float] = {}
-        for explanation in explanations_of(diagnosis):
-            if not explanation.twice:
-                bits = Evidence.of(explanation).bits
-                singles[explanation.mistake] = max(bits, singles.get(explanation.mistake, 0.0))
-        for key, bits in singles.items():
-            evidence_by_single.setdefault(key, []).append(bits)
-    sums_of_all = [sum(bits) for bits in evidence_by_single.values() if len(bits) == len(planted_frames)]
-    return max(sums_of_all, default=0.0) >= sum(evidence_of_right)
 
 
 def is_any_frame(encoder: Encoder, source: random.Random) -> bool:

@@ -103,31 +103,3 @@ def test_a_diagnosis_without_pairs_is_that_of_decode() -> None:
             assert reduced.missing == diagnosis.missing
             compared_pairs += reduced.explanations != planted.diagnoses[0].explanations
     assert compared_pairs > 10
-
-
-def test_three_frames_that_one_mistake_also_sends_are_undecided() -> None:
-    """A CRC without inversion and start value is also right for a frame read one clock early if its last bit is 0.
-
-    With a last bit of 1 in one of the frames, only both mistakes together explain all of them.
-    """
-    devices, _ = load_library()
-    encoder = next(
-        encoder
-        for encoder in why_campaign.distinct_encoders(devices)
-        if encoder.name == "iC-MN-13-0-T16 single_cycle_data"
-    )
-    mistakes = {mistake.name: mistake for mistake in why_campaign.mistakes_of(encoder)}
-    pair, inversion = mistakes["early, CRC inverted"], mistakes["CRC not inverted"]
-    source = random.Random(48)
-    results: set[tuple[bool, bool]] = set()
-    for _ in range(200):
-        planted_frames = [why_campaign.plant(encoder, pair, source) for _ in range(3)]
-        diagnoses = [why_campaign.why(encoder, planted, with_pairs=True) for planted in planted_frames]
-        fits_inversion = all(
-            any(explanation.kind in inversion.kinds for explanation in why_campaign.explanations_of(diagnosis))
-            for diagnosis in diagnoses
-        )
-        results.add((fits_inversion, why_campaign.fits_single_mistake(encoder, pair, planted_frames)))
-    assert (True, True) in results
-    assert (False, False) in results
-    assert (False, True) not in results
