@@ -2,7 +2,9 @@
 
     python benchmarks/why_campaign.py [SETS] [INTERFACE]
 
-SETS is the number of sets of three frames for each layout and each mistake, by default 6. Each set is in one column:
+SETS is the number of sets of three frames for each layout and each mistake, by default 6. Of the frames that are not
+valid in spite of the mistake, ``single`` is how often the mistake is among the first three if ``decode`` gets only this
+frame. Frames of a set with ``no trace`` are left out. Each set is in one column:
 
 - ``as it is``: a frame of the set is valid in spite of its mistake, so ``decode`` explains nothing. ``doubts`` is how
   often "Does the position look wrong?" then lists the position that was sent.
@@ -45,6 +47,7 @@ from codewheel.why.diagnosis import Diagnosis, Explanation, without_details
 from codewheel.why.doubts import other_positions, position_name
 from codewheel.why.exchanges import usual_values_of
 from codewheel.why.hypotheses import crc_covered_bits
+from codewheel.why.recordings import FRAME_INSIDE
 from codewheel.why.together import CommonMistake, judge_together
 
 FRAMES_OF_SET = 3
@@ -78,7 +81,8 @@ class Mistake:
     """A mistake: how it changes a valid frame, and the kinds of its explanation.
 
     ``changes_frame`` is false if only the CRC differs. ``pair`` is true for two mistakes at once. With
-    ``loses_first_byte``, the length is right, because a byte follows a frame without its first byte.
+    ``loses_first_byte``, the length is right, because a byte follows a frame without its first byte. With
+    ``other_address``, fields that have a factory default, such as the address of the encoder, have any value.
     """
 
     name: str
@@ -87,15 +91,20 @@ class Mistake:
     changes_frame: bool = True
     pair: bool = False
     loses_first_byte: bool = False
+    other_address: bool = False
 
 
 @dataclass(frozen=True)
 class Planted:
-    """A frame with a mistake: its text, the result of decoding it, and the numbers that ``decode`` names for it."""
+    """A frame with a mistake: its text, the result of decoding it, and the numbers that ``decode`` names for it.
+
+    ``diagnoses`` has the diagnosis with pairs of mistakes, if it is known.
+    """
 
     text: str
     decoded: codec.DecodedFrame
     numbers: dict[str, int]
+    diagnoses: list[Diagnosis | None]
 
 
 @dataclass
@@ -111,6 +120,8 @@ class Count:
     judged: int = 0
     first: int = 0
     among_three: int = 0
+    single: int = 0
+    single_among_three: int = 0
 
 
 def main() -> None:
@@ -131,7 +142,7 @@ def main() -> None:
 
 def print_counts(counts: dict[tuple[str, str], Count]) -> None:
     heads = f"{'as it is':>9}{'doubts':>9}{'no trace':>10}{'undecided':>11}{'listed':>9}"
-    heads += f"{'judged':>8}{'first':>9}{'three':>9}"
+    heads += f"{'judged':>8}{'first':>9}{'three':>9}{'frames':>9}{'single':>9}"
     print(f"{'frames':15}{'mistake':32}{heads}")
     for (frames, mistake), count in sorted(counts.items()):
         checked = count.doubts + count.without_doubts
@@ -139,9 +150,10 @@ def print_counts(counts: dict[tuple[str, str], Count]) -> None:
         listed = percentage(count.listed, count.undecided)
         first = percentage(count.first, count.judged)
         among_three = percentage(count.among_three, count.judged)
+        single = percentage(count.single_among_three, count.single)
         print(
             f"{frames:15}{mistake:32}{count.as_it_is:9}{doubts:>9}{count.no_trace:10}{count.undecided:11}{listed:>9}"
-            f"{count.judged:8}{first:>9}{among_three:>9}"
+            f"{count.judged:8}{first:>9}{among_three:>9}{count.single:9}{single:>9}"
         )
 
 
@@ -171,9 +183,11 @@ def distinct_encoders(devices: Iterable[Device]) -> list[Encoder]:
 # -- valid frames
 
 
-def valid_frame(encoder: Encoder, placed: PlacedLayout, source: random.Random) -> int:
-    """Return a random valid frame. Fields with a factory default, such as the address of the encoder, have it."""
-    usual_values = usual_values_of(encoder.device, encoder.variant.interface, placed.layout)
+def valid_frame(encoder: Encoder, placed: PlacedLayout, source: random.Random, *, other_address: bool = False) -> int:
+    """Return a random valid frame. Fields with a factory default have it, unless the address is another one."""
+    usual_values: Mapping[str, Sequence[int]] = {}
+    if not other_address:
+        usual_values = usual_values_of(encoder.device, encoder.variant.interface, placed.layout)
     crc = encoder.device.crc_of(placed)
     for _ in range(ATTEMPTS):
         frame = sum(random_value(placed, field, usual_values, source) << field.low for field in placed.fields)
@@ -331,6 +345,13 @@ def byte_mistakes(encoder: Encoder) -> Iterator[Mistake]:
         loses_first_byte=True,
     )
     yield Mistake("inverted", lambda frame, _: bytes(byte ^ 0xFF for byte in data(frame)).hex(" "), ("all_inverted",))
+    if usual_values_of(encoder.device, encoder.variant.interface, layout):
+        yield Mistake(
+            "first byte missing, address",
+            lambda frame, _: data(frame)[1:].hex(" "),
+            kinds=("first_byte_lost",),
+            other_address=True,
+        )
 
 
 def repeats_request(encoder: Encoder) -> bool:
@@ -378,6 +399,8 @@ def measure(encoder: Encoder, sets: int, counts: dict[tuple[str, str], Count], m
         has_no_trace = mistake.loses_first_byte and is_any_frame(encoder, source)
         for _ in range(sets):
             planted_frames = [plant(encoder, mistake, source) for _ in range(FRAMES_OF_SET)]
+            if not has_no_trace:
+                count_single_frames(encoder, mistake, planted_frames, count)
             if any(is_valid(planted) for planted in planted_frames):
                 count_doubts(encoder, mistake, planted_frames, count)
                 continue
@@ -401,7 +424,7 @@ def measure(encoder: Encoder, sets: int, counts: dict[tuple[str, str], Count], m
 
 
 def plant(encoder: Encoder, mistake: Mistake, source: random.Random) -> Planted:
-    frame = valid_frame(encoder, encoder.placed, source)
+    frame = valid_frame(encoder, encoder.placed, source, other_address=mistake.other_address)
     text = mistake.plant(frame, source)
     name = None if encoder.placed.layout.in_bytes else encoder.placed.name
     decoded = decode_text(encoder.device, encoder.variant, "encoder", text, name)
@@ -415,7 +438,8 @@ def plant(encoder: Encoder, mistake: Mistake, source: random.Random) -> Planted:
         for field in encoder.placed.fields
         if isinstance(field.field.kind, Number) and undecided.isdisjoint(field.field.low.parameters)
     ]
-    return Planted(text, decoded, {name: values[name] for name in names if isinstance(values[name], int)})
+    numbers = {name: values[name] for name in names if isinstance(values[name], int)}
+    return Planted(text, decoded, numbers, diagnoses=[])
 
 
 def is_valid(planted: Planted) -> bool:
@@ -423,7 +447,35 @@ def is_valid(planted: Planted) -> bool:
 
 
 def why(encoder: Encoder, planted: Planted, *, with_pairs: bool = False) -> Diagnosis | None:
-    return why_text(encoder.device, encoder.variant, "encoder", planted.text, planted.decoded, with_pairs=with_pairs)
+    """Return the diagnosis of a frame. It is computed only once, since this takes almost all of the time."""
+    if not planted.diagnoses:
+        diagnosis = why_text(encoder.device, encoder.variant, "encoder", planted.text, planted.decoded, with_pairs=True)
+        planted.diagnoses.append(diagnosis)
+    (diagnosis_with_pairs,) = planted.diagnoses
+    if with_pairs or diagnosis_with_pairs is None:
+        return diagnosis_with_pairs
+    return without_pairs(diagnosis_with_pairs)
+
+
+def without_pairs(diagnosis: Diagnosis) -> Diagnosis:
+    """Return what ``decode`` shows for a single frame: pairs only if no single mistake explains it by a rule."""
+    single_mistakes = [explanation for explanation in diagnosis.explanations if not explanation.twice]
+    if all(explanation.kind == FRAME_INSIDE for explanation in single_mistakes):
+        return diagnosis
+    all_single_mistakes = tuple(explanation for explanation in diagnosis.unmerged if not explanation.twice)
+    return replace(diagnosis, explanations=tuple(single_mistakes), unmerged=all_single_mistakes)
+
+
+def count_single_frames(encoder: Encoder, mistake: Mistake, planted_frames: Sequence[Planted], count: Count) -> None:
+    """Count the invalid frames for which the mistake, or the missing byte, is among the first three explanations."""
+    for planted in planted_frames:
+        if is_valid(planted):
+            continue
+        count.single += 1
+        diagnosis = why(encoder, planted)
+        likeliest = diagnosis.explanations[:3] if diagnosis is not None else ()
+        has_right = any(explains(mistake, planted, explanation) for explanation in likeliest)
+        count.single_among_three += has_right or is_missing(encoder, planted)
 
 
 def is_missing(encoder: Encoder, planted: Planted) -> bool:
@@ -456,11 +508,17 @@ def right_mistakes(mistake: Mistake, planted: Planted, diagnosis: Diagnosis | No
     return {
         explanation.mistake: explanation
         for explanation in explanations_of(diagnosis)
-        if explanation.kind in mistake.kinds and explanation.twice == mistake.pair
-        if not explanation.reads
-        or planted.numbers in [dict(reads) for reads in (explanation.reads, *explanation.or_reads)]
-        or not mistake.changes_frame
+        if explains(mistake, planted, explanation)
     }
+
+
+def explains(mistake: Mistake, planted: Planted, explanation: Explanation) -> bool:
+    """Return whether an explanation names the mistake and gives the numbers that were sent."""
+    if explanation.kind not in mistake.kinds or explanation.twice != mistake.pair:
+        return False
+    if not explanation.reads or not mistake.changes_frame:
+        return True
+    return planted.numbers in [dict(reads) for reads in (explanation.reads, *explanation.or_reads)]
 
 
 def is_decidable(encoder: Encoder, mistake: Mistake, source: random.Random) -> bool:

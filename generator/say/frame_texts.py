@@ -296,7 +296,7 @@ HIDDEN_SHIFT = (
     "twice as large as it should be, the frames were also read one clock late or early"
 )
 NO_EXPLANATION = "No common mistake explains it"
-NOT_SEARCHED = "codewheel did not look for mistakes, because it only does so in bytes with an 8-bit CRC"
+NOT_SEARCHED = "codewheel did not look for mistakes, because the CRC of these bytes does not consist of whole bytes"
 
 
 def equal_readings(count: str) -> str:

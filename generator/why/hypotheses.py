@@ -81,6 +81,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "words_swapped": 2,  # a buffer of 16-bit words is read on a machine of the other byte order
         "bits_reversed": 1,  # the bits are collected from the other end
         "bits_reversed_in_bytes": 2,  # SPI or a serial port receives the least significant bit first
+        "crc_bytes_swapped": 8,  # MODBUS sends its CRC low byte first and its numbers high byte first
         "crc_reversed": 0.5,  # the CRC is computed least significant bit first
     }
 )

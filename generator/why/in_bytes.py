@@ -19,15 +19,17 @@ from ..model import (
 )
 from ..reference.bits_and_values import parity_bit, reflect
 from .exchanges import usual_values_of
+from ..reference.bits import bits_of_field, compute_bytes, parity_bit, reflect
+from .exchanges import LEAST_EVIDENCE, usual_values_of
 from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
 from .other_order_codes import other_order_code_hypotheses
 from .texts import TEXTS
 
-#: Longest request in bytes whose echo is considered.
-MOST_ECHOED_BYTES = 4
-#: Width of a CRC over bytes with which mistakes are looked for.
-SEARCHED_CRC_BITS = 8
+#: Longest request in bytes whose echo is considered. A MODBUS request that reads registers has 8.
+MOST_ECHOED_BYTES = 8
+#: Number of values of a byte.
+BYTE_VALUES = 256
 
 
 def byte_hypotheses(
@@ -35,8 +37,9 @@ def byte_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses, each with one mistake that could have turned a valid frame into ``received_bytes``.
 
-    All frames of the sender that are sent as bytes are considered if they have no CRC or one of 8 bits. Different CRC
-    parameters are tried only for ``expected_layout``, the layout that the bytes should have, or None if it is unknown.
+    All frames of the sender that are sent as bytes are considered if their CRC, if any, consists of whole bytes.
+    Different CRC parameters are tried only for ``expected_layout``, the layout that the bytes should have, or None if
+    it is unknown.
     """
     expected_name = expected_layout.name if expected_layout is not None else None
     for layout in device.interface(variant.interface).layouts:
@@ -44,7 +47,7 @@ def byte_hypotheses(
             continue
         placed_layout = layout.place(variant.parameters)
         crc = device.crc_of(placed_layout)
-        if crc is not None and crc.width != SEARCHED_CRC_BITS:
+        if crc is not None and not is_whole_bytes(crc):
             continue
         is_expected_layout = placed_layout.name == expected_name
         has_frame_length = 8 * len(received_bytes) == placed_layout.bits
@@ -59,25 +62,41 @@ def byte_hypotheses(
         yield from _displaced_byte_hypotheses(placed_layout, crc, received_bytes, first_bytes)
 
 
+def is_whole_bytes(crc: Crc) -> bool:
+    """Return whether a CRC consists of whole bytes. Mistakes in bytes with another CRC are not looked for."""
+    return crc.width % 8 == 0
+
+
 def is_valid_in_bytes(device: Device, placed_layout: PlacedLayout, received_bytes: bytes) -> bool:
-    """Return whether the bytes are a valid frame with an 8-bit CRC: CRC, constants, parity and selector are correct."""
+    """Return whether bytes are a valid frame with a CRC of whole bytes.
+
+    Its CRC, constants, parity and selector are correct.
+    """
     crc = device.crc_of(placed_layout)
-    if crc is None or crc.width != SEARCHED_CRC_BITS:
+    if crc is None or not is_whole_bytes(crc):
         return False
     return _frame_hypothesis(kind="", description="", placed_layout=placed_layout, crc=crc, frame=received_bytes).fits
 
 
 def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which the CRC has different parameters, or does not cover the first byte.
-
-    The last byte of the frame is the received CRC.
-    """
+    """Yield hypotheses in which the CRC has different parameters or swapped bytes, or does not cover the first byte."""
     frame_number = number_from_bytes(placed_layout.layout, frame)
-    without_mistake = _with_crc_over_bytes(hypothesis_without_mistake(placed_layout, crc, frame_number), frame)
+    hypothesis = hypothesis_without_mistake(placed_layout, crc, frame_number)
+    without_mistake = _with_crc_over_bytes(hypothesis, placed_layout, crc, frame)
+    crc_length = crc.width // 8
+    has_byte_order = crc_length > 1
+    swapped_crc = int.from_bytes(without_mistake.received_crc.to_bytes(crc_length, "little"), "big")
+    if has_byte_order:
+        description = TEXTS["crc_bytes_swapped"]
+        yield replace(without_mistake, kind="crc_bytes_swapped", description=description, received_crc=swapped_crc)
     for kind, description, other_crc in other_crcs_over_bytes(crc):
-        yield replace(without_mistake, kind=kind, description=description, crc=other_crc)
-    bytes_without_first_and_crc = frame[1:-1]
-    has_byte_before_crc = len(frame) > 1
+        with_other_crc = replace(without_mistake, kind=kind, description=description, crc=other_crc)
+        yield with_other_crc
+        if has_byte_order and kind == "other_polynomial":
+            swapped_description = TEXTS["and_swapped"].format(description)
+            yield replace(with_other_crc, description=swapped_description, received_crc=swapped_crc)
+    bytes_without_first_and_crc = frame[1:-crc_length]
+    has_byte_before_crc = len(frame) > crc_length
     if has_byte_before_crc:
         yield replace(
             without_mistake,
@@ -91,9 +110,9 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
 def _displaced_byte_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, first_bytes: Sequence[int]
 ) -> Iterator[Hypothesis]:
-    """Yield hypotheses in which extra bytes surround the frame, its first byte is missing, or bits are changed.
+    """Yield hypotheses in which extra bytes surround the frame, one of its bytes is missing, or bits are changed.
 
-    Up to 4 bytes may precede or follow the frame, such as an echoed request. If the first byte is missing, an extra
+    Up to 8 bytes may precede or follow the frame, such as an echoed request. If the first byte is missing, an extra
     byte may follow the frame. ``first_bytes`` are the possible values of a missing first byte.
     """
     extra_bytes = len(received_bytes) - placed_layout.bits // 8
@@ -104,6 +123,8 @@ def _displaced_byte_hypotheses(
         yield from _extra_byte_hypotheses(placed_layout, crc, received_bytes)
     if extra_bytes == -1:
         yield from missing_first_byte(received_bytes=received_bytes, template=TEXTS["byte_missing"])
+        if crc is not None and crc.width > 8:
+            yield _missing_last_byte_hypothesis(placed_layout, crc, received_bytes)
     if extra_bytes == 0:
         # The first byte is missing, and a byte follows the frame, so the length is right.
         template = TEXTS["and_follows"].format(TEXTS["byte_missing"])
@@ -157,25 +178,81 @@ def _missing_first_byte_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses with each possible first byte before the received bytes.
 
-    ``{0}`` in ``template`` is replaced by the byte. Its bits are assumed, so they prove nothing.
+    ``{0}`` in ``template`` is replaced by the byte. Its bits are assumed, so they prove nothing. Any other first byte
+    is searched too, such as another address, if the CRC and the constants have enough bits to show that it is missing.
     """
     assumed_bits = _constant_bits_in_first_byte(placed_layout)
-    for first_byte in first_bytes:
-        frame = bytes([first_byte]) + received_bytes
-        description = template.format(f"{first_byte:02X}")
+
+    def with_first_byte(first_byte: int) -> Hypothesis:
         hypothesis = _frame_hypothesis(
-            kind="first_byte_lost", description=description, placed_layout=placed_layout, crc=crc, frame=frame
+            kind="first_byte_lost",
+            description=template.format(f"{first_byte:02X}"),
+            placed_layout=placed_layout,
+            crc=crc,
+            frame=bytes([first_byte]) + received_bytes,
         )
-        yield replace(hypothesis, template=template, determined_bits=hypothesis.determined_bits - assumed_bits)
+        return replace(hypothesis, template=template)
+
+    for first_byte in first_bytes:
+        hypothesis = with_first_byte(first_byte)
+        yield replace(hypothesis, determined_bits=hypothesis.determined_bits - assumed_bits)
+    if crc is not None and crc.width - 8 + _constant_bits(placed_layout) - assumed_bits >= LEAST_EVIDENCE:
+        searched_byte = _find_first_byte(placed_layout, crc, received_bytes)
+        if searched_byte not in first_bytes:
+            yield replace(with_first_byte(searched_byte), searched_places=BYTE_VALUES)
+
+
+def _find_first_byte(placed_layout: PlacedLayout, crc: Crc, received_bytes: bytes) -> int:
+    """Return the first byte with which the CRC of a frame is correct, or 0 if there is none.
+
+    A CRC is linear: each bit of the first byte inverts certain bits of the CRC, whatever the other bits are.
+    """
+    frame_number = number_from_bytes(placed_layout.layout, b"\0" + received_bytes)
+    data = received_bytes[: -crc.width // 8]
+    crc_with_0 = compute_bytes(crc, b"\0" + data)
+    wrong_crc_bits = _received_crc(placed_layout, frame_number) ^ crc_with_0
+    crc_bits_by_bit = [compute_bytes(crc, bytes([1 << bit]) + data) ^ crc_with_0 for bit in range(8)]
+    for first_byte in range(BYTE_VALUES):
+        inverted_crc_bits = 0
+        for bit, crc_bits in enumerate(crc_bits_by_bit):
+            if (first_byte >> bit) & 1:
+                inverted_crc_bits ^= crc_bits
+        if inverted_crc_bits == wrong_crc_bits:
+            return first_byte
+    return 0
+
+
+def _missing_last_byte_hypothesis(placed_layout: PlacedLayout, crc: Crc, received_bytes: bytes) -> Hypothesis:
+    """Return the hypothesis that the last byte of a frame, which belongs to a CRC of several bytes, is missing.
+
+    The missing byte is assumed to be correct, so only the other bytes of the CRC are compared.
+    """
+    data = received_bytes[: -(crc.width // 8 - 1)]
+    assert placed_layout.crc_field is not None
+    frame_number = compute_bytes(crc, data) << placed_layout.crc_field.low
+    last_byte = number_to_bytes(placed_layout.layout, frame_number, placed_layout.bits)[-1:]
+    hypothesis = _frame_hypothesis(
+        kind="last_bits_missing",
+        description=TEXTS["last_byte_missing"],
+        placed_layout=placed_layout,
+        crc=crc,
+        frame=received_bytes + last_byte,
+    )
+    return replace(hypothesis, searched_places=BYTE_VALUES)
+
+
+def _constant_bits(placed_layout: PlacedLayout) -> int:
+    """Return how many bits of a frame are constants, parity bits or determined by the selector."""
+    constant_bits, _ = check_constant_bits(placed_layout, frame=0)
+    return constant_bits
 
 
 def _constant_bits_in_first_byte(placed_layout: PlacedLayout) -> int:
     """Return how many bits of the constants, parity bits and selector of a frame are in its first byte."""
     bits_of_first_byte = _first_byte_mask(placed_layout)
     fields_outside = [field for field in placed_layout.fields if not (bits_of_first_byte >> field.low) & field.mask]
-    all_constant_bits, _ = check_constant_bits(placed_layout, frame=0)
-    constant_bits_outside, _ = check_constant_bits(replace(placed_layout, fields=tuple(fields_outside)), frame=0)
-    return all_constant_bits - constant_bits_outside
+    layout_without_first_byte = replace(placed_layout, fields=tuple(fields_outside))
+    return _constant_bits(placed_layout) - _constant_bits(layout_without_first_byte)
 
 
 def _first_byte_mask(placed_layout: PlacedLayout) -> int:
@@ -187,7 +264,7 @@ def _first_byte_mask(placed_layout: PlacedLayout) -> int:
 def _frame_hypothesis(
     kind: str, description: str, placed_layout: PlacedLayout, crc: Crc | None, frame: bytes
 ) -> Hypothesis:
-    """Return the hypothesis that the encoder sent ``frame``, whose last byte is the CRC if there is one.
+    """Return the hypothesis that the encoder sent ``frame``, whose last bytes are the CRC if there is one.
 
     ``kind`` and ``description`` name the mistake that changed the frame.
     """
@@ -195,20 +272,29 @@ def _frame_hypothesis(
     hypothesis = frame_hypothesis(
         kind=kind, description=description, placed_layout=placed_layout, crc=crc, frame=frame_number
     )
-    return hypothesis if crc is None else _with_crc_over_bytes(hypothesis, frame)
+    return hypothesis if crc is None else _with_crc_over_bytes(hypothesis, placed_layout, crc, frame)
 
 
-def _with_crc_over_bytes(hypothesis: Hypothesis, frame: bytes) -> Hypothesis:
+def _with_crc_over_bytes(hypothesis: Hypothesis, placed_layout: PlacedLayout, crc: Crc, frame: bytes) -> Hypothesis:
     """Return the hypothesis with the CRC computed over the bytes as they are sent, whatever the byte order of numbers.
 
-    The last byte of the frame is the CRC, and it covers all other bytes.
+    The last bytes of the frame are the CRC, and it covers all other bytes.
     """
+    data = frame[: -crc.width // 8]
+    frame_number = number_from_bytes(placed_layout.layout, frame)
     return replace(
         hypothesis,
-        covered_data=int.from_bytes(frame[:-1], "big"),
-        received_crc=frame[-1],
+        covered_data=int.from_bytes(data, "big"),
+        covered_bits=8 * len(data),
+        received_crc=_received_crc(placed_layout, frame_number),
         is_crc_over_bytes=True,
     )
+
+
+def _received_crc(placed_layout: PlacedLayout, frame: int) -> int:
+    """Return the CRC in a frame."""
+    assert placed_layout.crc_field is not None
+    return bits_of_field(placed_layout.crc_field, frame)
 
 
 def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str, Sequence[int]]) -> Iterator[int]:

@@ -20,6 +20,13 @@ from .texts import START_BITS, TEXTS
 
 #: Polynomials, including their top bit, that BiSS masters offer.
 POLYNOMIALS = tuple(crc.polynomial for crc in KNOWN_CRCS if crc.in_masters)
+#: Usual CRCs of 16 bits over bytes: name, polynomial without its top bit, start value, and whether it is reflected.
+CRCS_OF_16_BITS = (
+    ("MODBUS", 0x8005, 0xFFFF, True),
+    ("CCITT-FALSE", 0x1021, 0xFFFF, False),
+    ("XMODEM", 0x1021, 0, False),
+    ("KERMIT", 0x1021, 0, True),
+)
 #: A kind of mistake, its description, and the CRC of a frame with that mistake.
 OtherCrc = tuple[str, str, Crc]
 
@@ -87,10 +94,10 @@ def _other_start_values(crc: Crc) -> list[int]:
 
 
 def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
-    """Yield variants of a CRC over bytes: with its inversion changed, other start values, or other 8-bit polynomials.
+    """Yield variants of a CRC over bytes: with its inversion changed, other start values, or other polynomials.
 
     Each CRC comes with the kind of mistake and its description. For the XOR of all bytes, a start value is the same as
-    an inversion, so other start values are omitted.
+    an inversion, so other start values are omitted. Other polynomials are tried for CRCs of 8 and 16 bits.
     """
     inversion_text = "the CRC is not inverted" if crc.xorout else "the CRC is inverted"
     if crc.is_xor:
@@ -100,15 +107,32 @@ def other_crcs_over_bytes(crc: Crc) -> Iterator[OtherCrc]:
     if not crc.is_xor:
         for start in _other_start_values(crc):
             yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
+    if crc.width == 16:
+        yield from _other_crcs_of_16_bits(crc)
     for polynomial in POLYNOMIALS:
         is_8_bit = polynomial.bit_length() == 9
-        if is_8_bit:
+        if crc.width == 8 and is_8_bit:
             without_top_bit = polynomial & 0xFF
             most_significant_first = replace(crc, poly=without_top_bit, refin=False, refout=False)
             least_significant_first = replace(crc, poly=without_top_bit, refin=True, refout=True)
             polynomial_text = f"the polynomial is {polynomial:#x}"
             yield "other_polynomial", f"{polynomial_text}, most significant bit first", most_significant_first
             yield "other_polynomial", f"{polynomial_text}, least significant bit first", least_significant_first
+
+
+def _other_crcs_of_16_bits(crc: Crc) -> Iterator[OtherCrc]:
+    """Yield usual CRCs of 16 bits that differ in more than the start value, and this one with the other bit order."""
+    usual_crcs: list[Crc] = []
+    for name, poly, init, is_reflected in CRCS_OF_16_BITS:
+        usual_crc = replace(crc, poly=poly, init=init, refin=is_reflected, refout=is_reflected, xorout=0)
+        usual_crcs.append(usual_crc)
+        differs_in_start_value = replace(usual_crc, init=crc.init) == crc
+        if not differs_in_start_value:
+            yield "other_polynomial", f"the CRC is that of {name}", usual_crc
+    in_other_order = replace(crc, refin=not crc.refin, refout=not crc.refout)
+    if in_other_order not in usual_crcs:
+        order = "most" if crc.refin else "least"
+        yield "crc_reversed", f"the CRC is computed {order} significant bit first", in_other_order
 
 
 def _status_hypotheses(without_mistake: Hypothesis, placed_layout: PlacedLayout, frame: int) -> Iterator[Hypothesis]:

@@ -14,6 +14,8 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "bytes_reversed": "the bytes are in reverse order",
         "words_swapped": "the two bytes of each 16-bit word are swapped",
         "crc_reversed": "the bits of the CRC are in reverse order",
+        "crc_bytes_swapped": "the bytes of the CRC are swapped",
+        "and_swapped": "{0}, and its bytes are swapped",
         "status_left_out": "the CRC covers only the bits before error and warning",
         "status_turned": "error and warning were converted to active high",
         "removed_and_idle": "error and warning were removed from the frame, and the CRC is computed as if they were "
@@ -44,6 +46,7 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "before": "{0} before the frame, such as an echo of the request",
         "after": "{0} after the frame",
         "byte_missing": "the first byte ({0}) is missing",
+        "last_byte_missing": "the last byte, a part of the CRC, is missing",
         "and_follows": "{0}, and an extra byte follows the frame",
         "bytes_inverted": "every bit is inverted",
         "bytes_missing": "the text has {0} of the {1} bytes of the frame. Missing: {2}",

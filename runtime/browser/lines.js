@@ -665,7 +665,7 @@ function buildCrcRecord({ bits: width, poly, init, isInverted, isReflected }, is
   const similarCrcs = [["crc_not_inverted", inversionText + sameEffectText, parametersWith({ xorout: otherXorout })],
     ...startValues.map((startValue) => [
       "start_value", `the start value of the CRC is ${hex(startValue)}`, parametersWith({ init: startValue })]),
-    ...(isOverBytes ? buildOtherBytePolynomials(parametersWith)
+    ...(isOverBytes ? buildOtherByteCrcs({ width, poly, isInverted, isReflected }, parametersWith)
       : [buildReversedPolynomial(width, poly, parametersWith)])];
   const powers = Array.from({ length: width }, (_, index) => width - 1 - index)
     .filter((power) => extractBits(poly, power, 1));
@@ -692,6 +692,30 @@ function buildReversedPolynomial(width, poly, parametersWith) {
   const reversed = BigInt(`0b${[...withTopBit.toString(2)].reverse().join("")}`);
   return ["polynomial_reversed", `the polynomial is ${hex(reversed)}, written in reverse`,
     parametersWith({ poly: reversed & ones(width) })];
+}
+
+/** Build the similar CRCs over bytes with other polynomials, of which CRCs of 8 and 16 bits have usual ones. */
+function buildOtherByteCrcs(crc, parametersWith) {
+  if (crc.width === 16) return buildOtherCrcsOf16Bits(crc, parametersWith);
+  return crc.width === 8 ? buildOtherBytePolynomials(parametersWith) : [];
+}
+
+/** Build usual CRCs of 16 bits that differ in more than the start value, and this one with the other bit order. */
+function buildOtherCrcsOf16Bits({ poly, isInverted, isReflected }, parametersWith) {
+  const reflectedIf = (isTrue) => ({ refin: BigInt(isTrue), refout: BigInt(isTrue) });
+  const usualCrcs = TABLE.crcs_of_16_bits.map(([name, usualPoly, usualInit, isUsualReflected]) => {
+    const usualPolynomial = toBigInt(usualPoly);
+    const parameters = parametersWith({
+      poly: usualPolynomial, init: toBigInt(usualInit), xorout: 0n, ...reflectedIf(isUsualReflected) });
+    const differsInStartValue = usualPolynomial === poly && isUsualReflected === isReflected && !isInverted;
+    return { mistake: ["other_polynomial", `the CRC is that of ${name}`, parameters], differsInStartValue };
+  });
+  const inOtherOrder = parametersWith(reflectedIf(!isReflected));
+  const isUsual = usualCrcs.some(({ mistake }) => JSON.stringify(mistake[2]) === JSON.stringify(inOtherOrder));
+  const orderText = isReflected ? "most" : "least";
+  const others = usualCrcs.filter(({ differsInStartValue }) => !differsInStartValue).map(({ mistake }) => mistake);
+  return isUsual ? others
+    : [...others, ["crc_reversed", `the CRC is computed ${orderText} significant bit first`, inOtherOrder]];
 }
 
 /** Build the similar CRCs over bytes with the usual polynomials, in both bit orders. */

@@ -197,7 +197,7 @@ function createExplanations(decoded, hasOtherFrames) {
     createElement("p", {}, introduceExplanations(decoded, noiseText !== "")), createList(describedExplanations)] : [];
   const isIncomplete = missingText && decoded.problems.some(({ fault }) => fault === "length");
   const isUnexplained = !explanations.length && !isIncomplete && !hasOtherFrames && isCorrupted(decoded);
-  const failure = hasWideCrcOverBytes(decoded) ? "not_searched" : "no_explanation";
+  const failure = hasOddCrcOverBytes(decoded) ? "not_searched" : "no_explanation";
   const notes = [
     ...(isUnexplained ? [toSentence(messageFor(failure))] : []),
     ...describeEqualReadings(decoded, explanations),

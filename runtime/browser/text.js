@@ -58,7 +58,7 @@ function linesOf(input) {
 function checked(text) {
   if (text.length > TABLE.limits.text) throw new FrameText(messageFor("frame_too_long"));
   // An array of numbers without a prefix is decimal in every programming language.
-  const [array] = /[[({]\s*[0-9]+\s*,.*/s.exec(text) ?? [];
+  const [array] = /(?:^|[[({])\s*[0-9]+\s*,.*/s.exec(text) ?? [];
   if (array) rejectDecimalBytes(text, array.split(/[\s'",;[\](){}<>]+/).filter(Boolean));
   const plainText = PASTED_SPELLINGS.reduce(
     (cleaned, [pattern, replacement]) => cleaned.replace(pattern, replacement), text).trim();

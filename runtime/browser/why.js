@@ -868,9 +868,12 @@ function countZerosOfWord(placedLayout, zerosText, isFirst) {
 
 // -- frames of bytes
 
-/** Return whether a frame of bytes has a CRC with which mistakes are not looked for. */
-const hasWideCrcOverBytes = ({ receivedBytes, placedLayout }) => (
-  Boolean(receivedBytes && placedLayout?.crc) && placedLayout.crc.width !== TABLE.exchanges.crc_bits);
+/** Return whether a CRC consists of whole bytes. Mistakes in bytes with another CRC are not looked for. */
+const isWholeBytes = ({ width }) => width % 8 === 0;
+
+/** Return whether a frame of bytes has a CRC that does not consist of whole bytes. */
+const hasOddCrcOverBytes = ({ receivedBytes, placedLayout }) => (
+  Boolean(receivedBytes && placedLayout?.crc) && !isWholeBytes(placedLayout.crc));
 
 /** Try every single mistake that could have turned a valid frame into these bytes. */
 function tryMistakesInBytes(decoded) {
@@ -882,7 +885,7 @@ function tryMistakesInBytes(decoded) {
   const hypotheses = layoutsOf(interface_, sender).filter((layout) => layout.order).flatMap((layout) => {
     const placedLayout = placedFor(orderCode, layout, {}, firstAnswers);
     const { crc } = placedLayout;
-    if (crc && crc.width !== TABLE.exchanges.crc_bits) return [];
+    if (crc && !isWholeBytes(crc)) return [];
     const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
     const typedFrame = { number: numberOfFrame(layout, data), bits: 8 * data.length, exact: true };
     return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),
@@ -899,22 +902,38 @@ function tryMistakesInBytes(decoded) {
 
 /** Join bytes to a number, the first byte highest. */
 const joinBytes = (bytes) => numberOf("big", bytes);
-/** Return the hypothesis with the last byte as the CRC over the bytes before it. */
-const withCrcOverBytes = (hypothesis, bytes) => (
-  { ...hypothesis, coveredData: joinBytes(bytes.slice(0, -1)), receivedCrc: BigInt(bytes.at(-1)), isOfBytes: true });
+/** Return the hypothesis with the last bytes as the CRC over the bytes before it. */
+const withCrcOverBytes = (hypothesis, placedLayout, bytes) => {
+  const data = bytes.slice(0, -placedLayout.crc.width / 8);
+  return {
+    ...hypothesis, coveredData: joinBytes(data), coveredBits: 8 * data.length,
+    receivedCrc: receivedCrcOf(placedLayout, bytes), isOfBytes: true };
+};
+
+/** Return the CRC in a frame of bytes. */
+function receivedCrcOf(placedLayout, bytes) {
+  const { low, width } = findCrcField(placedLayout);
+  return extractBits(numberOfFrame(placedLayout.layout, bytes), low, width);
+}
 
 /** Try the frame as sent with another CRC. */
 function tryOtherByteCrcs(placedLayout, crc, data) {
+  const { texts } = TABLE;
   const asSent = withCrcOverBytes(
-    createHypothesisAsSent(placedLayout, crc, numberOfFrame(placedLayout.layout, data)), data);
-  const text = TABLE.texts.first_byte_left_out;
-  return [
-    ...(crc.byte_others ?? []).map(([kind, crcText, otherCrc]) => (
-      { ...asSent, kind, text: crcText, template: crcText, crc: otherCrc })),
-    {
-      ...asSent, kind: "first_byte_left_out", text, template: text,
-      coveredData: joinBytes(data.slice(1, -1)), coveredBits: asSent.coveredBits - 8 },
-  ];
+    createHypothesisAsSent(placedLayout, crc, numberOfFrame(placedLayout.layout, data)), placedLayout, data);
+  const crcLength = crc.width / 8;
+  const withMistake = (kind, text, members) => ({ ...asSent, kind, text, template: text, ...members });
+  const swapped = { receivedCrc: numberOf("big", bytesOf("little", asSent.receivedCrc, crcLength)) };
+  const hypotheses = crcLength > 1 ? [withMistake("crc_bytes_swapped", texts.crc_bytes_swapped, swapped)] : [];
+  for (const [kind, text, otherCrc] of crc.byte_others ?? []) {
+    hypotheses.push(withMistake(kind, text, { crc: otherCrc }));
+    if (crcLength > 1 && kind === "other_polynomial") {
+      hypotheses.push(withMistake(kind, fillTemplate(texts.and_swapped, text), { crc: otherCrc, ...swapped }));
+    }
+  }
+  const coveredBytes = data.slice(1, -crcLength);
+  return [...hypotheses, withMistake("first_byte_left_out", texts.first_byte_left_out, {
+    coveredData: joinBytes(coveredBytes), coveredBits: 8 * coveredBytes.length })];
 }
 
 /** The bytes do not begin and end with the frame, are inverted, or have their bits in reverse order. */
@@ -925,7 +944,7 @@ function tryMovedBytes(placedLayout, crc, data) {
     const hypothesis = createFrameHypothesis(
       placedLayout, crc, kind, text, numberOfFrame(placedLayout.layout, bytes), { template });
     hypothesis.otherBitsRequired -= assumedBits;
-    return crc ? withCrcOverBytes(hypothesis, bytes) : hypothesis;
+    return crc ? withCrcOverBytes(hypothesis, placedLayout, bytes) : hypothesis;
   };
   const extraBytes = data.length - byteCount;
   const hypotheses = [];
@@ -936,14 +955,27 @@ function tryMovedBytes(placedLayout, crc, data) {
   }
   if (extraBytes === 0 || extraBytes === -1) {
     // The bits of the missing byte are assumed, so they prove nothing.
-    const assumedBits = countConstantBits({ checks: placedLayout.checks.filter(
+    const constantBits = countConstantBits({ checks: placedLayout.checks.filter(
       ({ low, width }) => extractBits(firstByteMaskOf(placedLayout) >> BigInt(low), 0, width)) });
-    for (const byte of findPossibleFirstBytes(placedLayout)) {
+    const followingBytes = data.slice(0, byteCount - 1);
+    const assumeFirstByte = (byte, assumedBits) => {
       const [text, template] = [formatBytes([byte]), "{0}"]
         .map((byteText) => fillTemplate(texts.byte_missing, byteText))
         .map((missingText) => (extraBytes ? missingText : fillTemplate(texts.and_follows, missingText)));
-      const bytes = [byte, ...data.slice(0, byteCount - 1)];
-      hypotheses.push(assumeFrame("first_byte_lost", text, bytes, template, assumedBits));
+      return assumeFrame("first_byte_lost", text, [byte, ...followingBytes], template, assumedBits);
+    };
+    const possibleBytes = findPossibleFirstBytes(placedLayout);
+    hypotheses.push(...possibleBytes.map((byte) => assumeFirstByte(byte, constantBits)));
+    // Any other first byte is searched if enough bits show that it is missing.
+    const canSearch = crc && crc.width - 8 + countConstantBits(placedLayout) - constantBits >= TABLE.exchanges.least;
+    const searchedBytes = canSearch ? [findFirstByte(placedLayout, crc, followingBytes)] : [];
+    hypotheses.push(...searchedBytes.filter((byte) => !possibleBytes.includes(byte)).map((byte) => (
+      { ...assumeFirstByte(byte, 0), placeCount: TABLE.exchanges.byte_values })));
+    if (extraBytes && crc?.width > 8) {
+      const bytes = [...data, findLastByte(placedLayout, crc, data)];
+      hypotheses.push({
+        ...assumeFrame("last_bits_missing", texts.last_byte_missing, bytes),
+        placeCount: TABLE.exchanges.byte_values });
     }
   }
   if (extraBytes === 0) hypotheses.push(
@@ -951,6 +983,28 @@ function tryMovedBytes(placedLayout, crc, data) {
     assumeFrame("bits_reversed_in_bytes", texts.bits_reversed_in_bytes,
       data.map((byte) => Number(reverseBits(BigInt(byte), 8)))));
   return hypotheses;
+}
+
+/**
+ * Find the first byte with which the CRC of a frame is right, or 0 if there is none. Each bit of this byte inverts certain
+ * bits of the CRC, whatever the other bits are.
+ */
+function findFirstByte(placedLayout, crc, followingBytes) {
+  const data = followingBytes.slice(0, -crc.width / 8);
+  const crcWith0 = crcOfBytes(crc, [0, ...data]);
+  const wrongCrcBits = receivedCrcOf(placedLayout, [0, ...followingBytes]) ^ crcWith0;
+  const crcBitsByBit = listNumbersBelow(8).map((bit) => crcOfBytes(crc, [1 << bit, ...data]) ^ crcWith0);
+  const invertedCrcBits = (byte) => crcBitsByBit.reduce(
+    (bits, crcBits, bit) => ((byte >> bit) & 1 ? bits ^ crcBits : bits), 0n);
+  const isFirstByte = (byte) => invertedCrcBits(byte) === wrongCrcBits;
+  return Math.max(listNumbersBelow(TABLE.exchanges.byte_values).findIndex(isFirstByte), 0);
+}
+
+/** Find the last byte of a frame, which belongs to its CRC of several bytes. */
+function findLastByte(placedLayout, crc, receivedBytes) {
+  const computedCrc = crcOfBytes(crc, receivedBytes.slice(0, -(crc.width / 8 - 1)));
+  const frameNumber = computedCrc << BigInt(findCrcField(placedLayout).low);
+  return bytesOfFrame(placedLayout.layout, frameNumber, placedLayout.bits / 8).at(-1);
 }
 
 /** Return the mask of the first byte in the number of a frame. */

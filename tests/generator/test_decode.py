@@ -699,6 +699,16 @@ def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
         ),
         (
             "AMM5A17/1BG1",
+            "18,52,86",
+            "0x12 0x34 0x56 if it is decimal, 0x18 0x52 0x86 if it is hex",
+        ),
+        (
+            "AMM5A23/65KJP1",
+            "2, 16, 19, 20, 10, 12",
+            "0x02 0x10 0x13 0x14 0x0A 0x0C if it is decimal, 0x02 0x16 0x19 0x20 0x10 0x12 if it is hex",
+        ),
+        (
+            "AMM5A17/1BG1",
             "1 226 64",
             "0x01 0xE2 0x40 if it is decimal",
         ),
@@ -715,7 +725,7 @@ def test_an_array_of_decimal_bytes_is_not_read_as_hex(capsys: Capture, code: str
 
 
 def test_an_array_with_a_leading_zero_or_a_letter_is_hex(capsys: Capture) -> None:
-    for typed in ("[00, 12, 34]", "[0F, 42, 34]", "{0x12, 0x34}"):
+    for typed in ("[00, 12, 34]", "[0F, 42, 34]", "{0x12, 0x34}", "00,12,34", "1F,42,34", "12,34,05"):
         assert decode(capsys, "AMM5A17/1BG1", typed)[0] in (0, 1)
 
 

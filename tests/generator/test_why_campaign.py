@@ -8,6 +8,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from codewheel.commands.decode.frames import why_text
 from codewheel.loading.library import load_library
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))
@@ -80,3 +81,25 @@ def test_numbers_whose_place_is_an_open_question_are_not_expected() -> None:
         "inverted": 2,
         "two replies": 2,
     }
+
+
+def test_a_diagnosis_without_pairs_is_that_of_decode() -> None:
+    """The campaign computes each diagnosis once, with pairs, and removes the pairs that ``decode`` would not try."""
+    devices, _ = load_library()
+    source = random.Random(48)
+    compared_pairs = 0
+    for encoder in why_campaign.distinct_encoders(devices)[::9]:
+        for mistake in why_campaign.mistakes_of(encoder):
+            planted = why_campaign.plant(encoder, mistake, source)
+            if why_campaign.is_valid(planted):
+                continue
+            diagnosis = why_text(encoder.device, encoder.variant, "encoder", planted.text, planted.decoded)
+            reduced = why_campaign.why(encoder, planted)
+            assert why_campaign.explanations_of(reduced) == why_campaign.explanations_of(diagnosis)
+            if diagnosis is None or reduced is None:
+                assert diagnosis is reduced
+                continue
+            assert reduced.explanations == diagnosis.explanations
+            assert reduced.missing == diagnosis.missing
+            compared_pairs += reduced.explanations != planted.diagnoses[0].explanations
+    assert compared_pairs > 10

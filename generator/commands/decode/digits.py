@@ -27,8 +27,9 @@ _FEWEST_DIGITS_OF_NUMBER = 3
 _PREFIXED_BYTE = re.compile(r"0[bB][01]{1,8}")
 #: A byte in decimal.
 _DECIMAL_BYTE = re.compile(r"0|[1-9][0-9]{0,2}")
-#: The beginning of an array of numbers without a prefix, which are decimal in every programming language.
-_ARRAY = re.compile(r"[\[({]\s*[0-9]+\s*,")
+#: The beginning of an array of numbers without a prefix, which are decimal in every programming language. Programs also
+#: print it without brackets.
+_ARRAY = re.compile(r"(?:^|[\[({])\s*[0-9]+\s*,")
 #: Bits with their prefix that are too many for a byte.
 _PREFIXED_FRAME = re.compile(r"0[bB][01]{9,}")
 #: Bits with the prefix 0b, or with the misspelled prefix b. The prefix consists of hex digits too.
@@ -175,7 +176,7 @@ def meanings_of_long_number(digits: str) -> Iterator[str]:
 
 
 def meanings_of_array(text: str) -> list[str]:
-    """Return how to write the bytes in an array such as ``[18, 52, 86]``, for each meaning that they can have.
+    """Return how to write the bytes in an array such as ``[18, 52, 86]`` or ``18,52,86``, for each possible meaning.
 
     Programs print such arrays in decimal, and users type them in hex. The list is empty for any other text.
     """

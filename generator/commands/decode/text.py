@@ -98,17 +98,17 @@ def described_frame(
     if diagnosis is not None:
         yield from _why_lines(diagnosis, decoded.layout)
     elif _is_corrupted(decoded) and not other_frames:
-        is_searched = not _has_wide_crc_over_bytes(device, decoded)
+        is_searched = not _has_odd_crc_over_bytes(device, decoded)
         yield from ("", as_sentence(frame_texts.NO_EXPLANATION if is_searched else frame_texts.NOT_SEARCHED))
 
 
-def _has_wide_crc_over_bytes(device: Device, decoded: codec.DecodedFrame) -> bool:
-    """Return whether a frame of bytes has a CRC with which mistakes are not looked for."""
-    from ...why.in_bytes import SEARCHED_CRC_BITS
+def _has_odd_crc_over_bytes(device: Device, decoded: codec.DecodedFrame) -> bool:
+    """Return whether a frame of bytes has a CRC that does not consist of whole bytes."""
+    from ...why.in_bytes import is_whole_bytes
 
     if decoded.layout is None or decoded.crc is None or not decoded.layout.layout.in_bytes:
         return False
-    return device.crc(decoded.crc.name).width != SEARCHED_CRC_BITS
+    return not is_whole_bytes(device.crc(decoded.crc.name))
 
 
 def _is_corrupted(decoded: codec.DecodedFrame) -> bool:

@@ -61,8 +61,8 @@ from ...why.hypotheses import (
     OTHER_CODE_WITHOUT_CRC,
     WITH_SECOND_MISTAKE,
 )
-from ...why.in_bytes import MOST_ECHOED_BYTES, SEARCHED_CRC_BITS
-from ...why.other_crcs import POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
+from ...why.in_bytes import BYTE_VALUES, MOST_ECHOED_BYTES
+from ...why.other_crcs import CRCS_OF_16_BITS, POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.other_order_codes import MOST_CUT_BITS, MOST_STATES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistakes, line_name
 from ...why.texts import START_BITS, TEXTS
@@ -354,7 +354,7 @@ def script_table(library: Library) -> Data:
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
         | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT, "echoed": MOST_ECHOED_BYTES}
-        | {"crc_bits": SEARCHED_CRC_BITS},
+        | {"byte_values": BYTE_VALUES},
         "doubts": READINGS,
         "left_aligned": LEFT_ALIGNED,
         "cut_off": CUT_OFF,
@@ -371,6 +371,7 @@ def script_table(library: Library) -> Data:
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
         "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in POLYNOMIALS if polynomial.bit_length() == 9],
+        "crcs_of_16_bits": CRCS_OF_16_BITS,
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
     }
 
