@@ -420,6 +420,8 @@ def _mentioned_items(rule: Any) -> set[str]:
     and the parameters of expressions under ``value``, at any depth.
     """
     items: set[str] = set()
+    if rule is None or isinstance(rule, (str, bool, int)):
+        return items  # Most calls are for plain values, and the test for Mapping is slow.
     if isinstance(rule, (list, tuple)):
         for part_of_rule in rule:
             items |= _mentioned_items(part_of_rule)

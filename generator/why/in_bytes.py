@@ -19,7 +19,7 @@ from ..model import (
 )
 from ..reference.bits_and_values import parity_bit, reflect
 from .exchanges import usual_values_of
-from ..reference.bits import bits_of_field, compute_bytes, parity_bit, reflect
+from ..reference.bits_and_values import (bits_of_field, compute_bytes, parity_bit, reflect)
 from .exchanges import LEAST_EVIDENCE, usual_values_of
 from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
