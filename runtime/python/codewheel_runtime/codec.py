@@ -60,7 +60,7 @@ __all__ = [
     "crc_by_xor",
     "crc_of_bits",
     "crc_of_bytes",
-    "create",
+    "create_tuple",
     "exchange_bytes",
     "from_digits",
     "from_gray",
@@ -113,8 +113,8 @@ class _Create(Protocol):
     def __call__(self, kind: type[_Kind], values: tuple[object, ...], /) -> _Kind: ...
 
 
-#: ``create(kind, values)`` creates the same NamedTuple as ``kind(*values)``, in half the time.
-create: Final = cast(_Create, _TUPLE.__new__)
+#: ``create_tuple(kind, values)`` creates the same NamedTuple as ``kind(*values)``, in half the time.
+create_tuple: Final = cast(_Create, _TUPLE.__new__)
 
 
 class BitField(NamedTuple):
