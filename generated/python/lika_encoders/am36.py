@@ -304,7 +304,8 @@ class Variant(Rotary, Wrapping):
             RangeError: The value of a register is not allowed.
             ValueError: A register does not affect this encoder.
         """
-        return self._with_changes(**read_parameters(_REGISTER_PARAMETERS, contents, self))
+        parameters = read_parameters(_REGISTER_PARAMETERS, contents, self)
+        return self._with_changes(**parameters)
 
     @property
     def counts_per_turn(self) -> int:
@@ -1736,7 +1737,10 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 
 
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
-    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address.
+
+    A register whose bytes are missing from ``contents`` is left out of the comparison.
+    """
     return (
         is_consistent(
             contents,
@@ -1806,14 +1810,11 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     """
     if variant is not None:
         check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
-    Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
+    configuration_bytes = encode_register("configuration", Configuration, configuration, length=1, order="big")
+    # Decoding the bytes checks the constant bits.
+    Configuration.decode(configuration_bytes)
     return (
-        *write_bytes(
-            "configuration",
-            Address.CONFIGURATION,
-            encode_register("configuration", Configuration, configuration, 1, "big"),
-            meaning="takes effect immediately",
-        ),
+        *write_bytes("configuration", Address.CONFIGURATION, configuration_bytes, meaning="takes effect immediately"),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it"),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -2053,26 +2054,31 @@ def set_resolution(
         InterfaceError: The encoder has a different interface.
     """
     check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
-    content = InformationPerRevolution(steps=information_per_revolution).encode()
-    before: tuple[Step, ...] = (
+    register_bytes = InformationPerRevolution(steps=information_per_revolution).encode()
+    first_steps: tuple[Step, ...] = (
         *write_bytes(
             "information_per_revolution",
             Address.INFORMATION_PER_REVOLUTION,
-            content,
+            register_bytes,
             meaning="clears the preset",
         ),
     )
     # The new value of this register changes the limits of the next arguments.
-    variant = variant.with_registers(dict(enumerate(content, Address.INFORMATION_PER_REVOLUTION)))
-    content = NumberOfRevolutions(revolutions=number_of_revolutions).encode()
-    before = (
-        *before,
-        *write_bytes("number_of_revolutions", Address.NUMBER_OF_REVOLUTIONS, content, meaning="clears the preset"),
+    variant = variant.with_registers(dict(enumerate(register_bytes, Address.INFORMATION_PER_REVOLUTION)))
+    register_bytes = NumberOfRevolutions(revolutions=number_of_revolutions).encode()
+    first_steps = (
+        *first_steps,
+        *write_bytes(
+            "number_of_revolutions",
+            Address.NUMBER_OF_REVOLUTIONS,
+            register_bytes,
+            meaning="clears the preset",
+        ),
     )
     # The new value of this register changes the limits of the next arguments.
-    variant = variant.with_registers(dict(enumerate(content, Address.NUMBER_OF_REVOLUTIONS)))
+    variant = variant.with_registers(dict(enumerate(register_bytes, Address.NUMBER_OF_REVOLUTIONS)))
     return (
-        *before,
+        *first_steps,
         Verify(
             Address.INFORMATION_PER_REVOLUTION,
             length=3,

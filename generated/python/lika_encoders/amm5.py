@@ -2513,6 +2513,7 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     }
 
     def decode(frame: Any, adf_layout: AdfLayout | None = None) -> Request:
+        """Decode a request of the encoder ``variant``, with the function for its data_id in ``decoders``."""
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
@@ -2583,6 +2584,7 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     }
 
     def decode(frame: Any, adf_layout: AdfLayout | None = None) -> Reply:
+        """Decode a reply of the encoder ``variant``, with the function for its data_id in ``decoders``."""
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
@@ -3019,7 +3021,10 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 
 
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
-    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address.
+
+    A register whose bytes are missing from ``contents`` is left out of the comparison.
+    """
     return (
         is_consistent(
             contents,
@@ -3084,6 +3089,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             meaning="write the seven Preset registers",
         ),
         Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
+        # This write closes the registers again. It is also sent if an earlier step fails.
         *write_bytes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
@@ -3136,6 +3142,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             meaning="write the seven Preset registers",
         ),
         Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
+        # This write closes the registers again. It is also sent if an earlier step fails.
         *write_bytes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,

@@ -326,7 +326,8 @@ class Variant(Linear, Wrapping):
             RangeError: The value of a register is not allowed.
             ValueError: A register does not affect this encoder.
         """
-        return self._with_changes(**read_parameters(_REGISTER_PARAMETERS, contents, self))
+        parameters = read_parameters(_REGISTER_PARAMETERS, contents, self)
+        return self._with_changes(**parameters)
 
     @property
     def step_um(self) -> int:
@@ -1799,6 +1800,7 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     }
 
     def decode(frame: Any) -> Request:
+        """Decode a request of the encoder ``variant``, with the function for its data_id in ``decoders``."""
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
@@ -1857,6 +1859,7 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     }
 
     def decode(frame: Any) -> Reply:
+        """Decode a reply of the encoder ``variant``, with the function for its data_id in ``decoders``."""
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
@@ -2566,7 +2569,10 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 
 
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
-    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address.
+
+    A register whose bytes are missing from ``contents`` is left out of the comparison.
+    """
     return (
         is_consistent(
             contents,
@@ -2645,14 +2651,11 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     """
     if variant is not None:
         check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
-    Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
+    configuration_bytes = encode_register("configuration", Configuration, configuration, length=1, order="big")
+    # Decoding the bytes checks the constant bits.
+    Configuration.decode(configuration_bytes)
     return (
-        *write_bytes(
-            "configuration",
-            Address.CONFIGURATION,
-            encode_register("configuration", Configuration, configuration, 1, "big"),
-            meaning="takes effect immediately",
-        ),
+        *write_bytes("configuration", Address.CONFIGURATION, configuration_bytes, meaning="takes effect immediately"),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it permanently"),
         Wait(microseconds=30_000, meaning="EEPROM write time"),

@@ -149,7 +149,7 @@ LOCAL_NAMES = [
     *FUNCTIONS,
 ]
 #: Names that the functions of procedures use. An argument with such a name gets a trailing underscore.
-PROCEDURE_NAMES = (*FUNCTIONS, "before", "content", "dict", "enumerate", "isinstance", "variant")
+PROCEDURE_NAMES = (*FUNCTIONS, "dict", "enumerate", "first_steps", "isinstance", "register_bytes", "variant")
 
 #: Built-ins that the generated classes use in their bodies, where a field with the same name would hide them. A
 #: NamedTuple does not allow ``super``.

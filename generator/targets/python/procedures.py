@@ -137,6 +137,19 @@ class ProcedureFunction:
         """Return the name of an argument in Python."""
         return attribute(argument.name, PROCEDURE_NAMES)
 
+    def encoded_argument(self, argument: Argument) -> str:
+        """Return the variable with the bytes of an argument, or "" unless they are decoded as a check."""
+        is_decoded = any(
+            isinstance(refusal, Undecodable)
+            for parameter in self.arguments
+            if parameter.argument is argument
+            for refusal in parameter.refusals
+        )
+        if not is_decoded:
+            return ""
+        names_of_arguments = [other_parameter.argument.name for other_parameter in self.arguments]
+        return attribute(f"{argument.name}_bytes", (*PROCEDURE_NAMES, *names_of_arguments))
+
     def type(self, parameter: CheckedArgument) -> str:
         """Return the type of an argument. A register of several fields is passed as an object or as one number."""
         return f"{self.context.registers[parameter.argument.of]} | int" if self.is_object(parameter) else "int"
