@@ -1654,7 +1654,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 #: Parameters that registers hold at run time.
 _REGISTER_PARAMETERS: Final = (
     RegisterParameter(
-        parameter="used_singleturn_bits",
+        name="used_singleturn_bits",
         interface=Interface.BISS,
         address=Address.SINGLETURN_BITS_USED,
         default=b"\x14",
@@ -1665,7 +1665,7 @@ _REGISTER_PARAMETERS: Final = (
         max=20,
     ),
     RegisterParameter(
-        parameter="used_multiturn_bits",
+        name="used_multiturn_bits",
         interface=Interface.BISS,
         address=Address.MULTITURN_BITS_USED,
         default=b"\x10",
@@ -1676,7 +1676,7 @@ _REGISTER_PARAMETERS: Final = (
         max=16,
     ),
     RegisterParameter(
-        parameter="used_revolutions",
+        name="used_revolutions",
         interface=Interface.BISS,
         address=Address.NUMBER_OF_REVOLUTIONS,
         default=b"\x00\x00",
@@ -1688,7 +1688,7 @@ _REGISTER_PARAMETERS: Final = (
         zero_means=65_536,
     ),
     RegisterParameter(
-        parameter="used_information",
+        name="used_information",
         interface=Interface.BISS,
         address=Address.INFORMATION_PER_REVOLUTION,
         default=b"\x10\x00\x00",
@@ -1699,7 +1699,7 @@ _REGISTER_PARAMETERS: Final = (
         max=1_048_576,
     ),
     RegisterParameter(
-        parameter="output_code",
+        name="output_code",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
         default=b"\x20",

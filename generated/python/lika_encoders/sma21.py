@@ -2520,7 +2520,7 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
 #: Parameters that registers hold at run time.
 _REGISTER_PARAMETERS: Final = (
     RegisterParameter(
-        parameter="offset_selected",
+        name="offset_selected",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
         default=b"\x20",
@@ -2531,7 +2531,7 @@ _REGISTER_PARAMETERS: Final = (
         max=1,
     ),
     RegisterParameter(
-        parameter="output_code",
+        name="output_code",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
         default=b"\x20",

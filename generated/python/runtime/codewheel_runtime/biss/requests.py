@@ -91,9 +91,8 @@ class Request:
             raise ConstantError("CTS", 0, 1)
         if access_bits not in (_READ_REQUEST_BITS, _WRITE_REQUEST_BITS):
             raise ConstantError("R W S", access_bits >> 14, _READ_REQUEST_BITS >> 14)
-        # These are the two bits after the byte and its CRC in a write, and all 14 bits after R W S in a read.
-        trailing_mask = 0x3 if is_write else 0x3FFF
-        trailing_zeros = word & trailing_mask
+        # In a write, they follow the byte and its CRC, and in a read R W S.
+        trailing_zeros = word & (0x3 if is_write else 0x3FFF)
         if trailing_zeros:
             raise ConstantError("the zeros at the end", trailing_zeros, 0)
         return cls(head.slave_id, head.address, value)
