@@ -226,7 +226,7 @@ def from_digits(number: int, low: int, width: int, digit_bits: int, codes: Seque
             value = mask
             break
         value = value * base + codes.index(code)
-    return other_bits | value << low
+    return other_bits | (value << low)
 
 
 def to_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
@@ -241,7 +241,7 @@ def to_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequenc
     for place in range(0, width, digit_bits):
         value, digit = divmod(value, len(codes))
         sent_digits |= codes[digit] << place
-    return other_bits | (sent_digits & mask) << low
+    return other_bits | ((sent_digits & mask) << low)
 
 
 def unwrap(

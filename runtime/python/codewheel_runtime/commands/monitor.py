@@ -101,8 +101,7 @@ def watch(
         reader: The link, from which the readings come.
         count: Number of readings. By default, until interrupted.
         interval_s: Time in seconds from the start of a reading to the start of the next one.
-        out: File to write to. The default is standard output.
-        recorder: Output for all readings.
+        out: File to write to. The default is standard output. ``recorder`` records all readings.
         is_shown: Show the readings if ``out`` is a terminal.
 
     Raises:

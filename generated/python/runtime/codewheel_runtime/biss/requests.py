@@ -72,7 +72,7 @@ class Request:
             ConstantError: CTS or S is 0, R W is neither 10 nor 01, or the zeros at the end are not all 0.
         """
         word = whole_number("word", word)
-        if not 0 <= word < 1 << _WORD_BITS:
+        if not 0 <= word < (1 << _WORD_BITS):
             raise LengthError(_WORD_BITS, word.bit_length(), "bits")
         # bit  31   30..28  27..21  20..17  16..14  13..6  5..2  1..0
         #      CTS  ID      ADR     CRC     R W S   DATA   CRC   P and 0
@@ -177,7 +177,7 @@ class Answer:
         """
         request.encode()
         cds = whole_number("cds", cds)
-        if not 0 <= cds < 1 << _WORD_BITS:
+        if not 0 <= cds < (1 << _WORD_BITS):
             raise LengthError(_WORD_BITS, cds.bit_length(), "bits")
         # bit  31..16   15  14  13  12..5  4..1  0
         #      IDL0..15  R   W   S  DATA   CRC   P

@@ -72,11 +72,11 @@ class Access(NamedTuple):
 class Accesses:
     """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave.
 
-    ``_state`` is the method that follows the next cycle. ``_begin_time`` is the time at which the control frame began, and
-    ``_is_write`` is True if it writes. ``_is_outside_frame`` is True outside a control frame. ``_zeros`` is the number
-    of CDM zeros since the last 1. ``_sent_bits`` and ``_answer_bits`` are the CDM and CDS bits of the header or byte,
-    the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_header_bits`` contains CTS, ID and
-    address.
+    ``_state`` is the method that follows the next cycle. ``_begin_time`` is the time at which the control frame began,
+    and ``_is_write`` is True if it writes. ``_is_outside_frame`` is True outside a control frame. ``_zeros`` is the
+    number of CDM zeros since the last 1. ``_sent_bits`` and ``_answer_bits`` are the CDM and CDS bits of the header or
+    byte, the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_header_bits`` contains CTS,
+    ID and address.
     """
 
     def __init__(self) -> None:

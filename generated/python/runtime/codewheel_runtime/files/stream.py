@@ -340,8 +340,8 @@ def decode_parts(
 class SpeedColumns:
     """Function that adds the position and the speed in SI units to each table of a file.
 
-    ``_time_column`` is the name of the column of times. ``_last`` holds the unwrapped position and the time of the last usable
-    frame so far, or None before the first. The first speed in the next table is computed from it.
+    ``_time_column`` is the name of the column of times. ``_last`` holds the unwrapped position and the time of the
+    last usable frame so far, or None before the first. The first speed in the next table is computed from it.
     """
 
     def __init__(self, time_column: str, source: str) -> None:
