@@ -48,7 +48,7 @@ from ..am36 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the layout of ``SsiWord``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits,
         # Columns of the result. `low` is the lowest bit of the field.
@@ -75,7 +75,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the layout of ``SingleCycleData``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.used_singleturn_bits + variant.used_multiturn_bits + 8,
         # Columns of the result. `low` is the lowest bit of the field.
@@ -137,7 +137,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the layout of ``ProfileId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -155,7 +155,7 @@ def shape_of_register_profile_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the layout of ``SerialNumber``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -177,7 +177,7 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_configuration() -> Shape:
-    """Return the layout of ``Configuration``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Configuration``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -202,7 +202,7 @@ def shape_of_register_configuration() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_information_per_revolution() -> Shape:
-    """Return the layout of ``InformationPerRevolution``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``InformationPerRevolution``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=24,
         length=3,
@@ -221,7 +221,7 @@ def shape_of_register_information_per_revolution() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_number_of_revolutions() -> Shape:
-    """Return the layout of ``NumberOfRevolutions``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``NumberOfRevolutions``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -240,7 +240,7 @@ def shape_of_register_number_of_revolutions() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset(variant: BissEncoder) -> Shape:
-    """Return the layout of ``Preset``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Preset``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=40,
         length=5,
@@ -261,7 +261,7 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_type() -> Shape:
-    """Return the layout of ``DeviceType``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DeviceType``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -279,7 +279,7 @@ def shape_of_register_device_type() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_singleturn_bits_used() -> Shape:
-    """Return the layout of ``SingleturnBitsUsed``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SingleturnBitsUsed``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -297,7 +297,7 @@ def shape_of_register_singleturn_bits_used() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_multiturn_bits_used() -> Shape:
-    """Return the layout of ``MultiturnBitsUsed``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``MultiturnBitsUsed``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -315,7 +315,7 @@ def shape_of_register_multiturn_bits_used() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the layout of ``DeviceId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -339,7 +339,7 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the layout of ``ManufacturerId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,

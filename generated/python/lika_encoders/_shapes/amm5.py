@@ -51,7 +51,7 @@ from ..amm5 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the layout of ``SsiWord``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits,
         # Columns of the result. `low` is the lowest bit of the field.
@@ -75,7 +75,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the layout of ``SingleCycleData``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits + 8,
         # Columns of the result. `low` is the lowest bit of the field.
@@ -148,7 +148,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_data_request() -> Shape:
-    """Return the layout of ``DataRequest``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DataRequest``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -180,7 +180,7 @@ def shape_of_data_request() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_write_request(adf_layout: AdfLayout) -> Shape:
-    """Return the layout of ``EepromWriteRequest``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``EepromWriteRequest``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -222,7 +222,7 @@ def shape_of_eeprom_write_request(adf_layout: AdfLayout) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_read_request(adf_layout: AdfLayout) -> Shape:
-    """Return the layout of ``EepromReadRequest``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``EepromReadRequest``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=24,
         length=3,
@@ -262,7 +262,7 @@ def shape_of_eeprom_read_request(adf_layout: AdfLayout) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
-    """Return the layout of ``SingleturnReply``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SingleturnReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -339,7 +339,7 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
-    """Return the layout of ``MultiturnReply``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``MultiturnReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -411,7 +411,7 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_encoder_id_reply() -> Shape:
-    """Return the layout of ``EncoderIdReply``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``EncoderIdReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -467,7 +467,7 @@ def shape_of_encoder_id_reply() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
-    """Return the layout of ``CompleteReply``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``CompleteReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=88,
         length=11,
@@ -586,7 +586,7 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
-    """Return the layout of ``EepromWriteReply``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``EepromWriteReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -632,7 +632,7 @@ def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
-    """Return the layout of ``EepromReadReply``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``EepromReadReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -678,7 +678,7 @@ def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset(variant: BissEncoder) -> Shape:
-    """Return the layout of ``Preset``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Preset``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=56,
         length=7,
@@ -707,7 +707,7 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the layout of ``SerialNumber``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -731,7 +731,7 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the layout of ``DeviceId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -751,7 +751,7 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the layout of ``ManufacturerId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,

@@ -34,7 +34,7 @@ from ..asc85 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the layout of ``SsiWord``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits,
         # Columns of the result. `low` is the lowest bit of the field.
@@ -55,7 +55,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape:
-    """Return the layout of ``SingleCycleData``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=zero_bit.zero_bits + variant.position_bits + 8,
         # Columns of the result. `low` is the lowest bit of the field.
@@ -107,7 +107,7 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the layout of ``ProfileId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -127,7 +127,7 @@ def shape_of_register_profile_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the layout of ``SerialNumber``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -145,7 +145,7 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_diagnostic_data() -> Shape:
-    """Return the layout of ``DiagnosticData``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DiagnosticData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -177,7 +177,7 @@ def shape_of_register_diagnostic_data() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_status() -> Shape:
-    """Return the layout of ``Status``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Status``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -209,7 +209,7 @@ def shape_of_register_status() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_position(variant: BissEncoder) -> Shape:
-    """Return the layout of ``Position``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Position``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -230,7 +230,7 @@ def shape_of_register_position(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_error_register() -> Shape:
-    """Return the layout of ``ErrorRegister``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ErrorRegister``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -260,7 +260,7 @@ def shape_of_register_error_register() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the layout of ``DeviceId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -280,7 +280,7 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the layout of ``ManufacturerId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,

@@ -54,7 +54,7 @@ from ..sma21 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the layout of ``SsiWord``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits + 1,
         # Columns of the result. `low` is the lowest bit of the field.
@@ -86,7 +86,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the layout of ``SingleCycleData``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits + variant.scd_padding_bits + 8,
         # Columns of the result. `low` is the lowest bit of the field.
@@ -150,7 +150,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_data_request() -> Shape:
-    """Return the layout of ``DataRequest``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DataRequest``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -182,7 +182,7 @@ def shape_of_data_request() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
-    """Return the layout of ``PositionReply``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``PositionReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=56,
         length=7,
@@ -293,7 +293,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_wide_position_reply() -> Shape:
-    """Return the layout of ``WidePositionReply``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``WidePositionReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=72,
         length=9,
@@ -360,7 +360,7 @@ def shape_of_wide_position_reply() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
-    """Return the layout of ``IdentificationReply``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``IdentificationReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=72,
         length=9,
@@ -470,7 +470,7 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
-    """Return the layout of ``ProfileId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -488,7 +488,7 @@ def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the layout of ``SerialNumber``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -510,7 +510,7 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_configuration() -> Shape:
-    """Return the layout of ``Configuration``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Configuration``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -537,7 +537,7 @@ def shape_of_register_configuration() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
-    """Return the layout of ``AbsoluteResolution``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``AbsoluteResolution``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -555,7 +555,7 @@ def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset_offset() -> Shape:
-    """Return the layout of ``PresetOffset``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``PresetOffset``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -574,7 +574,7 @@ def shape_of_register_preset_offset() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_type() -> Shape:
-    """Return the layout of ``DeviceType``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DeviceType``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -592,7 +592,7 @@ def shape_of_register_device_type() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_sine_cosine_resolution() -> Shape:
-    """Return the layout of ``SineCosineResolution``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SineCosineResolution``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -610,7 +610,7 @@ def shape_of_register_sine_cosine_resolution() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_position_check() -> Shape:
-    """Return the layout of ``PositionCheck``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``PositionCheck``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -628,7 +628,7 @@ def shape_of_register_position_check() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the layout of ``DeviceId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -648,7 +648,7 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the layout of ``ManufacturerId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,

@@ -128,6 +128,6 @@ def _find_bytes_of(check: Check) -> set[int]:
     return byte_indices
 
 
-def _are_all_met(number: int, checks: list[Check]) -> bool:
+def _are_all_met(number: int, checks: Sequence[Check]) -> bool:
     """Return whether a frame, given as a number, meets all conditions."""
     return all(holds(number, check) for check in checks)

@@ -38,7 +38,7 @@ from ..icmu import (
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the layout of ``SingleCycleData``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.zero_bits + variant.position_bits + 8,
         # Columns of the result. `low` is the lowest bit of the field.
@@ -91,7 +91,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_mode() -> Shape:
-    """Return the layout of ``Mode``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Mode``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -111,7 +111,7 @@ def shape_of_register_mode() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_output_length() -> Shape:
-    """Return the layout of ``OutputLength``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``OutputLength``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -131,7 +131,7 @@ def shape_of_register_output_length() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_output_selection() -> Shape:
-    """Return the layout of ``OutputSelection``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``OutputSelection``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -155,7 +155,7 @@ def shape_of_register_output_selection() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_bank() -> Shape:
-    """Return the layout of ``Bank``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Bank``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -175,7 +175,7 @@ def shape_of_register_bank() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_eds_bank() -> Shape:
-    """Return the layout of ``EdsBank``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``EdsBank``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -193,7 +193,7 @@ def shape_of_register_eds_bank() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the layout of ``ProfileId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
@@ -211,7 +211,7 @@ def shape_of_register_profile_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the layout of ``SerialNumber``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
@@ -229,7 +229,7 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_event_count() -> Shape:
-    """Return the layout of ``EventCount``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``EventCount``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -247,7 +247,7 @@ def shape_of_register_event_count() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_hardware_revision() -> Shape:
-    """Return the layout of ``HardwareRevision``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``HardwareRevision``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -265,7 +265,7 @@ def shape_of_register_hardware_revision() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_status0() -> Shape:
-    """Return the layout of ``Status0``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Status0``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -293,7 +293,7 @@ def shape_of_register_status0() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_status1() -> Shape:
-    """Return the layout of ``Status1``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``Status1``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
@@ -325,7 +325,7 @@ def shape_of_register_status1() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the layout of ``DeviceId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
@@ -343,7 +343,7 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the layout of ``ManufacturerId``, from which ``decode_many`` and ``encode_many`` take all bits."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
