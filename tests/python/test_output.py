@@ -143,7 +143,9 @@ def test_comments_name_the_bits_of_the_spec(files: Mapping[str, str], devices: M
 
 
 #: An operand of a bit operator that is another operation without parentheses, as in ``a >> 3 & 0xF``.
-BARE_OPERAND = re.compile(r"(?:<<|>>) [\w.\[\]]+ [&|^] |[&|^] [\w.\[\]]+ (?:<<|>>) |& \w+ [|^] ")
+BARE_OPERAND = re.compile(
+    r"(?:<<|>>) [\w.]+(?:\[\d+\])? [&|^] |[&|^] [\w.]+(?:\[\d+\])? (?:<<|>>) |& [\w.]+(?:\[\d+\])? [|^] "
+)
 
 
 def test_what_a_reader_stumbled_over_is_gone(files: Mapping[str, str]) -> None:

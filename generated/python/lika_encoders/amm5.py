@@ -1582,7 +1582,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
                 if computed_crc != b5:
                     raise CrcError(b5, computed_crc)
                 singleturn = b2 | (b3 << 8) | (b4 << 16)  # low byte first
-                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong field.
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if singleturn >> singleturn_bits or b0 not in valid_first_bytes:
                     sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
@@ -1735,7 +1735,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
                 if computed_crc != b5:
                     raise CrcError(b5, computed_crc)
                 multiturn = b2 | (b3 << 8) | (b4 << 16)  # low byte first
-                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong field.
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if multiturn >> multiturn_bits or b0 != 0x8A:
                     sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
@@ -1862,7 +1862,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
                 computed_crc = b0 ^ b1 ^ b2
                 if computed_crc != b3:
                     raise CrcError(b3, computed_crc)
-                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong field.
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if b0 != 0x92:
                     sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
@@ -2119,7 +2119,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                     raise CrcError(b10, computed_crc)
                 singleturn = b2 | (b3 << 8) | (b4 << 16)  # low byte first
                 multiturn = b6 | (b7 << 8) | (b8 << 16)  # low byte first
-                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong field.
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if singleturn >> singleturn_bits or multiturn >> multiturn_bits or b0 != 0x1A:
                     sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:

@@ -1321,7 +1321,7 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
                 if computed_crc != b6:
                     raise CrcError(b6, computed_crc)
                 position = b2 | (b3 << 8) | (b4 << 16)  # low byte first
-                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong field.
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if position >> position_bits or b0 not in valid_first_bytes:
                     sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
@@ -1501,7 +1501,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
                 if computed_crc != b8:
                     raise CrcError(b8, computed_crc)
-                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong field.
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if b0 != 0x2A:
                     sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
@@ -1708,7 +1708,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                 if computed_crc != b8:
                     raise CrcError(b8, computed_crc)
                 position = b2 | (b3 << 8) | (b4 << 16)  # low byte first
-                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong field.
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if position >> position_bits or b5 != 0x51 or b6 or b0 != 0x52:
                     sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:

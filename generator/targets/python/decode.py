@@ -180,7 +180,8 @@ class Decoder:
             index = f"high_bits >> {shift}" if shift else "high_bits"
             # No bits are above the bits of the top table, so it needs no mask.
             if table < top_table:
-                index += f" & {mask((1 << TABLE_BITS) - 1)}"
+                shifted_bits = f"({index})" if shift else index
+                index = f"{shifted_bits} & {mask((1 << TABLE_BITS) - 1)}"
             lookups.append(f"table_{table}[{index}]")
         return " ^ ".join(lookups)
 

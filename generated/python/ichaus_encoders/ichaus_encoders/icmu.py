@@ -460,7 +460,12 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                 # Each table has the CRCs of 16 of the bits. Their XOR is 0 if the received CRC is correct.
                 low_bits = word & 0xFFFF
                 high_bits = word >> 16
-                difference = table_0[low_bits] ^ table_1[high_bits & 0xFFFF] ^ table_2[high_bits >> 16 & 0xFFFF] ^ table_3[high_bits >> 32]
+                difference = (
+                    table_0[low_bits]
+                    ^ table_1[high_bits & 0xFFFF]
+                    ^ table_2[(high_bits >> 16) & 0xFFFF]
+                    ^ table_3[high_bits >> 32]
+                )
                 if difference:
                     received_crc = word & 0x3F
                     computed_crc = received_crc ^ difference
