@@ -1232,7 +1232,7 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
             raise LengthError(3, len(data))
         steps = (data[0] << 16) | (data[1] << 8) | data[2]  # high byte first
         register = create_tuple(cls, (steps,))
-        # The register encodes itself to the same bytes again, even if they may not be written.
+        # encode() returns these bytes again, even if they are outside the limits of the register.
         return keep_bytes(register, data)
 
     @staticmethod
@@ -1295,7 +1295,7 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
             raise LengthError(2, len(data))
         revolutions = ((data[0] << 8) | data[1]) or 65_536  # high byte first, 0 means 65,536
         register = create_tuple(cls, (revolutions,))
-        # The register encodes itself to the same bytes again, even if they may not be written.
+        # encode() returns these bytes again, even if they are outside the limits of the register.
         return keep_bytes(register, data)
 
     @staticmethod
@@ -1373,7 +1373,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         # high byte first
         position = ((data[0] & 0xF) << 32) | (data[1] << 24) | (data[2] << 16) | (data[3] << 8) | data[4]
         register = create_tuple(cls, (variant, position))
-        # The register encodes itself to the same bytes again, even if they may not be written.
+        # encode() returns these bytes again, even if they are outside the limits of the register.
         return keep_bytes(register, data)
 
     @staticmethod
@@ -1739,7 +1739,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
     """Return whether the registers of an encoder can have these contents, bytes keyed by address.
 
-    A register whose bytes are missing from ``contents`` is left out of the comparison.
+    Each register whose bytes are all in ``contents`` is compared.
     """
     return (
         is_consistent(

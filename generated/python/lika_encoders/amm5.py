@@ -2734,7 +2734,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         # from bit 32 down
         singleturn = (number >> (33 - variant.singleturn_bits)) & ((1 << variant.singleturn_bits) - 1)
         register = create_tuple(cls, (variant, multiturn, singleturn))
-        # The register encodes itself to the same bytes again, even if they may not be written.
+        # encode() returns these bytes again, even if they are outside the limits of the register.
         return keep_bytes(register, data)
 
     @staticmethod
@@ -3023,7 +3023,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
     """Return whether the registers of an encoder can have these contents, bytes keyed by address.
 
-    A register whose bytes are missing from ``contents`` is left out of the comparison.
+    Each register whose bytes are all in ``contents`` is compared.
     """
     return (
         is_consistent(

@@ -1451,7 +1451,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
     """Return whether the registers of an encoder can have these contents, bytes keyed by address.
 
-    A register whose bytes are missing from ``contents`` is left out of the comparison.
+    Each register whose bytes are all in ``contents`` is compared.
     """
     return (
         is_consistent(

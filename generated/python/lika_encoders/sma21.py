@@ -2251,7 +2251,7 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
             raise LengthError(4, len(data))
         preset_offset = int.from_bytes(data, "big")  # high byte first
         register = create_tuple(cls, (preset_offset,))
-        # The register encodes itself to the same bytes again, even if they may not be written.
+        # encode() returns these bytes again, even if they are outside the limits of the register.
         return keep_bytes(register, data)
 
     @staticmethod
@@ -2571,7 +2571,7 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
     """Return whether the registers of an encoder can have these contents, bytes keyed by address.
 
-    A register whose bytes are missing from ``contents`` is left out of the comparison.
+    Each register whose bytes are all in ``contents`` is compared.
     """
     return (
         is_consistent(

@@ -60,7 +60,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             BitField("singleturn", low=0, width=variant.singleturn_bits),
@@ -101,7 +101,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             ReportCause("warning", mask=1),
             ReportCause("error", mask=2),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("multiturn", low=variant.used_singleturn_bits + 8, width=variant.used_multiturn_bits),
             BitField("singleturn", low=8, width=variant.used_singleturn_bits),
@@ -146,7 +146,7 @@ def shape_of_register_profile_id() -> Shape:
         columns=(
             Column("profile", low=0, width=16),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("profile", low=0, width=16),
         ),
@@ -166,7 +166,7 @@ def shape_of_register_serial_number() -> Shape:
             Column("week", low=16, width=8),
             Column("number", low=0, width=16),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("year", low=24, width=8),
             BitField("week", low=16, width=8),
@@ -188,7 +188,7 @@ def shape_of_register_configuration() -> Shape:
             Column("output_code", low=5, width=1, kind="choice", values=OutputCode),
             Column("enable_preset", low=2, width=1, kind="choice", values=EnablePreset),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("zero_above_counting_direction", low=7, width=1),
             BitField("counting_direction", low=6, width=1),
@@ -211,7 +211,7 @@ def shape_of_register_information_per_revolution() -> Shape:
         columns=(
             Column("steps", low=0, width=24, power_of_two=True),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("steps", low=0, width=24),
         ),
@@ -230,7 +230,7 @@ def shape_of_register_number_of_revolutions() -> Shape:
         columns=(
             Column("revolutions", low=0, width=16, zero_means=65_536),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("revolutions", low=0, width=16),
         ),
@@ -249,7 +249,7 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
         columns=(
             Column("position", low=0, width=36),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("zero_above_position", low=36, width=4),
             BitField("position", low=0, width=36),
@@ -270,7 +270,7 @@ def shape_of_register_device_type() -> Shape:
         columns=(
             Column("device_type", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("device_type", low=0, width=8),
         ),
@@ -288,7 +288,7 @@ def shape_of_register_singleturn_bits_used() -> Shape:
         columns=(
             Column("bits", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("bits", low=0, width=8),
         ),
@@ -306,7 +306,7 @@ def shape_of_register_multiturn_bits_used() -> Shape:
         columns=(
             Column("bits", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("bits", low=0, width=8),
         ),
@@ -327,7 +327,7 @@ def shape_of_register_device_id() -> Shape:
             Column("enclosure", low=8, width=8, kind="text"),
             Column("software_version", low=0, width=8, kind="text"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("model", low=32, width=16),
             BitField("interface_code", low=16, width=16),
@@ -348,7 +348,7 @@ def shape_of_register_manufacturer_id() -> Shape:
         columns=(
             Column("name", low=0, width=16, kind="text"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=0, width=16),
         ),

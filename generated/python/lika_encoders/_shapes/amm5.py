@@ -63,7 +63,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             BitField("singleturn", low=0, width=variant.singleturn_bits),
@@ -118,7 +118,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             ),
             *([ReportCause("warning_unexplained", flag="warning")] if not variant.multiturn_bits else []),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("multiturn", low=variant.singleturn_bits + 8, width=variant.multiturn_bits),
             BitField("singleturn", low=8, width=variant.singleturn_bits),
@@ -167,7 +167,7 @@ def shape_of_data_request() -> Shape:
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -197,7 +197,7 @@ def shape_of_eeprom_write_request(adf_layout: AdfLayout) -> Shape:
             Check(low=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -238,7 +238,7 @@ def shape_of_eeprom_read_request(adf_layout: AdfLayout) -> Shape:
             Check(low=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -309,7 +309,7 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -381,7 +381,7 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -440,7 +440,7 @@ def shape_of_encoder_id_reply() -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -545,7 +545,7 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("alarm_zero_0", mask=256),
             ReportCause("alarm_zero_3_4", mask=6144),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -607,7 +607,7 @@ def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
         report_causes=(
             ReportCause("eeprom_write_reply_mem_busy", flag="mem_busy"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -653,7 +653,7 @@ def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
         report_causes=(
             ReportCause("eeprom_read_reply_mem_busy", flag="mem_busy"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -692,7 +692,7 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("zero_above_multiturn", low=49, width=7),
             BitField("multiturn", low=49 - variant.multiturn_bits, width=variant.multiturn_bits),
@@ -722,7 +722,7 @@ def shape_of_register_serial_number() -> Shape:
                 runs=(("year", 10_000_000, 100), ("week", 100_000, 100), ("number", 1, 100_000)),
             ),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("serial", low=0, width=32),
         ),
@@ -741,7 +741,7 @@ def shape_of_register_device_id() -> Shape:
             Column("name", low=16, width=32, kind="text"),
             Column("release", low=0, width=16),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=16, width=32),
             BitField("release", low=0, width=16),
@@ -760,7 +760,7 @@ def shape_of_register_manufacturer_id() -> Shape:
         columns=(
             Column("name", low=0, width=16, kind="text"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=0, width=16),
         ),

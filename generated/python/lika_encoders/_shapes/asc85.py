@@ -41,7 +41,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         columns=(
             Column("position", low=0, width=variant.position_bits),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=0, width=variant.position_bits),
         ),
@@ -78,7 +78,7 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             ReportCause("error", flag="error"),
             ReportCause("warning", flag="warning"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=zero_bit.zero_bits + 8, width=variant.position_bits),
             BitField("zero", low=8, width=zero_bit.zero_bits),
@@ -117,7 +117,7 @@ def shape_of_register_profile_id() -> Shape:
             Column("variant_", low=8, width=8, field="variant"),
             Column("data_length", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("variant", low=8, width=8),
             BitField("data_length", low=0, width=8),
@@ -136,7 +136,7 @@ def shape_of_register_serial_number() -> Shape:
         columns=(
             Column("serial", low=0, width=32),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("serial", low=0, width=32),
         ),
@@ -161,7 +161,7 @@ def shape_of_register_diagnostic_data() -> Shape:
             Column("dc_minimum_offset", low=1, width=1, kind="flag"),
             Column("ac_minimum_amplitude", low=0, width=1, kind="flag"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("amplitude_control_maximum_current", low=7, width=1),
             BitField("signal_level_maximum_amplitude", low=6, width=1),
@@ -193,7 +193,7 @@ def shape_of_register_status() -> Shape:
             Column("absolute_data_valid", low=1, width=1, kind="flag"),
             Column("position_data_valid", low=0, width=1, kind="flag"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("configuration_completed", low=7, width=1),
             BitField("error_message", low=6, width=1),
@@ -218,7 +218,7 @@ def shape_of_register_position(variant: BissEncoder) -> Shape:
         columns=(
             Column("position", low=32 - variant.position_bits, width=variant.position_bits),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=32 - variant.position_bits, width=variant.position_bits),
         ),
@@ -244,7 +244,7 @@ def shape_of_register_error_register() -> Shape:
             Column("signal_error", low=1, width=1, kind="flag"),
             Column("control_error", low=0, width=1, kind="flag"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("absolute_data_error", low=6, width=1),
             BitField("interpolation_error", low=5, width=1),
@@ -270,7 +270,7 @@ def shape_of_register_device_id() -> Shape:
             Column("name", low=16, width=32, kind="text"),
             Column("release", low=0, width=16, kind="text"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=16, width=32),
             BitField("release", low=0, width=16),
@@ -289,7 +289,7 @@ def shape_of_register_manufacturer_id() -> Shape:
         columns=(
             Column("name", low=0, width=16, kind="text"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=0, width=16),
         ),

@@ -70,7 +70,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         report_causes=(
             ReportCause("error", flag="error"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=1, width=variant.position_bits),
             BitField("error", low=0, width=1),
@@ -114,7 +114,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             ReportCause("error", flag="error"),
             ReportCause("warning", flag="warning"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField(
                 "padding",
@@ -169,7 +169,7 @@ def shape_of_data_request() -> Shape:
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -253,7 +253,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -329,7 +329,7 @@ def shape_of_wide_position_reply() -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -428,7 +428,7 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -479,7 +479,7 @@ def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
         columns=(
             Column("profile_id", low=0, width=16),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("profile_id", low=0, width=16),
         ),
@@ -499,7 +499,7 @@ def shape_of_register_serial_number() -> Shape:
             Column("week", low=16, width=8),
             Column("number", low=0, width=16),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("year", low=24, width=8),
             BitField("week", low=16, width=8),
@@ -522,7 +522,7 @@ def shape_of_register_configuration() -> Shape:
             Column("enable_preset_offset", low=2, width=1, kind="choice", values=EnablePresetOffset),
             Column("select_preset_offset", low=1, width=1, kind="choice", values=SelectPresetOffset),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("unused_7", low=7, width=1),
             BitField("counting_direction", low=6, width=1),
@@ -546,7 +546,7 @@ def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
         columns=(
             Column("absolute_resolution", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("absolute_resolution", low=0, width=8),
         ),
@@ -564,7 +564,7 @@ def shape_of_register_preset_offset() -> Shape:
         columns=(
             Column("preset_offset", low=0, width=32),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("preset_offset", low=0, width=32),
         ),
@@ -583,7 +583,7 @@ def shape_of_register_device_type() -> Shape:
         columns=(
             Column("type", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("type", low=0, width=8),
         ),
@@ -601,7 +601,7 @@ def shape_of_register_sine_cosine_resolution() -> Shape:
         columns=(
             Column("period", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("period", low=0, width=8),
         ),
@@ -619,7 +619,7 @@ def shape_of_register_position_check() -> Shape:
         columns=(
             Column("position_check", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position_check", low=0, width=8),
         ),
@@ -638,7 +638,7 @@ def shape_of_register_device_id() -> Shape:
             Column("name", low=16, width=32, kind="text"),
             Column("release", low=0, width=16),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=16, width=32),
             BitField("release", low=0, width=16),
@@ -657,7 +657,7 @@ def shape_of_register_manufacturer_id() -> Shape:
         columns=(
             Column("name", low=0, width=16, kind="text"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=0, width=16),
         ),

@@ -61,7 +61,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             ReportCause("error", flag="error"),
             ReportCause("warning", flag="warning"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=variant.zero_bits + 8, width=variant.position_bits),
             BitField("zero", low=8, width=variant.zero_bits),
@@ -100,7 +100,7 @@ def shape_of_register_mode() -> Shape:
         columns=(
             Column("modea", low=0, width=3, kind="choice", values=Modea),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("modea", low=0, width=3),
         ),
@@ -121,7 +121,7 @@ def shape_of_register_output_length() -> Shape:
             Column("out_zero", low=5, width=3),
             Column("out_msb", low=0, width=5),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("out_zero", low=5, width=3),
             BitField("out_msb", low=0, width=5),
@@ -143,7 +143,7 @@ def shape_of_register_output_selection() -> Shape:
             Column("mode_st", low=4, width=2, kind="choice", values=ModeSt),
             Column("out_lsb", low=0, width=4),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("gssi", low=7, width=1),
             BitField("rssi", low=6, width=1),
@@ -164,7 +164,7 @@ def shape_of_register_bank() -> Shape:
         columns=(
             Column("bank", low=0, width=5),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("bank", low=0, width=5),
         ),
@@ -184,7 +184,7 @@ def shape_of_register_eds_bank() -> Shape:
         columns=(
             Column("eds_bank", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("eds_bank", low=0, width=8),
         ),
@@ -202,7 +202,7 @@ def shape_of_register_profile_id() -> Shape:
         columns=(
             Column("profile_id", low=0, width=16),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("profile_id", low=0, width=16),
         ),
@@ -220,7 +220,7 @@ def shape_of_register_serial_number() -> Shape:
         columns=(
             Column("serial_number", low=0, width=32),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("serial_number", low=0, width=32),
         ),
@@ -238,7 +238,7 @@ def shape_of_register_event_count() -> Shape:
         columns=(
             Column("event_count", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("event_count", low=0, width=8),
         ),
@@ -256,7 +256,7 @@ def shape_of_register_hardware_revision() -> Shape:
         columns=(
             Column("hardware_revision", low=0, width=8),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("hardware_revision", low=0, width=8),
         ),
@@ -278,7 +278,7 @@ def shape_of_register_status0() -> Shape:
             Column("am_max", low=1, width=1, kind="flag"),
             Column("am_min", low=0, width=1, kind="flag"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("stup", low=4, width=1),
             BitField("an_max", low=3, width=1),
@@ -309,7 +309,7 @@ def shape_of_register_status1() -> Shape:
             Column("frq_cnv", low=1, width=1, kind="flag"),
             Column("cmd_exe", low=0, width=1, kind="flag"),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("crc_err", low=7, width=1),
             BitField("epr_err", low=6, width=1),
@@ -334,7 +334,7 @@ def shape_of_register_device_id() -> Shape:
         columns=(
             Column("device_id", low=0, width=48),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("device_id", low=0, width=48),
         ),
@@ -352,7 +352,7 @@ def shape_of_register_manufacturer_id() -> Shape:
         columns=(
             Column("manufacturer_id", low=0, width=16),
         ),
-        # All fields, including those that are only checked.
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("manufacturer_id", low=0, width=16),
         ),
