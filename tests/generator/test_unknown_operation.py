@@ -72,6 +72,7 @@ ASKING = {
     "python": {
         ("codec", "_field_attributes"),
         ("codec", "usable_position"),
+        ("decode", "_add_values"),
         ("decode", "_place_comment"),
         ("facts", "_field_record"),
         ("first_byte", "_codes_by_first_byte"),

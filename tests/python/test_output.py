@@ -118,8 +118,8 @@ def test_lines_are_of_a_length_to_read(files: Mapping[str, str]) -> None:
             assert not too_long, (path, too_long[:3])
 
 
-#: A value in a decoder with the name of its attribute, and the place of its bits in a word or in a byte.
-COMMENT = re.compile(r"  # (\w+), bits? (\d+)(?::(\d+))?(, active low)?$", re.MULTILINE)
+#: The assignment of a value in a decoder to the variable of its attribute, and the place of its bits in a word or byte.
+COMMENT = re.compile(r"^ +(\w+) = .*  # bits? (\d+)(?::(\d+))?(, active low)?$", re.MULTILINE)
 
 
 def test_comments_name_the_bits_of_the_spec(files: Mapping[str, str], devices: Mapping[str, Device]) -> None:
@@ -140,6 +140,29 @@ def test_comments_name_the_bits_of_the_spec(files: Mapping[str, str], devices: M
                 assert bool(is_low) == (isinstance(field.kind, Flag) and field.kind.active_low), (device.name, name)
                 compared += 1
     assert compared > 60
+
+
+#: An operand of a bit operator that is another operation without parentheses, as in ``a >> 3 & 0xF``.
+BARE_OPERAND = re.compile(
+    r"(?:<<|>>) [\w.]+(?:\[\d+\])? [&|^] |[&|^] [\w.]+(?:\[\d+\])? (?:<<|>>) |& [\w.]+(?:\[\d+\])? [|^] "
+)
+
+
+def test_what_a_reader_stumbled_over_is_gone(files: Mapping[str, str]) -> None:
+    for path, text in files.items():
+        if not path.endswith(".py") or "codewheel_runtime" in path:
+            continue
+        assert not BARE_OPERAND.findall(text), path
+        # Citations are below the summary, and reasons above the condition of a verdict.
+        for function in ast.walk(ast.parse(text)):
+            if not isinstance(function, ast.FunctionDef):
+                continue
+            summary = (ast.get_docstring(function) or "").partition("\n")[0]
+            assert not summary.endswith("]."), (path, function.name, summary)
+            if function.name == "verdict":
+                lines = text.splitlines()
+                conditions = [statement for statement in function.body if isinstance(statement, ast.If)]
+                assert all(lines[condition.lineno - 2].lstrip().startswith("# ") for condition in conditions), path
 
 
 @pytest.mark.slow

@@ -56,7 +56,7 @@ from codewheel_runtime.codec import (
     as_word,
     check_width,
     crc_of_bits,
-    create,
+    create_tuple,
     from_gray,
     make_crc_tables,
     too_long_error,
@@ -257,22 +257,32 @@ class Variant(Rotary, Wrapping):
 
     @property
     def position_bits(self) -> int:
-        """Width of the whole position, including revolutions, given by the order code. It is also the length of the
-        SSI word [5.2]. Unit: bits. It equals ``singleturn_bits + multiturn_bits``.
+        """Width of the whole position, including revolutions, given by the order code. It is also the length of the SSI
+        word.
+
+        Source: 5.2.
+
+        Unit: bits. It equals ``singleturn_bits + multiturn_bits``.
         """
         return self.singleturn_bits + self.multiturn_bits
 
     @property
     def used_position_bits(self) -> int:
-        """Width of the whole BiSS position, as currently set, at most 36 bits [6.3.1 p.21]. Unit: bits. It equals
-        ``used_singleturn_bits + used_multiturn_bits``.
+        """Width of the whole BiSS position, as currently set, at most 36 bits.
+
+        Source: 6.3.1 p.21.
+
+        Unit: bits. It equals ``used_singleturn_bits + used_multiturn_bits``.
         """
         return self.used_singleturn_bits + self.used_multiturn_bits
 
     @property
     def biss_gray(self) -> int:
-        """Position encoding over BiSS, as currently set: 1 Gray code, 0 binary code [6.5 p.26]. It equals ``1 -
-        output_code``.
+        """Position encoding over BiSS, as currently set: 1 Gray code, 0 binary code.
+
+        Source: 6.5 p.26.
+
+        It equals ``1 - output_code``.
         """
         return 1 - self.output_code
 
@@ -294,7 +304,8 @@ class Variant(Rotary, Wrapping):
             RangeError: The value of a register is not allowed.
             ValueError: A register does not affect this encoder.
         """
-        return self._with_changes(**read_parameters(_REGISTER_PARAMETERS, contents, self))
+        parameters = read_parameters(_REGISTER_PARAMETERS, contents, self)
+        return self._with_changes(**parameters)
 
     @property
     def counts_per_turn(self) -> int:
@@ -515,8 +526,9 @@ def lookup(label: str) -> Variant:
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.3.1 p.22, prot: p.7-8, renishaw:
-    data sheet, icmu: p.30].
+    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted.
+
+    Source: 6.3.1 p.22, prot: p.7-8, renishaw: data sheet, icmu: p.30.
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the covered bits (position, error and warning bit) come from public BiSS documents.
@@ -538,7 +550,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.4, prot: p.9-14, icmu: p.30].
+    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted.
+
+    Source: 6.4, prot: p.9-14, icmu: p.30.
 
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered bits come
     from public BiSS documents.
@@ -605,13 +619,14 @@ class _SsiWord(NamedTuple):
 
 
 class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
-    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant bit first
-    [5.2].
+    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant bit first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
         multiturn: Number of revolutions. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
+
+    Source: 5.2.
 
     In the manual: Structure of the position information.
 
@@ -643,7 +658,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return self.multiturn << self.variant.singleturn_bits | self.singleturn
+        return (self.multiturn << self.variant.singleturn_bits) | self.singleturn
 
     @property
     def position(self) -> int:
@@ -653,7 +668,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        return multiturn << variant.singleturn_bits | singleturn
+        return (multiturn << variant.singleturn_bits) | singleturn
 
     @classmethod
     def from_position(cls, variant: SsiEncoder, position: int) -> SsiWord:
@@ -705,6 +720,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         singleturn_mask = (1 << variant.singleturn_bits) - 1
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
@@ -712,12 +728,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
                     word = from_gray(word, low=0, width=gray_bits)
-                values = (
-                    variant,
-                    word >> multiturn_low,  # multiturn
-                    word & singleturn_mask,  # singleturn
-                )
-                return create(cls, values)
+                multiturn = word >> multiturn_low
+                singleturn = word & singleturn_mask
+                return create_tuple(cls, (variant, multiturn, singleturn))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -738,13 +751,15 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``used_singleturn_bits + used_multiturn_bits + 8`` bits,
-    most significant bit first [6.3 p.21, 6.3.1 p.21].
+    most significant bit first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
         multiturn: Number of revolutions. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
+
+    Source: 6.3 p.21, 6.3.1 p.21.
 
     In the manual: Single Cycle Data SCD.
 
@@ -798,9 +813,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if self.unused & 0x2:
             return None
-        return self.multiturn << self.variant.used_singleturn_bits | self.singleturn
+        return (self.multiturn << self.variant.used_singleturn_bits) | self.singleturn
 
     @property
     def position(self) -> int:
@@ -810,7 +826,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
-        return multiturn << variant.used_singleturn_bits | singleturn
+        return (multiturn << variant.used_singleturn_bits) | singleturn
 
     @classmethod
     def from_position(cls, variant: BissEncoder, position: int, unused: int = 0) -> SingleCycleData:
@@ -867,28 +883,26 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         table_0, table_1, table_2 = make_crc_tables(crc_biss_6, covered=38, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
-                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
-                low = word & 0xFFFF
-                high = word >> 16
-                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                # Each table has the CRCs of 16 of the bits. Their XOR is 0 if the received CRC is correct.
+                low_bits = word & 0xFFFF
+                high_bits = word >> 16
+                difference = table_0[low_bits] ^ table_1[high_bits & 0xFFFF] ^ table_2[high_bits >> 16]
                 if difference:
                     received_crc = word & 0x3F
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
                     word = from_gray(word, low=8, width=gray_bits)
-                values = (
-                    variant,
-                    word >> multiturn_low,  # multiturn
-                    word >> 8 & singleturn_mask,  # singleturn
-                    word >> 6 & 0x3 ^ 0x3,  # unused, 1 where a bit differs from the manual
-                )
-                return create(cls, values)
+                multiturn = word >> multiturn_low
+                singleturn = (word >> 8) & singleturn_mask
+                unused = ((word >> 6) & 0x3) ^ 0x3  # 1 where a bit differs from the manual
+                return create_tuple(cls, (variant, multiturn, singleturn, unused))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -929,11 +943,13 @@ class _ProfileId(NamedTuple):
 
 
 class ProfileId(FixedRegister, _ProfileId):
-    """Profile ID, registers 42h to 43h, read-only, over BiSS C-mode [6.5 p.24].
+    """Profile ID, registers 42h to 43h, read-only, over BiSS C-mode.
 
     Attributes:
         profile: Printed as 00 00 for AMx36. The value 0000h helps to identify the encoder. The decoder also accepts
             other values.
+
+    Source: 6.5 p.24.
 
     Profile identification code.
 
@@ -972,10 +988,8 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0] << 8 | data[1],  # profile, high byte first
-        )
-        return create(cls, values)
+        profile = (data[0] << 8) | data[1]  # high byte first
+        return create_tuple(cls, (profile,))
 
 
 class _SerialNumber(NamedTuple):
@@ -987,12 +1001,14 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """Serial number, registers 44h to 47h, read-only, over BiSS C-mode [6.5 p.24].
+    """Serial number, registers 44h to 47h, read-only, over BiSS C-mode.
 
     Attributes:
         year: Year of production, register 44h.
         week: Week of production, register 45h.
         number: Serial number, assigned in ascending order, registers 46h and 47h.
+
+    Source: 6.5 p.24.
 
     Production year and week, and a serial number, "in hexadecimal notation".
 
@@ -1024,16 +1040,16 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        values = (
-            data[0],  # year
-            data[1],  # week
-            data[2] << 8 | data[3],  # number, high byte first
-        )
-        return create(cls, values)
+        year = data[0]
+        week = data[1]
+        number_ = (data[2] << 8) | data[3]  # high byte first
+        return create_tuple(cls, (year, week, number_))
 
 
 class Command(IntEnum):
-    """Command, register 48h, write-only, over BiSS C-mode [6.5 p.24, 7 p.33].
+    """Command, register 48h, write-only, over BiSS C-mode.
+
+    Source: 6.5 p.24, 7 p.33.
 
     Saves the parameters, activates the preset, or restores the defaults.
 
@@ -1094,7 +1110,7 @@ class _Configuration(NamedTuple):
 
 
 class Configuration(FixedRegister, _Configuration):
-    """Configuration, register 49h, read and write, over BiSS C-mode [6.5 p.25, 7 p.33].
+    """Configuration, register 49h, read and write, over BiSS C-mode.
 
     Attributes:
         counting_direction: Counting direction: Direction of rotation in which the position counts up, seen from the
@@ -1103,6 +1119,8 @@ class Configuration(FixedRegister, _Configuration):
         output_code: Output code: Position encoding. Default: 1.
         enable_preset: Enable preset: Enables writing to the Preset registers and activating the preset, by command or
             by the "Zero setting/Preset" input. Default: 0.
+
+    Source: 6.5 p.25, 7 p.33.
 
     Preset function, output code and counting direction.
 
@@ -1149,16 +1167,16 @@ class Configuration(FixedRegister, _Configuration):
         zero_above_counting_direction = data[0] >> 7  # bit 7: Always zero
         if zero_above_counting_direction:
             raise ConstantError("zero_above_counting_direction", zero_above_counting_direction, 0)
-        zero_below_output_code = data[0] >> 3 & 0x3  # bits 4:3: Always zero
+        zero_below_output_code = (data[0] >> 3) & 0x3  # bits 4:3: Always zero
         if zero_below_output_code:
             raise ConstantError("zero_below_output_code", zero_below_output_code, 0)
         zero_below_enable_preset = data[0] & 0x3  # bits 1:0: Always zero
         if zero_below_enable_preset:
             raise ConstantError("zero_below_enable_preset", zero_below_enable_preset, 0)
-        counting_direction = as_member(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)  # bit 6
-        output_code = as_member(OutputCode, "output_code", data[0] >> 5 & 0x1)  # bit 5
-        enable_preset = as_member(EnablePreset, "enable_preset", data[0] >> 2 & 0x1)  # bit 2
-        return create(cls, (counting_direction, output_code, enable_preset))
+        counting_direction = as_member(CountingDirection, "counting_direction", (data[0] >> 6) & 0x1)  # bit 6
+        output_code = as_member(OutputCode, "output_code", (data[0] >> 5) & 0x1)  # bit 5
+        enable_preset = as_member(EnablePreset, "enable_preset", (data[0] >> 2) & 0x1)  # bit 2
+        return create_tuple(cls, (counting_direction, output_code, enable_preset))
 
 
 class _InformationPerRevolution(NamedTuple):
@@ -1168,10 +1186,12 @@ class _InformationPerRevolution(NamedTuple):
 
 
 class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
-    """Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27, 7 p.33].
+    """Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode.
 
     Attributes:
         steps: Counts per revolution. Unit: counts. Only powers of two are allowed.
+
+    Source: 6.5 p.27, 7 p.33.
 
     Singleturn resolution.
 
@@ -1210,10 +1230,10 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
             data = as_bytes(data)
         if len(data) != 3:
             raise LengthError(3, len(data))
-        values = (
-            data[0] << 16 | data[1] << 8 | data[2],  # steps, high byte first
-        )
-        return keep_bytes(create(cls, values), data)
+        steps = (data[0] << 16) | (data[1] << 8) | data[2]  # high byte first
+        register = create_tuple(cls, (steps,))
+        # encode() returns these bytes again, even if they are outside the limits of the register.
+        return keep_bytes(register, data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1228,10 +1248,12 @@ class _NumberOfRevolutions(NamedTuple):
 
 
 class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
-    """Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28, 7 p.33].
+    """Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode.
 
     Attributes:
         revolutions: Number of revolutions counted. 00 00 means 65,536. Unit: revolutions. A value of 0 means 65,536.
+
+    Source: 6.5 p.28, 7 p.33.
 
     Multiturn resolution.
 
@@ -1271,10 +1293,10 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            (data[0] << 8 | data[1]) or 65_536,  # revolutions, high byte first
-        )
-        return keep_bytes(create(cls, values), data)
+        revolutions = ((data[0] << 8) | data[1]) or 65_536  # high byte first, 0 means 65,536
+        register = create_tuple(cls, (revolutions,))
+        # encode() returns these bytes again, even if they are outside the limits of the register.
+        return keep_bytes(register, data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1290,11 +1312,13 @@ class _Preset(NamedTuple):
 
 
 class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
-    """Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29, 7 p.33].
+    """Preset, registers 50h to 54h, read and write, over BiSS C-mode.
 
     Attributes:
         variant: Encoder to which the register belongs.
         position: Position as one number, with the revolutions above the singleturn position. Unit: counts.
+
+    Source: 6.5 p.29, 7 p.33.
 
     Value that the encoder reports at the current shaft position once the preset is activated.
 
@@ -1346,11 +1370,11 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         zero_above_position = data[0] >> 4  # bits 7:4: Always zero
         if zero_above_position:
             raise ConstantError("zero_above_position", zero_above_position, 0)
-        values = (
-            variant,
-            (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],  # position, high byte first
-        )
-        return keep_bytes(create(cls, values), data)
+        # high byte first
+        position = ((data[0] & 0xF) << 32) | (data[1] << 24) | (data[2] << 16) | (data[3] << 8) | data[4]
+        register = create_tuple(cls, (variant, position))
+        # encode() returns these bytes again, even if they are outside the limits of the register.
+        return keep_bytes(register, data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -1366,11 +1390,13 @@ class _DeviceType(NamedTuple):
 
 
 class DeviceType(FixedRegister, _DeviceType):
-    """Device type, register 55h, read-only, over BiSS C-mode [6.5 p.31].
+    """Device type, register 55h, read-only, over BiSS C-mode.
 
     Attributes:
         device_type: 02: multiturn rotary encoder with BiSS C interface. The value 02h helps to identify the encoder.
             The decoder also accepts other values.
+
+    Source: 6.5 p.31.
 
     Device type.
 
@@ -1405,10 +1431,8 @@ class DeviceType(FixedRegister, _DeviceType):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],  # device_type
-        )
-        return create(cls, values)
+        device_type = data[0]
+        return create_tuple(cls, (device_type,))
 
 
 class _SingleturnBitsUsed(NamedTuple):
@@ -1418,10 +1442,12 @@ class _SingleturnBitsUsed(NamedTuple):
 
 
 class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
-    """N° of bits used for singleturn resolution, register 56h, read-only, over BiSS C-mode [6.5 p.31].
+    """N° of bits used for singleturn resolution, register 56h, read-only, over BiSS C-mode.
 
     Attributes:
         bits: Width of the singleturn part of the position. Unit: bits.
+
+    Source: 6.5 p.31.
 
     Singleturn resolution in bits, as set by "Information per revolution".
 
@@ -1453,10 +1479,8 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],  # bits
-        )
-        return create(cls, values)
+        bits_ = data[0]
+        return create_tuple(cls, (bits_,))
 
 
 class _MultiturnBitsUsed(NamedTuple):
@@ -1466,10 +1490,12 @@ class _MultiturnBitsUsed(NamedTuple):
 
 
 class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
-    """N° of bits used for multiturn resolution, register 57h, read-only, over BiSS C-mode [6.5 p.31].
+    """N° of bits used for multiturn resolution, register 57h, read-only, over BiSS C-mode.
 
     Attributes:
         bits: Width of the multiturn part of the position. Unit: bits.
+
+    Source: 6.5 p.31.
 
     Multiturn resolution in bits, as set by "Number of revolutions".
 
@@ -1503,10 +1529,8 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],  # bits
-        )
-        return create(cls, values)
+        bits_ = data[0]
+        return create_tuple(cls, (bits_,))
 
 
 class _DeviceId(NamedTuple):
@@ -1519,7 +1543,7 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """Device ID, registers 78h to 7Dh, read-only, over BiSS C-mode [6.5 p.31].
+    """Device ID, registers 78h to 7Dh, read-only, over BiSS C-mode.
 
     Attributes:
         model: Encoder model, AMx36 (41 4D in hexadecimal). ASCII text. The value ``AM`` helps to identify the encoder.
@@ -1529,6 +1553,8 @@ class DeviceId(FixedRegister, _DeviceId):
         enclosure: Enclosure of 36 mm diameter (32 in hexadecimal). ASCII text. The value ``2`` helps to identify the
             encoder. The decoder also accepts other values.
         software_version: Software version, printed as XX. ASCII text.
+
+    Source: 6.5 p.31.
 
     Encoder model, interface, enclosure and software version. The manual refers to the order code for this register.
 
@@ -1566,13 +1592,11 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        values = (
-            data[0:2].decode("latin-1"),  # model, high byte first
-            data[2:4].decode("latin-1"),  # interface_code, high byte first
-            data[4:5].decode("latin-1"),  # enclosure
-            data[5:6].decode("latin-1"),  # software_version
-        )
-        return create(cls, values)
+        model = data[0:2].decode("latin-1")  # high byte first
+        interface_code = data[2:4].decode("latin-1")  # high byte first
+        enclosure = data[4:5].decode("latin-1")
+        software_version = data[5:6].decode("latin-1")
+        return create_tuple(cls, (model, interface_code, enclosure, software_version))
 
 
 class _ManufacturerId(NamedTuple):
@@ -1582,11 +1606,13 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """Manufacturer ID, registers 7Eh to 7Fh, read-only, over BiSS C-mode [6.5 p.32].
+    """Manufacturer ID, registers 7Eh to 7Fh, read-only, over BiSS C-mode.
 
     Attributes:
         name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
             decoder also accepts other values.
+
+    Source: 6.5 p.32.
 
     Manufacturer.
 
@@ -1621,16 +1647,14 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0:2].decode("latin-1"),  # name, high byte first
-        )
-        return create(cls, values)
+        name = data[0:2].decode("latin-1")  # high byte first
+        return create_tuple(cls, (name,))
 
 
 #: Parameters that registers hold at run time.
 _REGISTER_PARAMETERS: Final = (
     RegisterParameter(
-        parameter="used_singleturn_bits",
+        name="used_singleturn_bits",
         interface=Interface.BISS,
         address=Address.SINGLETURN_BITS_USED,
         default=b"\x14",
@@ -1641,7 +1665,7 @@ _REGISTER_PARAMETERS: Final = (
         max=20,
     ),
     RegisterParameter(
-        parameter="used_multiturn_bits",
+        name="used_multiturn_bits",
         interface=Interface.BISS,
         address=Address.MULTITURN_BITS_USED,
         default=b"\x10",
@@ -1652,7 +1676,7 @@ _REGISTER_PARAMETERS: Final = (
         max=16,
     ),
     RegisterParameter(
-        parameter="used_revolutions",
+        name="used_revolutions",
         interface=Interface.BISS,
         address=Address.NUMBER_OF_REVOLUTIONS,
         default=b"\x00\x00",
@@ -1664,7 +1688,7 @@ _REGISTER_PARAMETERS: Final = (
         zero_means=65_536,
     ),
     RegisterParameter(
-        parameter="used_information",
+        name="used_information",
         interface=Interface.BISS,
         address=Address.INFORMATION_PER_REVOLUTION,
         default=b"\x10\x00\x00",
@@ -1675,7 +1699,7 @@ _REGISTER_PARAMETERS: Final = (
         max=1_048_576,
     ),
     RegisterParameter(
-        parameter="output_code",
+        name="output_code",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
         default=b"\x20",
@@ -1713,7 +1737,10 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 
 
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
-    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address.
+
+    Each register whose bytes are all in ``contents`` is compared.
+    """
     return (
         is_consistent(
             contents,
@@ -1759,7 +1786,9 @@ _PROCEDURES: Final = {
 
 
 def set_configuration(configuration: Configuration | int, *, variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Set and save the configuration [6.5 p.25].
+    """Set and save the configuration.
+
+    Source: 6.5 p.25.
 
     Result: Preset function, output code and counting direction are set and saved.
 
@@ -1781,14 +1810,11 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     """
     if variant is not None:
         check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
-    Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
+    configuration_bytes = encode_register("configuration", Configuration, configuration, length=1, order="big")
+    # Decoding the bytes checks the constant bits.
+    Configuration.decode(configuration_bytes)
     return (
-        *write_bytes(
-            "configuration",
-            Address.CONFIGURATION,
-            encode_register("configuration", Configuration, configuration, 1, "big"),
-            meaning="takes effect immediately",
-        ),
+        *write_bytes("configuration", Address.CONFIGURATION, configuration_bytes, meaning="takes effect immediately"),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it"),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -1796,7 +1822,9 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 
 
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
-    """Set, save and activate a preset [6.5 p.29].
+    """Set, save and activate a preset.
+
+    Source: 6.5 p.29.
 
     Precondition: The manual suggests setting the preset with the shaft at a standstill.
 
@@ -1848,7 +1876,9 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
 
 def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
-    """Set and save a preset without activating it [6.5 p.29, 4.4 p.15].
+    """Set and save a preset without activating it.
+
+    Source: 6.5 p.29, 4.4 p.15.
 
     Result: The preset is saved. The position is the same as before. The "Zero setting/Preset" input or activate_preset
     activates the preset.
@@ -1894,7 +1924,9 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
 
 def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Save the parameters [6.5 p.24].
+    """Save the parameters.
+
+    Source: 6.5 p.24.
 
     Result: New register values are saved.
 
@@ -1917,7 +1949,9 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Save the parameters and activate the current preset [6.5 p.24, 6.5 p.25].
+    """Save the parameters and activate the current preset.
+
+    Source: 6.5 p.24, 6.5 p.25.
 
     Precondition: The "Enable preset" bit is 0 (enable), the factory default. The manual suggests activating the preset
     with the shaft at a standstill.
@@ -1943,7 +1977,9 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Load and save the default parameters [6.5 p.24, 6.5 p.28, 7 p.33].
+    """Load and save the default parameters.
+
+    Source: 6.5 p.24, 6.5 p.28, 7 p.33.
 
     Result: All parameters are set to their defaults, which are both active and saved. All earlier values are lost,
     including the preset. The frame has 44 bits again.
@@ -1981,7 +2017,9 @@ def set_resolution(
     number_of_revolutions: int,
     position: int,
 ) -> tuple[Step, ...]:
-    """Change the resolution, then set and activate the preset again [6.5 p.24, 6.5 p.29].
+    """Change the resolution, then set and activate the preset again.
+
+    Source: 6.5 p.24, 6.5 p.29.
 
     Precondition: The manual suggests doing this with the shaft at a standstill.
 
@@ -2016,26 +2054,31 @@ def set_resolution(
         InterfaceError: The encoder has a different interface.
     """
     check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
-    content = InformationPerRevolution(steps=information_per_revolution).encode()
-    before: tuple[Step, ...] = (
+    register_bytes = InformationPerRevolution(steps=information_per_revolution).encode()
+    first_steps: tuple[Step, ...] = (
         *write_bytes(
             "information_per_revolution",
             Address.INFORMATION_PER_REVOLUTION,
-            content,
+            register_bytes,
             meaning="clears the preset",
         ),
     )
     # The new value of this register changes the limits of the next arguments.
-    variant = variant.with_registers(dict(enumerate(content, Address.INFORMATION_PER_REVOLUTION)))
-    content = NumberOfRevolutions(revolutions=number_of_revolutions).encode()
-    before = (
-        *before,
-        *write_bytes("number_of_revolutions", Address.NUMBER_OF_REVOLUTIONS, content, meaning="clears the preset"),
+    variant = variant.with_registers(dict(enumerate(register_bytes, Address.INFORMATION_PER_REVOLUTION)))
+    register_bytes = NumberOfRevolutions(revolutions=number_of_revolutions).encode()
+    first_steps = (
+        *first_steps,
+        *write_bytes(
+            "number_of_revolutions",
+            Address.NUMBER_OF_REVOLUTIONS,
+            register_bytes,
+            meaning="clears the preset",
+        ),
     )
     # The new value of this register changes the limits of the next arguments.
-    variant = variant.with_registers(dict(enumerate(content, Address.NUMBER_OF_REVOLUTIONS)))
+    variant = variant.with_registers(dict(enumerate(register_bytes, Address.NUMBER_OF_REVOLUTIONS)))
     return (
-        *before,
+        *first_steps,
         Verify(
             Address.INFORMATION_PER_REVOLUTION,
             length=3,
@@ -2091,7 +2134,9 @@ def set_resolution(
 
 
 def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Read the identification of the encoder [6.5].
+    """Read the identification of the encoder.
+
+    Source: 6.5.
 
     Result: AM36 and AMC36, in all resolutions, return the same values except in the last two registers. Those two
     contain the current settings, not the values of the order code.

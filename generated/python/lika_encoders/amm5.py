@@ -72,7 +72,7 @@ from codewheel_runtime.codec import (
     check_width,
     crc_by_xor,
     crc_of_bits,
-    create,
+    create_tuple,
     make_crc_tables,
     require_answer,
     too_long_error,
@@ -260,15 +260,22 @@ class Variant(Rotary, Wrapping):
 
     @property
     def position_bits(self) -> int:
-        """Width of the whole position, including revolutions, 17 to 39 bits. The manual calls it "encoder
-        resolution" and "nbitres" [6.2.1 p.32]. Unit: bits. It equals ``singleturn_bits + multiturn_bits``.
+        """Width of the whole position, including revolutions, 17 to 39 bits. The manual calls it "encoder resolution"
+        and "nbitres".
+
+        Source: 6.2.1 p.32.
+
+        Unit: bits. It equals ``singleturn_bits + multiturn_bits``.
         """
         return self.singleturn_bits + self.multiturn_bits
 
     @property
     def revolutions(self) -> int:
-        """Number of revolutions that the encoder distinguishes [Preliminary information p.7]. Unit: revolutions. It
-        equals ``2^multiturn_bits``.
+        """Number of revolutions that the encoder distinguishes.
+
+        Source: Preliminary information p.7.
+
+        Unit: revolutions. It equals ``2^multiturn_bits``.
         """
         return 1 << self.multiturn_bits
 
@@ -600,8 +607,9 @@ def lookup(label: str) -> Variant:
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.33, prot: p.7-8, renishaw:
-    data sheet, icmu: p.30].
+    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted.
+
+    Source: 6.2.1 p.33, prot: p.7-8, renishaw: data sheet, icmu: p.30.
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the covered bits (position, error and warning bit) come from public BiSS documents.
@@ -623,7 +631,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.34, prot: p.9-14, icmu: p.30].
+    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted.
+
+    Source: 6.3 p.34, prot: p.9-14, icmu: p.30.
 
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered bits come
     from public BiSS documents.
@@ -645,7 +655,9 @@ def crc_biss_4(number: int, bits: int) -> int:
 
 
 def crc_rs485_8(data: bytes) -> int:
-    """Compute the CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged [7.6 p.47].
+    """Compute the CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged.
+
+    Source: 7.6 p.47.
 
     The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit first. It equals
     the XOR of the bytes, so it does not detect swapped bytes. The printed code sets the start value to 0.
@@ -693,7 +705,9 @@ class DataId(IntEnum):
 
 
 class AdfLayout(Enum):
-    """Position of the address in byte ADF of an EEPROM access over RS-485 [7.5 p.46].
+    """Position of the address in byte ADF of an EEPROM access over RS-485.
+
+    Source: 7.5 p.46.
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
@@ -717,7 +731,9 @@ class AdfLayout(Enum):
 
 
 class WarningCause(Enum):
-    """Cause of an active warning bit in a BiSS frame [6.2.1 p.33, 4.3.1 p.23].
+    """Cause of an active warning bit in a BiSS frame.
+
+    Source: 6.2.1 p.33, 4.3.1 p.23.
 
     The manual leaves this open, or other evidence contradicts it. The default is EITHER_CAUSE. Variant.with_answers()
     chooses another answer.
@@ -757,13 +773,14 @@ class _SsiWord(NamedTuple):
 
 
 class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
-    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant bit first
-    [5.2 p.28].
+    """SSI word, sent by the encoder over SSI: ``singleturn_bits + multiturn_bits`` bits, most significant bit first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
         multiturn: Number of revolutions. 0 if the encoder does not have this field. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
+
+    Source: 5.2 p.28.
 
     In the manual: Structure of the position information.
 
@@ -791,7 +808,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
-        return self.multiturn << self.variant.singleturn_bits | self.singleturn
+        return (self.multiturn << self.variant.singleturn_bits) | self.singleturn
 
     @property
     def position(self) -> int:
@@ -801,7 +818,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             raise wrong_encoder_error(variant, family_class=Variant, interface=_SSI)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        return multiturn << variant.singleturn_bits | singleturn
+        return (multiturn << variant.singleturn_bits) | singleturn
 
     @classmethod
     def from_position(cls, variant: SsiEncoder, position: int) -> SsiWord:
@@ -852,17 +869,15 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         singleturn_mask = (1 << variant.singleturn_bits) - 1
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
-                values = (
-                    variant,
-                    word >> multiturn_low,  # multiturn
-                    word & singleturn_mask,  # singleturn
-                )
-                return create(cls, values)
+                multiturn = word >> multiturn_low
+                singleturn = word & singleturn_mask
+                return create_tuple(cls, (variant, multiturn, singleturn))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -884,7 +899,7 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``singleturn_bits + multiturn_bits + 8`` bits, most
-    significant bit first [6.2.1 p.32].
+    significant bit first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -904,6 +919,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             flag. If it is active there, the position is usable with a warning. Remedy: Replace a low battery as soon as
             possible. For an error in the multiturn system, the manual gives no remedy. Steps:
             ``battery_replacement_without_error``.
+
+    Source: 6.2.1 p.32.
 
     In the manual: Single Cycle Data SCD.
 
@@ -940,29 +957,31 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
         # error: an error is active in the system.
-        # warning: a warning is active in the system.
-        if (
-            self.error
-            or (self.warning and self.variant.multiturn_bits and not self.variant.low_battery_only)
-        ):
+        if self.error:
             return Verdict.NOT_USABLE
         # warning: a warning is active in the system.
-        if (
-            (self.warning and self.variant.multiturn_bits and self.variant.low_battery_only)
-            or (self.warning and not self.variant.multiturn_bits)
-        ):
+        # multiturn_bits: Width of the revolution count in bits. 0 in singleturn models.
+        # low_battery_only: 1 if an active warning bit means a low battery.
+        if self.warning and self.variant.multiturn_bits and not self.variant.low_battery_only:
+            return Verdict.NOT_USABLE
+        # warning: a warning is active in the system.
+        if self.warning and self.variant.multiturn_bits and self.variant.low_battery_only:
+            return Verdict.USABLE_WITH_WARNING
+        # warning: a warning is active in the system.
+        if self.warning and not self.variant.multiturn_bits:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
 
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if (
             self.error
             or (self.warning and self.variant.multiturn_bits and not self.variant.low_battery_only)
         ):
             return None
-        return self.multiturn << self.variant.singleturn_bits | self.singleturn
+        return (self.multiturn << self.variant.singleturn_bits) | self.singleturn
 
     @property
     def position(self) -> int:
@@ -972,7 +991,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        return multiturn << variant.singleturn_bits | singleturn
+        return (multiturn << variant.singleturn_bits) | singleturn
 
     @classmethod
     def from_position(
@@ -1034,27 +1053,25 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         table_0, table_1, table_2 = make_crc_tables(crc_biss_6, covered=41, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
-                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
-                low = word & 0xFFFF
-                high = word >> 16
-                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                # Each table has the CRCs of 16 of the bits. Their XOR is 0 if the received CRC is correct.
+                low_bits = word & 0xFFFF
+                high_bits = word >> 16
+                difference = table_0[low_bits] ^ table_1[high_bits & 0xFFFF] ^ table_2[high_bits >> 16]
                 if difference:
                     received_crc = word & 0x3F
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
-                values = (
-                    variant,
-                    word >> multiturn_low,  # multiturn
-                    word >> 8 & singleturn_mask,  # singleturn
-                    not low & 0x80,  # error, bit 7, active low
-                    not low & 0x40,  # warning, bit 6, active low
-                )
-                return create(cls, values)
+                multiturn = word >> multiturn_low
+                singleturn = (word >> 8) & singleturn_mask
+                error = not (low_bits & 0x80)  # bit 7, active low
+                warning = not (low_bits & 0x40)  # bit 6, active low
+                return create_tuple(cls, (variant, multiturn, singleturn, error, warning))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1071,10 +1088,12 @@ class _DataRequest(NamedTuple):
 
 
 class DataRequest(FixedBytes, _DataRequest):
-    """Data request, sent by the master over RS-485: 1 byte [7.2.1 p.41].
+    """Data request, sent by the master over RS-485: 1 byte.
 
     Attributes:
         data_id: Data ID: Type of request, repeated in the reply.
+
+    Source: 7.2.1 p.41.
 
     In the manual: Master → Encoder: CF.
 
@@ -1115,6 +1134,7 @@ class DataRequest(FixedBytes, _DataRequest):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, _adf_layout: object = None) -> DataRequest:
+            """Decode a frame. ``handle_error`` raises or returns each error."""
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -1123,7 +1143,7 @@ class DataRequest(FixedBytes, _DataRequest):
                 sync = data[0] & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = data[0] >> 3 & 0xF  # bits 6:3
+                data_id = (data[0] >> 3) & 0xF  # bits 6:3
                 parity = data[0] >> 7  # bit 7
                 # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
@@ -1133,10 +1153,8 @@ class DataRequest(FixedBytes, _DataRequest):
                 # RESET_SINGLETURN_AND_MULTITURN, 0xC is RESET_MULTITURN_AND_ERRORS.
                 if data_id not in (0, 1, 2, 3, 7, 8, 0xC):
                     raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
-                values = (
-                    DataId(data_id),  # data_id
-                )
-                return create(cls, values)
+                data_id = DataId(data_id)
+                return create_tuple(cls, (data_id,))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1152,12 +1170,14 @@ class _EepromWriteRequest(NamedTuple):
 
 
 class EepromWriteRequest(InBytes, _EepromWriteRequest):
-    """EEPROM write request, sent by the master over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
+    """EEPROM write request, sent by the master over RS-485: 4 bytes, low byte first.
 
     Attributes:
         adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address.
         data: EDF: Byte to write.
+
+    Source: 7.2.2 p.41, 7.5 p.46.
 
     In the manual: Master → Encoder: CF ADF EDF CRC.
 
@@ -1212,6 +1232,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, adf_layout: AdfLayout | None = None) -> EepromWriteRequest:
+            """Decode a frame. ``handle_error`` raises or returns each error."""
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
@@ -1225,24 +1246,22 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = number >> 3 & 0xF  # bits 6:3
-                parity = number >> 7 & 0x1  # bit 7
+                data_id = (number >> 3) & 0xF  # bits 6:3
+                parity = (number >> 7) & 0x1  # bit 7
                 # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
-                mem_busy = number >> (adf_layout.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
+                mem_busy = (number >> (adf_layout.mem_busy_bit + 8)) & 0x1  # Always 0 when sent by the master
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
                 # 6 is EEPROM_WRITE.
                 if data_id != 6:
                     raise RangeError("data_id", data_id, "6h")
-                values = (
-                    adf_layout,
-                    number >> (adf_layout.eeprom_address_bit + 8) & 0x7F,  # address
-                    number >> 16 & 0xFF,  # data, bits 23:16
-                )
-                return create(cls, values)
+                # 8 = parity (1) + data_id (4) + sync (3)
+                address = (number >> (adf_layout.eeprom_address_bit + 8)) & 0x7F
+                data_ = (number >> 16) & 0xFF  # bits 23:16
+                return create_tuple(cls, (adf_layout, address, data_))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1297,11 +1316,13 @@ class _EepromReadRequest(NamedTuple):
 
 
 class EepromReadRequest(InBytes, _EepromReadRequest):
-    """EEPROM read request, sent by the master over RS-485: 3 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
+    """EEPROM read request, sent by the master over RS-485: 3 bytes, low byte first.
 
     Attributes:
         adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485.
         address: ADD6 ... ADD0: EEPROM address.
+
+    Source: 7.2.3 p.42, 7.5 p.46.
 
     In the manual: Master → Encoder: CF ADF CRC.
 
@@ -1356,6 +1377,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, adf_layout: AdfLayout | None = None) -> EepromReadRequest:
+            """Decode a frame. ``handle_error`` raises or returns each error."""
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 3:
@@ -1369,23 +1391,21 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = number >> 3 & 0xF  # bits 6:3
-                parity = number >> 7 & 0x1  # bit 7
+                data_id = (number >> 3) & 0xF  # bits 6:3
+                parity = (number >> 7) & 0x1  # bit 7
                 # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
                     raise ConstantError("parity", parity, expected_parity)
-                mem_busy = number >> (adf_layout.mem_busy_bit + 8) & 0x1  # Always 0 when sent by the master
+                mem_busy = (number >> (adf_layout.mem_busy_bit + 8)) & 0x1  # Always 0 when sent by the master
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
                 # 0xD is EEPROM_READ.
                 if data_id != 0xD:
                     raise RangeError("data_id", data_id, "Dh")
-                values = (
-                    adf_layout,
-                    number >> (adf_layout.eeprom_address_bit + 8) & 0x7F,  # address
-                )
-                return create(cls, values)
+                # 8 = parity (1) + data_id (4) + sync (3)
+                address = (number >> (adf_layout.eeprom_address_bit + 8)) & 0x7F
+                return create_tuple(cls, (adf_layout, address))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1444,7 +1464,7 @@ class _SingleturnReply(NamedTuple):
 
 
 class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
-    """Singleturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
+    """Singleturn reply, sent by the encoder over RS-485: 6 bytes, low byte first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -1461,6 +1481,8 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
         singleturn: ABS0, ABS1, ABS2: Position within one revolution. Unit: counts. Right-aligned in 24 bits, with
             leading zeros.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
+
+    Source: 7.2.1 p.41, 7.4 p.43.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
 
@@ -1549,6 +1571,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
         }
 
         def decode(frame: Any, _adf_layout: object = None) -> SingleturnReply:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -1558,13 +1581,13 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4
                 if computed_crc != b5:
                     raise CrcError(b5, computed_crc)
-                singleturn = b2 | b3 << 8 | b4 << 16  # low byte first
-                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
+                singleturn = b2 | (b3 << 8) | (b4 << 16)  # low byte first
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if singleturn >> singleturn_bits or b0 not in valid_first_bytes:
                     sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    data_id = (b0 >> 3) & 0xF  # bits 6:3
                     parity = b0 >> 7  # bit 7
                     # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
@@ -1577,15 +1600,12 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
                     # RESET_MULTITURN_AND_ERRORS.
                     if data_id not in (0, 7, 8, 0xC):
                         raise RangeError("data_id", data_id, "one of 0h, 7h, 8h, Ch")
-                values = (
-                    variant,
-                    valid_first_bytes[b0],  # data_id, bits 6:3
-                    (b1 & 0x10) != 0,  # status_st_error, bit 4
-                    (b1 & 0x20) != 0,  # status_other_error, bit 5
-                    singleturn,
-                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
-                )
-                return create(cls, values)
+                data_id = valid_first_bytes[b0]  # bits 6:3
+                status_st_error = (b1 & 0x10) != 0  # bit 4
+                status_other_error = (b1 & 0x20) != 0  # bit 5
+                unused = b1 & 0xCF  # 1 where a bit differs from the manual
+                values = (variant, data_id, status_st_error, status_other_error, singleturn, unused)
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1603,7 +1623,7 @@ class _MultiturnReply(NamedTuple):
 
 
 class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
-    """Multiturn reply, sent by the encoder over RS-485: 6 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
+    """Multiturn reply, sent by the encoder over RS-485: 6 bytes, low byte first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -1619,6 +1639,8 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
         multiturn: ABM0, ABM1, ABM2: Number of revolutions. 0 if the encoder does not have this field. Unit:
             revolutions. Right-aligned in 24 bits, with leading zeros.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
+
+    Source: 7.2.1 p.41, 7.4 p.43.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 CRC.
 
@@ -1702,6 +1724,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
         multiturn_bits = variant.multiturn_bits
 
         def decode(frame: Any, _adf_layout: object = None) -> MultiturnReply:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -1711,13 +1734,13 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4
                 if computed_crc != b5:
                     raise CrcError(b5, computed_crc)
-                multiturn = b2 | b3 << 8 | b4 << 16  # low byte first
-                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
+                multiturn = b2 | (b3 << 8) | (b4 << 16)  # low byte first
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if multiturn >> multiturn_bits or b0 != 0x8A:
                     sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    data_id = (b0 >> 3) & 0xF  # bits 6:3
                     parity = b0 >> 7  # bit 7
                     # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
@@ -1729,14 +1752,10 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
                     # 1 is MULTITURN.
                     if data_id != 1:
                         raise RangeError("data_id", data_id, "1h")
-                values = (
-                    variant,
-                    (b1 & 0x10) != 0,  # status_st_error, bit 4
-                    (b1 & 0x20) != 0,  # status_other_error, bit 5
-                    multiturn,
-                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
-                )
-                return create(cls, values)
+                status_st_error = (b1 & 0x10) != 0  # bit 4
+                status_other_error = (b1 & 0x20) != 0  # bit 5
+                unused = b1 & 0xCF  # 1 where a bit differs from the manual
+                return create_tuple(cls, (variant, status_st_error, status_other_error, multiturn, unused))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1753,7 +1772,7 @@ class _EncoderIdReply(NamedTuple):
 
 
 class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
-    """Encoder ID reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
+    """Encoder ID reply, sent by the encoder over RS-485: 4 bytes, low byte first.
 
     Attributes:
         status_st_error: EE_0. True when 1: ST error. False when 0: no ST error. This flag combines ``st_error``. While
@@ -1768,6 +1787,8 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
         encoder_id: ENID: Encoder ID, printed as 23h. A frame with a different ID is still decoded. The value 23h helps
             to identify the encoder. The decoder also accepts other values.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
+
+    Source: 7.2.1 p.41, 7.4 p.43.
 
     In the manual: Encoder → Master: CF SF DF0 CRC.
 
@@ -1831,6 +1852,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, _adf_layout: object = None) -> EncoderIdReply:
+            """Decode a frame. ``handle_error`` raises or returns each error."""
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -1840,12 +1862,12 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
                 computed_crc = b0 ^ b1 ^ b2
                 if computed_crc != b3:
                     raise CrcError(b3, computed_crc)
-                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if b0 != 0x92:
                     sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    data_id = (b0 >> 3) & 0xF  # bits 6:3
                     parity = b0 >> 7  # bit 7
                     # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
@@ -1854,13 +1876,11 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
                     # 2 is ENCODER_ID.
                     if data_id != 2:
                         raise RangeError("data_id", data_id, "2h")
-                values = (
-                    (b1 & 0x10) != 0,  # status_st_error, bit 4
-                    (b1 & 0x20) != 0,  # status_other_error, bit 5
-                    b2,  # encoder_id
-                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
-                )
-                return create(cls, values)
+                status_st_error = (b1 & 0x10) != 0  # bit 4
+                status_other_error = (b1 & 0x20) != 0  # bit 5
+                encoder_id = b2
+                unused = b1 & 0xCF  # 1 where a bit differs from the manual
+                return create_tuple(cls, (status_st_error, status_other_error, encoder_id, unused))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1885,7 +1905,7 @@ class _CompleteReply(NamedTuple):
 
 
 class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
-    """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first [7.2.1 p.41, 7.4 p.43].
+    """Complete reply, sent by the encoder over RS-485: 11 bytes, low byte first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -1917,6 +1937,8 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             is True, the position is usable with a warning. This applies only to ``.../65K...``. For other order codes,
             the manual does not explain the flag. If it is active there, the position is usable with a warning.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
+
+    Source: 7.2.1 p.41, 7.4 p.43.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF7 CRC.
 
@@ -1967,31 +1989,33 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
         # status_st_error: ST error.
-        # status_other_error: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
-        # are 0.
         # busy: the encoder is not ready after power-on or during a reset. All position data are 0.
         # st_error: the counted and calculated data disagree.
         # ps_error: the singleturn and multiturn counts are inconsistent, or there is a counting error.
-        # mt_error: the external battery is below 3.05 V.
-        if (
-            self.status_st_error
-            or (self.status_other_error and not (self.battery_alarm or self.mt_error))
-            or self.busy
-            or self.st_error
-            or self.ps_error
-            or (self.mt_error and self.variant.multiturn_bits)
-        ):
+        if self.status_st_error or self.busy or self.st_error or self.ps_error:
+            return Verdict.NOT_USABLE
+        # status_other_error: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+        # are 0.
+        # It combines several flags. While battery_alarm or mt_error is active, that flag decides instead.
+        if self.status_other_error and not (self.battery_alarm or self.mt_error):
             return Verdict.NOT_USABLE
         # mt_error: the external battery is below 3.05 V.
+        # multiturn_bits: Width of the revolution count in bits. 0 in singleturn models.
+        if self.mt_error and self.variant.multiturn_bits:
+            return Verdict.NOT_USABLE
         # battery_alarm: the external battery is below 3.15 V.
         # unused: bits that the manual leaves unused differ from it.
-        if (self.mt_error and not self.variant.multiturn_bits) or self.battery_alarm or self.unused:
+        if self.battery_alarm or self.unused:
+            return Verdict.USABLE_WITH_WARNING
+        # mt_error: the external battery is below 3.05 V.
+        if self.mt_error and not self.variant.multiturn_bits:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
 
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if (
             self.status_st_error
             or (self.status_other_error and not (self.battery_alarm or self.mt_error))
@@ -2001,7 +2025,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             or (self.mt_error and self.variant.multiturn_bits)
         ):
             return None
-        return self.multiturn << self.variant.singleturn_bits | self.singleturn
+        return (self.multiturn << self.variant.singleturn_bits) | self.singleturn
 
     @property
     def position(self) -> int:
@@ -2011,7 +2035,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             raise wrong_encoder_error(variant, family_class=Variant, interface=_RS485)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        return multiturn << variant.singleturn_bits | singleturn
+        return (multiturn << variant.singleturn_bits) | singleturn
 
     @classmethod
     def from_position(
@@ -2083,6 +2107,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         multiturn_bits = variant.multiturn_bits
 
         def decode(frame: Any, _adf_layout: object = None) -> CompleteReply:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             # Arguments with an underscore are for other kinds of frames.
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
@@ -2092,14 +2117,14 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8 ^ b9
                 if computed_crc != b10:
                     raise CrcError(b10, computed_crc)
-                singleturn = b2 | b3 << 8 | b4 << 16  # low byte first
-                multiturn = b6 | b7 << 8 | b8 << 16  # low byte first
-                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
+                singleturn = b2 | (b3 << 8) | (b4 << 16)  # low byte first
+                multiturn = b6 | (b7 << 8) | (b8 << 16)  # low byte first
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if singleturn >> singleturn_bits or multiturn >> multiturn_bits or b0 != 0x1A:
                     sync = b0 & 0x7  # bits 2:0: Start of the frame, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    data_id = (b0 >> 3) & 0xF  # bits 6:3
                     parity = b0 >> 7  # bit 7
                     # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
@@ -2114,21 +2139,30 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                     # 3 is ALL_DATA.
                     if data_id != 3:
                         raise RangeError("data_id", data_id, "3h")
+                status_st_error = (b1 & 0x10) != 0  # bit 4
+                status_other_error = (b1 & 0x20) != 0  # bit 5
+                encoder_id = b5
+                busy = (b9 & 0x02) != 0  # bit 1
+                st_error = (b9 & 0x04) != 0  # bit 2
+                ps_error = (b9 & 0x20) != 0  # bit 5
+                mt_error = (b9 & 0x40) != 0  # bit 6
+                battery_alarm = (b9 & 0x80) != 0  # bit 7
+                unused = (b1 & 0xCF) | ((b9 & 0x19) << 8)  # 1 where a bit differs from the manual
                 values = (
                     variant,
-                    (b1 & 0x10) != 0,  # status_st_error, bit 4
-                    (b1 & 0x20) != 0,  # status_other_error, bit 5
+                    status_st_error,
+                    status_other_error,
                     singleturn,
-                    b5,  # encoder_id
+                    encoder_id,
                     multiturn,
-                    (b9 & 0x02) != 0,  # busy, bit 1
-                    (b9 & 0x04) != 0,  # st_error, bit 2
-                    (b9 & 0x20) != 0,  # ps_error, bit 5
-                    (b9 & 0x40) != 0,  # mt_error, bit 6
-                    (b9 & 0x80) != 0,  # battery_alarm, bit 7
-                    b1 & 0xCF | (b9 & 0x19) << 8,  # unused, 1 where a bit differs from the manual
+                    busy,
+                    st_error,
+                    ps_error,
+                    mt_error,
+                    battery_alarm,
+                    unused,
                 )
-                return create(cls, values)
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -2145,7 +2179,7 @@ class _EepromWriteReply(NamedTuple):
 
 
 class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
-    """EEPROM write reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.2 p.41, 7.5 p.46].
+    """EEPROM write reply, sent by the encoder over RS-485: 4 bytes, low byte first.
 
     Attributes:
         adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485.
@@ -2153,6 +2187,8 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
         mem_busy: MEM BUSY. True when 1: the encoder is writing, and the request was not executed. False when 0: the
             request was accepted. Remedy: Send the request again.
         data: EDF: Byte from the request, or 00h while busy.
+
+    Source: 7.2.2 p.41, 7.5 p.46.
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
@@ -2206,6 +2242,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, adf_layout: AdfLayout | None = None) -> EepromWriteReply:
+            """Decode a frame. ``handle_error`` raises or returns each error."""
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
@@ -2219,8 +2256,8 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = number >> 3 & 0xF  # bits 6:3
-                parity = number >> 7 & 0x1  # bit 7
+                data_id = (number >> 3) & 0xF  # bits 6:3
+                parity = (number >> 7) & 0x1  # bit 7
                 # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
@@ -2228,13 +2265,12 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 # 6 is EEPROM_WRITE.
                 if data_id != 6:
                     raise RangeError("data_id", data_id, "6h")
-                values = (
-                    adf_layout,
-                    number >> (adf_layout.eeprom_address_bit + 8) & 0x7F,  # address
-                    (number >> (adf_layout.mem_busy_bit + 8) & 1) != 0,  # mem_busy
-                    number >> 16 & 0xFF,  # data, bits 23:16
-                )
-                return create(cls, values)
+                # 8 = parity (1) + data_id (4) + sync (3)
+                address = (number >> (adf_layout.eeprom_address_bit + 8)) & 0x7F
+                # 8 = parity (1) + data_id (4) + sync (3)
+                mem_busy = ((number >> (adf_layout.mem_busy_bit + 8)) & 1) != 0
+                data_ = (number >> 16) & 0xFF  # bits 23:16
+                return create_tuple(cls, (adf_layout, address, mem_busy, data_))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -2291,7 +2327,7 @@ class _EepromReadReply(NamedTuple):
 
 
 class EepromReadReply(Sent, InBytes, _EepromReadReply):
-    """EEPROM read reply, sent by the encoder over RS-485: 4 bytes, low byte first [7.2.3 p.42, 7.5 p.46].
+    """EEPROM read reply, sent by the encoder over RS-485: 4 bytes, low byte first.
 
     Attributes:
         adf_layout: Position of the address in byte ADF of an EEPROM access over RS-485.
@@ -2299,6 +2335,8 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
         mem_busy: MEM BUSY. True when 1: the memory is busy, and the request was not executed. False when 0: the byte
             was read. Remedy: Send the request again.
         data: EDF: Byte read, or 00h while busy.
+
+    Source: 7.2.3 p.42, 7.5 p.46.
 
     In the manual: Encoder → Master: CF ADF EDF CRC.
 
@@ -2352,6 +2390,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, adf_layout: AdfLayout | None = None) -> EepromReadReply:
+            """Decode a frame. ``handle_error`` raises or returns each error."""
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
@@ -2365,8 +2404,8 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 sync = number & 0x7  # bits 2:0: Start of the frame, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = number >> 3 & 0xF  # bits 6:3
-                parity = number >> 7 & 0x1  # bit 7
+                data_id = (number >> 3) & 0xF  # bits 6:3
+                parity = (number >> 7) & 0x1  # bit 7
                 # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
                 if parity != expected_parity:
@@ -2374,13 +2413,12 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 # 0xD is EEPROM_READ.
                 if data_id != 0xD:
                     raise RangeError("data_id", data_id, "Dh")
-                values = (
-                    adf_layout,
-                    number >> (adf_layout.eeprom_address_bit + 8) & 0x7F,  # address
-                    (number >> (adf_layout.mem_busy_bit + 8) & 1) != 0,  # mem_busy
-                    number >> 16 & 0xFF,  # data, bits 23:16
-                )
-                return create(cls, values)
+                # 8 = parity (1) + data_id (4) + sync (3)
+                address = (number >> (adf_layout.eeprom_address_bit + 8)) & 0x7F
+                # 8 = parity (1) + data_id (4) + sync (3)
+                mem_busy = ((number >> (adf_layout.mem_busy_bit + 8)) & 1) != 0
+                data_ = (number >> 16) & 0xFF  # bits 23:16
+                return create_tuple(cls, (adf_layout, address, mem_busy, data_))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -2475,11 +2513,12 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     }
 
     def decode(frame: Any, adf_layout: AdfLayout | None = None) -> Request:
+        """Decode a request of the encoder ``variant``, with the function for its data_id in ``decoders``."""
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
                 raise LengthError(1, len(data))
-            data_id = data[0] >> 3 & 0xF
+            data_id = (data[0] >> 3) & 0xF
             if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
         except (FrameError, TypeError) as exception:
@@ -2545,11 +2584,12 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     }
 
     def decode(frame: Any, adf_layout: AdfLayout | None = None) -> Reply:
+        """Decode a reply of the encoder ``variant``, with the function for its data_id in ``decoders``."""
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
                 raise LengthError(1, len(data))
-            data_id = data[0] >> 3 & 0xF
+            data_id = (data[0] >> 3) & 0xF
             if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
         except (FrameError, TypeError) as exception:
@@ -2595,12 +2635,14 @@ class _Preset(NamedTuple):
 
 
 class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
-    """Preset, registers 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
+    """Preset, registers 11h to 17h, read and write, over BiSS C-mode.
 
     Attributes:
         variant: Encoder to which the register belongs.
         multiturn: Number of revolutions. 0 if the encoder does not have this field. Unit: revolutions.
         singleturn: Position within one revolution. Unit: counts.
+
+    Source: 6.4 p.35.
 
     Value that the encoder reports at the current shaft position once the preset is activated.
 
@@ -2636,7 +2678,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             raise wrong_encoder_error(variant, family_class=Variant, interface=_BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
-        return multiturn << variant.singleturn_bits | singleturn
+        return (multiturn << variant.singleturn_bits) | singleturn
 
     @classmethod
     def from_position(cls, variant: BissEncoder, position: int) -> Preset:
@@ -2682,18 +2724,18 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         zero_above_multiturn = number >> 49  # bits 55:49: Always zero
         if zero_above_multiturn:
             raise ConstantError("zero_above_multiturn", zero_above_multiturn, 0)
-        zero_below_multiturn = number >> 33 & ((1 << (16 - variant.multiturn_bits)) - 1)  # Always zero
+        zero_below_multiturn = (number >> 33) & ((1 << (16 - variant.multiturn_bits)) - 1)  # Always zero
         if zero_below_multiturn:
             raise ConstantError("zero_below_multiturn", zero_below_multiturn, 0)
         zero_below_singleturn = number & ((1 << (33 - variant.singleturn_bits)) - 1)  # Always zero
         if zero_below_singleturn:
             raise ConstantError("zero_below_singleturn", zero_below_singleturn, 0)
-        values = (
-            variant,
-            number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1),  # multiturn
-            number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1),  # singleturn
-        )
-        return keep_bytes(create(cls, values), data)
+        multiturn = (number >> (49 - variant.multiturn_bits)) & ((1 << variant.multiturn_bits) - 1)  # from bit 48 down
+        # from bit 32 down
+        singleturn = (number >> (33 - variant.singleturn_bits)) & ((1 << variant.singleturn_bits) - 1)
+        register = create_tuple(cls, (variant, multiturn, singleturn))
+        # encode() returns these bytes again, even if they are outside the limits of the register.
+        return keep_bytes(register, data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -2703,8 +2745,9 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
 
 
 class PresetSettingEnable(IntEnum):
-    """Preset setting enable (it: Abilitazione impostazione preset), register 40h, write-only, over BiSS C-mode [6.4
-    p.38, 10 p.52, it: 6.4 p.38].
+    """Preset setting enable (it: Abilitazione impostazione preset), register 40h, write-only, over BiSS C-mode.
+
+    Source: 6.4 p.38, 10 p.52, it: 6.4 p.38.
 
     Enables or disables writing to the Preset registers.
 
@@ -2751,12 +2794,14 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """Serial number (it: Numero di serie), registers 44h to 47h, read-only, over BiSS C-mode [6.4 p.38, it: 6.4 p.39].
+    """Serial number (it: Numero di serie), registers 44h to 47h, read-only, over BiSS C-mode.
 
     Attributes:
         year: Production year.
         week: Production week.
         number: Serial number, assigned in ascending order.
+
+    Source: 6.4 p.38, it: 6.4 p.39.
 
     Production year and week, and a serial number, as the decimal digits of one binary number.
 
@@ -2799,16 +2844,16 @@ class SerialNumber(FixedRegister, _SerialNumber):
         serial = int.from_bytes(data, "big")  # high byte first
         if serial > 999_999_999:
             raise RangeError("serial", serial, "at most 999999999")
-        values = (
-            serial // 10_000_000,  # year
-            serial // 100_000 % 100,  # week
-            serial % 100_000,  # number
-        )
-        return create(cls, values)
+        year = serial // 10_000_000
+        week = serial // 100_000 % 100
+        number_ = serial % 100_000
+        return create_tuple(cls, (year, week, number_))
 
 
 class Command(IntEnum):
-    """Command (it: Comando), register 77h, write-only, over BiSS C-mode [6.4 p.39].
+    """Command (it: Comando), register 77h, write-only, over BiSS C-mode.
+
+    Source: 6.4 p.39.
 
     Saves the parameters or activates the preset.
 
@@ -2856,12 +2901,14 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read-only, over BiSS C-mode [6.4 p.39].
+    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read-only, over BiSS C-mode.
 
     Attributes:
         name: Device name (41 4D 4D 35 in hexadecimal). ASCII text. The value ``AMM5`` helps to identify the encoder.
             The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
+
+    Source: 6.4 p.39.
 
     Device name and hardware-software release.
 
@@ -2896,11 +2943,9 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        values = (
-            data[0:4].decode("latin-1"),  # name, high byte first
-            data[4] << 8 | data[5],  # release, high byte first
-        )
-        return create(cls, values)
+        name = data[0:4].decode("latin-1")  # high byte first
+        release = (data[4] << 8) | data[5]  # high byte first
+        return create_tuple(cls, (name, release))
 
 
 class _ManufacturerId(NamedTuple):
@@ -2910,11 +2955,13 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read-only, over BiSS C-mode [6.4 p.39, it: 6.4 p.40].
+    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read-only, over BiSS C-mode.
 
     Attributes:
         name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
             decoder also accepts other values.
+
+    Source: 6.4 p.39, it: 6.4 p.40.
 
     Manufacturer.
 
@@ -2945,10 +2992,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0:2].decode("latin-1"),  # name, high byte first
-        )
-        return create(cls, values)
+        name = data[0:2].decode("latin-1")  # high byte first
+        return create_tuple(cls, (name,))
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -2976,7 +3021,10 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 
 
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
-    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address.
+
+    Each register whose bytes are all in ``contents`` is compared.
+    """
     return (
         is_consistent(
             contents,
@@ -3002,7 +3050,9 @@ _PROCEDURES: Final = {
 
 
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
-    """Set, save and activate a preset [6.4 p.35].
+    """Set, save and activate a preset.
+
+    Source: 6.4 p.35.
 
     Precondition: The manual suggests setting the preset with the shaft at a standstill.
 
@@ -3039,6 +3089,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             meaning="write the seven Preset registers",
         ),
         Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
+        # This write closes the registers again. It is also sent if an earlier step fails.
         *write_bytes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
@@ -3054,7 +3105,9 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
 
 def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
-    """Set and save a preset without activating it [6.4 p.35].
+    """Set and save a preset without activating it.
+
+    Source: 6.4 p.35.
 
     Result: The preset is saved. The position is the same as before.
 
@@ -3089,6 +3142,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             meaning="write the seven Preset registers",
         ),
         Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
+        # This write closes the registers again. It is also sent if an earlier step fails.
         *write_bytes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
@@ -3102,7 +3156,9 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
 
 def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Save the parameters [6.4 p.39].
+    """Save the parameters.
+
+    Source: 6.4 p.39.
 
     Result: New register values are saved.
 
@@ -3129,7 +3185,9 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Activate the saved preset [6.4 p.39].
+    """Activate the saved preset.
+
+    Source: 6.4 p.39.
 
     Precondition: The manual suggests activating the preset with the shaft at a standstill.
 
@@ -3158,7 +3216,9 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
-    """Reset singleturn and multiturn data [7.4.2 p.45].
+    """Reset singleturn and multiturn data.
+
+    Source: 7.4.2 p.45.
 
     Precondition: The shaft is at a standstill.
 
@@ -3194,7 +3254,9 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
 
 
 def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
-    """Reset multiturn data and all errors [7.4.2 p.45].
+    """Reset multiturn data and all errors.
+
+    Source: 7.4.2 p.45.
 
     Precondition: The shaft is at a standstill, which the manual defines as 300 rpm or less.
 
@@ -3230,7 +3292,9 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
 
 
 def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
-    """Reset all errors [7.4.2 p.45].
+    """Reset all errors.
+
+    Source: 7.4.2 p.45.
 
     Precondition: The shaft is at a standstill, which the manual defines as 300 rpm or less.
 

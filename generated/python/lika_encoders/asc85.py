@@ -53,7 +53,7 @@ from codewheel_runtime.codec import (
     as_member,
     as_word,
     crc_of_bits,
-    create,
+    create_tuple,
     from_gray,
     make_crc_tables,
     too_long_error,
@@ -429,8 +429,9 @@ def lookup(label: str) -> Variant:
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2.1 p.21, prot: p.7-8, renishaw:
-    data sheet, icmu: p.30].
+    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted.
+
+    Source: 6.2.1 p.21, prot: p.7-8, renishaw: data sheet, icmu: p.30.
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the covered bits (everything from the position to the warning bit, with the constant 0
@@ -453,7 +454,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.22, prot: p.9-14, icmu: p.30].
+    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted.
+
+    Source: 6.3 p.22, prot: p.9-14, icmu: p.30.
 
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered bits come
     from public BiSS documents.
@@ -478,7 +481,9 @@ def crc_biss_4(number: int, bits: int) -> int:
 
 
 class ZeroBit(Enum):
-    """Constant 0 bit between the position and the error bit of a BiSS frame [6.2.1 p.20].
+    """Constant 0 bit between the position and the error bit of a BiSS frame.
+
+    Source: 6.2.1 p.20.
 
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
@@ -512,11 +517,13 @@ class _SsiWord(NamedTuple):
 
 
 class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
-    """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant bit first [5.2 p.16].
+    """SSI word, sent by the encoder over SSI: ``position_bits`` bits, most significant bit first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
         position: Position within one revolution. Unit: counts.
+
+    Source: 5.2 p.16.
 
     In the manual: Structure of the position information.
 
@@ -576,6 +583,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         frame_bits = variant.position_bits
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
@@ -583,11 +591,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
                     word = from_gray(word, low=0, width=frame_bits)
-                values = (
-                    variant,
-                    word,  # position
-                )
-                return create(cls, values)
+                position = word
+                return create_tuple(cls, (variant, position))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -609,7 +614,7 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
-    bit first [6.2.1 p.20].
+    bit first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -621,6 +626,8 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
         warning: Warning, nW: Normal or fault status of the encoder. The error register shows the active warning. True
             when 0: a warning is active in the system. False when 1: no active warning. While it is True, the position
             is usable with a warning. Remedy: Read the error register (69h). It shows the active warnings.
+
+    Source: 6.2.1 p.20.
 
     In the manual: Single Cycle Data SCD.
 
@@ -658,6 +665,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if self.error:
             return None
         return self.position
@@ -697,33 +705,30 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
         table_0, table_1, table_2 = make_crc_tables(crc_biss_6, covered=28, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 if not isinstance(zero_bit, ZeroBit):
                     raise wrong_answer_error(ZeroBit, zero_bit)
-                length = zero_bit.zero_bits + variant.position_bits + 8
+                length = zero_bit.zero_bits + variant.position_bits + 8  # 8 = error (1) + warning (1) + crc (6)
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)
                 if word >> length:
                     raise too_long_error(word, length)
-                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
-                low = word & 0xFFFF
-                high = word >> 16
-                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                # Each table has the CRCs of 16 of the bits. Their XOR is 0 if the received CRC is correct.
+                low_bits = word & 0xFFFF
+                high_bits = word >> 16
+                difference = table_0[low_bits] ^ table_1[high_bits & 0xFFFF] ^ table_2[high_bits >> 16]
                 if difference:
                     received_crc = word & 0x3F
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
-                zero = word >> 8 & ((1 << zero_bit.zero_bits) - 1)  # Always 0, between the position and the error bit
+                zero = (word >> 8) & ((1 << zero_bit.zero_bits) - 1)  # Always 0, between the position and the error bit
                 if zero:
                     raise ConstantError("zero", zero, 0)
-                values = (
-                    variant,
-                    zero_bit,
-                    word >> (zero_bit.zero_bits + 8),  # position
-                    not low & 0x80,  # error, bit 7, active low
-                    not low & 0x40,  # warning, bit 6, active low
-                )
-                return create(cls, values)
+                position = word >> (zero_bit.zero_bits + 8)  # 8 = error (1) + warning (1) + crc (6)
+                error = not (low_bits & 0x80)  # bit 7, active low
+                warning = not (low_bits & 0x40)  # bit 6, active low
+                return create_tuple(cls, (variant, zero_bit, position, error, warning))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -809,12 +814,14 @@ class _ProfileId(NamedTuple):
 
 
 class ProfileId(FixedRegister, _ProfileId):
-    """Profile ID, registers 42h to 43h, read-only, over BiSS C-mode [6.4 p.23].
+    """Profile ID, registers 42h to 43h, read-only, over BiSS C-mode.
 
     Attributes:
         variant_: Singleturn resolution, Variant 0-24++. The value 28h helps to identify the encoder. The decoder also
             accepts other values.
         data_length: Data length, printed as 1Ah for 25 + 1 bits: position and constant 0 bit. Unit: bits.
+
+    Source: 6.4 p.23.
 
     Encoder profile identification code, BP1 (Standard Encoder Profile).
 
@@ -856,11 +863,9 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0],  # variant_
-            data[1],  # data_length
-        )
-        return create(cls, values)
+        variant_ = data[0]
+        data_length = data[1]
+        return create_tuple(cls, (variant_, data_length))
 
 
 class _SerialNumber(NamedTuple):
@@ -870,10 +875,12 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """Serial number, registers 44h to 47h, read-only, over BiSS C-mode [6.4 p.23].
+    """Serial number, registers 44h to 47h, read-only, over BiSS C-mode.
 
     Attributes:
         serial: Serial number.
+
+    Source: 6.4 p.23.
 
     Serial number of the device, assigned in ascending order.
 
@@ -903,10 +910,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        values = (
-            int.from_bytes(data, "big"),  # serial, high byte first
-        )
-        return create(cls, values)
+        serial = int.from_bytes(data, "big")  # high byte first
+        return create_tuple(cls, (serial,))
 
 
 class _DiagnosticData(NamedTuple):
@@ -923,7 +928,7 @@ class _DiagnosticData(NamedTuple):
 
 
 class DiagnosticData(FixedRegister, _DiagnosticData):
-    """Diagnostic data, register 5Ah, read-only, over BiSS C-mode [6.4 p.24].
+    """Diagnostic data, register 5Ah, read-only, over BiSS C-mode.
 
     Attributes:
         amplitude_control_maximum_current: Amplitude control maximum current: Set together with "Control error".
@@ -951,6 +956,8 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
             AC amplitude of the differential signals. True when 1: a differential signal has fallen to the lower
             threshold of its AC amplitude. False when 0: no active error.
 
+    Source: 6.4 p.24.
+
     Cause of a "Control error" or "Signal error" in the error register.
     """
 
@@ -973,21 +980,31 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
+        amplitude_control_maximum_current = (data[0] & 0x80) != 0  # bit 7
+        signal_level_maximum_amplitude = (data[0] & 0x40) != 0  # bit 6
+        dc_maximum_offset = (data[0] & 0x20) != 0  # bit 5
+        ac_maximum_amplitude = (data[0] & 0x10) != 0  # bit 4
+        amplitude_control_minimum_current = (data[0] & 0x08) != 0  # bit 3
+        signal_level_minimum_amplitude = (data[0] & 0x04) != 0  # bit 2
+        dc_minimum_offset = (data[0] & 0x02) != 0  # bit 1
+        ac_minimum_amplitude = (data[0] & 0x01) != 0  # bit 0
         values = (
-            (data[0] & 0x80) != 0,  # amplitude_control_maximum_current, bit 7
-            (data[0] & 0x40) != 0,  # signal_level_maximum_amplitude, bit 6
-            (data[0] & 0x20) != 0,  # dc_maximum_offset, bit 5
-            (data[0] & 0x10) != 0,  # ac_maximum_amplitude, bit 4
-            (data[0] & 0x08) != 0,  # amplitude_control_minimum_current, bit 3
-            (data[0] & 0x04) != 0,  # signal_level_minimum_amplitude, bit 2
-            (data[0] & 0x02) != 0,  # dc_minimum_offset, bit 1
-            (data[0] & 0x01) != 0,  # ac_minimum_amplitude, bit 0
+            amplitude_control_maximum_current,
+            signal_level_maximum_amplitude,
+            dc_maximum_offset,
+            ac_maximum_amplitude,
+            amplitude_control_minimum_current,
+            signal_level_minimum_amplitude,
+            dc_minimum_offset,
+            ac_minimum_amplitude,
         )
-        return create(cls, values)
+        return create_tuple(cls, values)
 
 
 class Command(IntEnum):
-    """Command & status, Command mode, register 60h, write-only, over BiSS C-mode [6.4 p.25, 6.4 p.26].
+    """Command & status, Command mode, register 60h, write-only, over BiSS C-mode.
+
+    Source: 6.4 p.25, 6.4 p.26.
 
     Command register, the write side of Command & status.
 
@@ -1065,7 +1082,7 @@ class _Status(NamedTuple):
 
 
 class Status(FixedRegister, _Status):
-    """Command & status, Status mode, register 60h, read-only, over BiSS C-mode [6.4 p.25, 6.4 p.27].
+    """Command & status, Status mode, register 60h, read-only, over BiSS C-mode.
 
     Attributes:
         configuration_completed: Configuration completed. True when 1: the configuration registers have been verified by
@@ -1087,6 +1104,8 @@ class Status(FixedRegister, _Status):
             interface. False when 0: no absolute data were loaded.
         position_data_valid: Position data valid: See the command request_position. True when 1: the current position
             data are valid. False when 0: new position data are not available yet.
+
+    Source: 6.4 p.25, 6.4 p.27.
 
     Current system status, the read side of Command & status.
 
@@ -1124,17 +1143,25 @@ class Status(FixedRegister, _Status):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
+        configuration_completed = (data[0] & 0x80) != 0  # bit 7
+        error_message = (data[0] & 0x40) != 0  # bit 6
+        warning_message = (data[0] & 0x20) != 0  # bit 5
+        conf_write_access = (data[0] & 0x10) != 0  # bit 4
+        eds_write_access = (data[0] & 0x08) != 0  # bit 3
+        internal_data_bus_busy = (data[0] & 0x04) != 0  # bit 2
+        absolute_data_valid = (data[0] & 0x02) != 0  # bit 1
+        position_data_valid = (data[0] & 0x01) != 0  # bit 0
         values = (
-            (data[0] & 0x80) != 0,  # configuration_completed, bit 7
-            (data[0] & 0x40) != 0,  # error_message, bit 6
-            (data[0] & 0x20) != 0,  # warning_message, bit 5
-            (data[0] & 0x10) != 0,  # conf_write_access, bit 4
-            (data[0] & 0x08) != 0,  # eds_write_access, bit 3
-            (data[0] & 0x04) != 0,  # internal_data_bus_busy, bit 2
-            (data[0] & 0x02) != 0,  # absolute_data_valid, bit 1
-            (data[0] & 0x01) != 0,  # position_data_valid, bit 0
+            configuration_completed,
+            error_message,
+            warning_message,
+            conf_write_access,
+            eds_write_access,
+            internal_data_bus_busy,
+            absolute_data_valid,
+            position_data_valid,
         )
-        return create(cls, values)
+        return create_tuple(cls, values)
 
 
 class _Position(NamedTuple):
@@ -1146,12 +1173,14 @@ class _Position(NamedTuple):
 
 
 class Position(RegisterOf["BissEncoder"], _Position):
-    """Position, registers 61h to 64h, read-only, over BiSS C-mode [6.4 p.29].
+    """Position, registers 61h to 64h, read-only, over BiSS C-mode.
 
     Attributes:
         variant: Encoder to which the register belongs.
         position: Position within one revolution. Unit: counts.
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
+
+    Source: 6.4 p.29.
 
     Absolute position.
 
@@ -1198,13 +1227,10 @@ class Position(RegisterOf["BissEncoder"], _Position):
         if len(data) != 4:
             raise LengthError(4, len(data))
         number = int.from_bytes(data, "little")
-        values = (
-            variant,
-            number >> (32 - variant.position_bits),  # position
-            # unused, all other bits
-            number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits))),
-        )
-        return create(cls, values)
+        position = number >> (32 - variant.position_bits)  # from bit 31 down
+        # all other bits
+        unused = number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)))
+        return create_tuple(cls, (variant, position, unused))
 
 
 class _ErrorRegister(NamedTuple):
@@ -1220,7 +1246,7 @@ class _ErrorRegister(NamedTuple):
 
 
 class ErrorRegister(FixedRegister, _ErrorRegister):
-    """Error register, register 69h, read-only, over BiSS C-mode [6.4 p.29].
+    """Error register, register 69h, read-only, over BiSS C-mode.
 
     Attributes:
         absolute_data_error: Absolute data error. True when 1: error in the absolute data interface. False when 0: no
@@ -1239,6 +1265,8 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
             ``diagnostic_data.amplitude_control_minimum_current``, ``diagnostic_data.signal_level_maximum_amplitude``
             and ``diagnostic_data.amplitude_control_maximum_current``.
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
+
+    Source: 6.4 p.29.
 
     Currently active error and warning messages.
 
@@ -1273,16 +1301,23 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
+        absolute_data_error = (data[0] & 0x40) != 0  # bit 6
+        interpolation_error = (data[0] & 0x20) != 0  # bit 5
+        configuration_error = (data[0] & 0x10) != 0  # bit 4
+        synchronization_error = (data[0] & 0x08) != 0  # bit 3
+        signal_error = (data[0] & 0x02) != 0  # bit 1
+        control_error = (data[0] & 0x01) != 0  # bit 0
+        unused = data[0] & 0x84  # all other bits
         values = (
-            (data[0] & 0x40) != 0,  # absolute_data_error, bit 6
-            (data[0] & 0x20) != 0,  # interpolation_error, bit 5
-            (data[0] & 0x10) != 0,  # configuration_error, bit 4
-            (data[0] & 0x08) != 0,  # synchronization_error, bit 3
-            (data[0] & 0x02) != 0,  # signal_error, bit 1
-            (data[0] & 0x01) != 0,  # control_error, bit 0
-            data[0] & 0x84,  # unused, all other bits
+            absolute_data_error,
+            interpolation_error,
+            configuration_error,
+            synchronization_error,
+            signal_error,
+            control_error,
+            unused,
         )
-        return create(cls, values)
+        return create_tuple(cls, values)
 
 
 class _DeviceId(NamedTuple):
@@ -1293,12 +1328,14 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """Device ID, registers 78h to 7Dh, read-only, over BiSS C-mode [6.4 p.31].
+    """Device ID, registers 78h to 7Dh, read-only, over BiSS C-mode.
 
     Attributes:
         name: Device name, ASC85 without the C (41 53 38 35 in hexadecimal). ASCII text. The value ``AS85`` helps to
             identify the encoder. The decoder also accepts other values.
         release: Hardware-software release, printed as 30 31. ASCII text.
+
+    Source: 6.4 p.31.
 
     Device name and hardware-software release.
 
@@ -1334,11 +1371,9 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        values = (
-            data[0:4].decode("latin-1"),  # name, high byte first
-            data[4:6].decode("latin-1"),  # release, high byte first
-        )
-        return create(cls, values)
+        name = data[0:4].decode("latin-1")  # high byte first
+        release = data[4:6].decode("latin-1")  # high byte first
+        return create_tuple(cls, (name, release))
 
 
 class _ManufacturerId(NamedTuple):
@@ -1348,11 +1383,13 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """Manufacturer ID, registers 7Eh to 7Fh, read-only, over BiSS C-mode [6.4 p.32].
+    """Manufacturer ID, registers 7Eh to 7Fh, read-only, over BiSS C-mode.
 
     Attributes:
         name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
             decoder also accepts other values.
+
+    Source: 6.4 p.32.
 
     Manufacturer.
 
@@ -1383,10 +1420,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0:2].decode("latin-1"),  # name, high byte first
-        )
-        return create(cls, values)
+        name = data[0:2].decode("latin-1")  # high byte first
+        return create_tuple(cls, (name,))
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -1414,7 +1449,10 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 
 
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
-    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address.
+
+    Each register whose bytes are all in ``contents`` is compared.
+    """
     return (
         is_consistent(
             contents,
@@ -1455,7 +1493,9 @@ _PROCEDURES: Final = {
 
 
 def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Request and read new position data [6.4 p.26].
+    """Request and read new position data.
+
+    Source: 6.4 p.26.
 
     Result: The position register contains the requested position.
 
@@ -1491,7 +1531,9 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Save the configuration [6.4 p.26].
+    """Save the configuration.
+
+    Source: 6.4 p.26.
 
     Precondition: An EEPROM was connected at power-on. Without it, the command has no effect.
 
@@ -1535,7 +1577,9 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Read absolute data again [6.4 p.26].
+    """Read absolute data again.
+
+    Source: 6.4 p.26.
 
     Result: The cycle counter is set from the absolute data. If the read failed, it is 0.
 
@@ -1575,7 +1619,9 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Reset the encoder [6.4 p.26].
+    """Reset the encoder.
+
+    Source: 6.4 p.26.
 
     Result: The encoder uses the configuration from the EEPROM.
 
@@ -1616,7 +1662,9 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Verify the CRC of the configuration [6.4 p.27].
+    """Verify the CRC of the configuration.
+
+    Source: 6.4 p.27.
 
     Result: Configuration error shows whether the configuration registers match their checksum.
 
@@ -1649,7 +1697,9 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
 
 
 def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Simulate an error [6.4 p.27].
+    """Simulate an error.
+
+    Source: 6.4 p.27.
 
     Result: The status "Error message" is forced to 1.
 
@@ -1672,7 +1722,9 @@ def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """End the simulation of an error [6.4 p.27].
+    """End the simulation of an error.
+
+    Source: 6.4 p.27.
 
     Result: The status "Error message" is forced to 0.
 
@@ -1695,7 +1747,9 @@ def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...
 
 
 def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Read and reset errors and warnings [6.4 p.29].
+    """Read and reset errors and warnings.
+
+    Source: 6.4 p.29.
 
     Result: The messages are reset. Messages with a persistent cause appear again.
 
@@ -1734,7 +1788,9 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Identify the encoder [6.4 p.22].
+    """Identify the encoder.
+
+    Source: 6.4 p.22.
 
     Result: The encoder is an ASC85 with BiSS. According to the manual, the IDs are the same for all resolutions and
     supplies. Only the label shows the rest of the order code.

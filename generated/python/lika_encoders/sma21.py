@@ -66,7 +66,7 @@ from codewheel_runtime.codec import (
     check_limits,
     crc_by_xor,
     crc_of_bits,
-    create,
+    create_tuple,
     from_gray,
     make_crc_tables,
     signed,
@@ -282,22 +282,31 @@ class Variant(Linear, Wrapping):
 
     @property
     def scd_position_bits(self) -> int:
-        """Width of the position field of the BiSS single cycle data, 24 or 25 bits [6.2 p.25]. Unit: bits. It equals
-        ``position_bits + scd_padding_bits``.
+        """Width of the position field of the BiSS single cycle data, 24 or 25 bits.
+
+        Source: 6.2 p.25.
+
+        Unit: bits. It equals ``position_bits + scd_padding_bits``.
         """
         return self.position_bits + self.scd_padding_bits
 
     @property
     def scd_value_bits(self) -> int:
-        """Width of the position in the BiSS single cycle data, which is the whole field while an offset is selected
-        [6.2 p.25, 6.4 p.32]. Unit: bits. It equals ``position_bits + scd_padding_bits * offset_selected``.
+        """Width of the position in the BiSS single cycle data, which is the whole field while an offset is selected.
+
+        Source: 6.2 p.25, 6.4 p.32.
+
+        Unit: bits. It equals ``position_bits + scd_padding_bits * offset_selected``.
         """
         return self.position_bits + self.scd_padding_bits * self.offset_selected
 
     @property
     def biss_gray(self) -> int:
-        """Position encoding in the BiSS single cycle data: 1 for Gray code, 0 for binary code [6.4 p.31]. It equals
-        ``1 - output_code``.
+        """Position encoding in the BiSS single cycle data: 1 for Gray code, 0 for binary code.
+
+        Source: 6.4 p.31.
+
+        It equals ``1 - output_code``.
         """
         return 1 - self.output_code
 
@@ -317,7 +326,8 @@ class Variant(Linear, Wrapping):
             RangeError: The value of a register is not allowed.
             ValueError: A register does not affect this encoder.
         """
-        return self._with_changes(**read_parameters(_REGISTER_PARAMETERS, contents, self))
+        parameters = read_parameters(_REGISTER_PARAMETERS, contents, self)
+        return self._with_changes(**parameters)
 
     @property
     def step_um(self) -> int:
@@ -667,8 +677,9 @@ def lookup(label: str) -> Variant:
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [6.2 p.26, prot: p.7-8, renishaw:
-    data sheet, icmu: p.30].
+    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted.
+
+    Source: 6.2 p.26, prot: p.7-8, renishaw: data sheet, icmu: p.30.
 
     The manual prints the polynomial and says that the output is inverted. The start value 0, the bit order (most
     significant bit first) and the covered bits (position, error and warning bit) come from public BiSS documents.
@@ -690,7 +701,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
 
 def crc_biss_4(number: int, bits: int) -> int:
-    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted [6.3 p.27, prot: p.9-14, icmu: p.30].
+    """Compute the CRC biss_4 of 4 bits: x^4 + x + 1, start value 0, sent inverted.
+
+    Source: 6.3 p.27, prot: p.9-14, icmu: p.30.
 
     The manual prints the polynomial and says that the output is inverted. The start value 0 and the covered bits come
     from public BiSS documents.
@@ -712,8 +725,9 @@ def crc_biss_4(number: int, bits: int) -> int:
 
 
 def crc_rs485_8(data: bytes) -> int:
-    """Compute the CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged [7.3.4
-    p.42].
+    """Compute the CRC rs485_8 of 8 bits: x^8 + 1, start value 0, input and output reflected, sent unchanged.
+
+    Source: 7.3.4 p.42.
 
     The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit first. It equals
     the XOR of the bytes, so it does not detect swapped bytes. Both printed frames are consistent with a start value of
@@ -798,7 +812,7 @@ class _SsiWord(NamedTuple):
 
 
 class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
-    """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant bit first [5.2 p.20].
+    """SSI word, sent by the encoder over SSI: ``position_bits + 1`` bits, most significant bit first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -808,6 +822,8 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             frequency error (the sensor moves too fast along the tape). True when 0: an error is present and the LED is
             red. False when 1: there is no active error and the LED is off. While it is True, the position is not
             usable.
+
+    Source: 5.2 p.20.
 
     ``position`` is in Gray code while ``ssi_gray`` is 1, and in binary while it is 0.
 
@@ -839,6 +855,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if self.error:
             return None
         return self.position
@@ -874,6 +891,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         position_bits = variant.position_bits
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
@@ -881,12 +899,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
                     word = from_gray(word, low=1, width=position_bits)
-                values = (
-                    variant,
-                    word >> 1,  # position
-                    not word & 0x01,  # error, bit 0, active low
-                )
-                return create(cls, values)
+                position = word >> 1
+                error = not (word & 0x01)  # bit 0, active low
+                return create_tuple(cls, (variant, position, error))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -907,7 +922,7 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``position_bits + scd_padding_bits + 8`` bits, most
-    significant bit first [6.2 p.25].
+    significant bit first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -919,6 +934,8 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         warning: Warning, nW: Used with the Position check register for an automatic check of the position. It is
             intended only for Lika's technicians. True when 0: a warning is active. False when 1: no warning is active.
             While it is True, the position is usable with a warning. Reserved for the manufacturer.
+
+    Source: 6.2 p.25.
 
     In the manual: Single Cycle Data SCD.
 
@@ -968,6 +985,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if self.error:
             return None
         return self.position
@@ -1009,15 +1027,16 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         table_0, table_1, table_2 = make_crc_tables(crc_biss_6, covered=27, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
-                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
-                low = word & 0xFFFF
-                high = word >> 16
-                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                # Each table has the CRCs of 16 of the bits. Their XOR is 0 if the received CRC is correct.
+                low_bits = word & 0xFFFF
+                high_bits = word >> 16
+                difference = table_0[low_bits] ^ table_1[high_bits & 0xFFFF] ^ table_2[high_bits >> 16]
                 if difference:
                     received_crc = word & 0x3F
                     computed_crc = received_crc ^ difference
@@ -1027,13 +1046,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                 padding_ = word >> padding_low
                 if padding_:
                     raise ConstantError("padding", padding_, 0)
-                values = (
-                    variant,
-                    word >> 8 & position_mask,  # position
-                    not word & 0x80,  # error, bit 7, active low
-                    not word & 0x40,  # warning, bit 6, active low
-                )
-                return create(cls, values)
+                position = (word >> 8) & position_mask
+                error = not (word & 0x80)  # bit 7, active low
+                warning = not (word & 0x40)  # bit 6, active low
+                return create_tuple(cls, (variant, position, error, warning))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1050,10 +1066,12 @@ class _DataRequest(NamedTuple):
 
 
 class DataRequest(FixedBytes, _DataRequest):
-    """Data request, sent by the master over RS-485: 1 byte [7.2 p.37, 7.2.1 p.37].
+    """Data request, sent by the master over RS-485: 1 byte.
 
     Attributes:
         data_id: cc0 ... cc3: Type of request, repeated in the reply.
+
+    Source: 7.2 p.37, 7.2.1 p.37.
 
     In the manual: Master → Encoder: CF.
 
@@ -1093,6 +1111,7 @@ class DataRequest(FixedBytes, _DataRequest):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any) -> DataRequest:
+            """Decode a frame. ``handle_error`` raises or returns each error."""
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
@@ -1100,7 +1119,7 @@ class DataRequest(FixedBytes, _DataRequest):
                 sync = data[0] & 0x7  # bits 2:0: Sync code, binary 010
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
-                data_id = data[0] >> 3 & 0xF  # bits 6:3
+                data_id = (data[0] >> 3) & 0xF  # bits 6:3
                 parity = data[0] >> 7  # bit 7
                 # Even parity over data_id.
                 expected_parity = data_id.bit_count() & 1
@@ -1110,10 +1129,8 @@ class DataRequest(FixedBytes, _DataRequest):
                 # RESET_POSITION.
                 if data_id not in (4, 5, 0xA, 0xB, 0xF):
                     raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
-                values = (
-                    DataId(data_id),  # data_id
-                )
-                return create(cls, values)
+                data_id = DataId(data_id)
+                return create_tuple(cls, (data_id,))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1140,7 +1157,7 @@ class _PositionReply(NamedTuple):
 
 
 class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
-    """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
+    """Position reply, sent by the encoder over RS-485: 7 bytes, low byte first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -1171,6 +1188,8 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
+
+    Source: 7.2 p.37, 7.3.3 p.39.
 
     In the manual: Encoder → Master: CF SF DF0 DF1 DF2 DF3 CRC.
 
@@ -1247,6 +1266,7 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if (
             self.status_error
             or self.overspeed
@@ -1291,6 +1311,7 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
         valid_first_bytes = {0x7A: DataId.RESET_POSITION, 0xA2: DataId.POSITION, 0xDA: DataId.RESET_ERRORS}
 
         def decode(frame: Any) -> PositionReply:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 7:
@@ -1299,13 +1320,13 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5
                 if computed_crc != b6:
                     raise CrcError(b6, computed_crc)
-                position = b2 | b3 << 8 | b4 << 16  # low byte first
-                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
+                position = b2 | (b3 << 8) | (b4 << 16)  # low byte first
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if position >> position_bits or b0 not in valid_first_bytes:
                     sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    data_id = (b0 >> 3) & 0xF  # bits 6:3
                     parity = b0 >> 7  # bit 7
                     # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
@@ -1317,23 +1338,35 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
                     # 4 is POSITION, 0xB is RESET_ERRORS, 0xF is RESET_POSITION.
                     if data_id not in (4, 0xB, 0xF):
                         raise RangeError("data_id", data_id, "one of 4h, Bh, Fh")
+                data_id = valid_first_bytes[b0]  # bits 6:3
+                status_alarm = (b1 & 0x10) != 0  # bit 4
+                status_error = (b1 & 0x20) != 0  # bit 5
+                overspeed = (b5 & 0x01) != 0  # bit 0
+                initialization_error = (b5 & 0x02) != 0  # bit 1
+                hardware_error = (b5 & 0x04) != 0  # bit 2
+                encoder_inharmonious_error = (b5 & 0x08) != 0  # bit 3
+                higher_track_error = (b5 & 0x10) != 0  # bit 4
+                low_amplitude_error = (b5 & 0x20) != 0  # bit 5
+                signal_strength_alarm = (b5 & 0x40) != 0  # bit 6
+                temperature_alarm = (b5 & 0x80) != 0  # bit 7
+                unused = b1 & 0xCF  # 1 where a bit differs from the manual
                 values = (
                     variant,
-                    valid_first_bytes[b0],  # data_id, bits 6:3
-                    (b1 & 0x10) != 0,  # status_alarm, bit 4
-                    (b1 & 0x20) != 0,  # status_error, bit 5
+                    data_id,
+                    status_alarm,
+                    status_error,
                     position,
-                    (b5 & 0x01) != 0,  # overspeed, bit 0
-                    (b5 & 0x02) != 0,  # initialization_error, bit 1
-                    (b5 & 0x04) != 0,  # hardware_error, bit 2
-                    (b5 & 0x08) != 0,  # encoder_inharmonious_error, bit 3
-                    (b5 & 0x10) != 0,  # higher_track_error, bit 4
-                    (b5 & 0x20) != 0,  # low_amplitude_error, bit 5
-                    (b5 & 0x40) != 0,  # signal_strength_alarm, bit 6
-                    (b5 & 0x80) != 0,  # temperature_alarm, bit 7
-                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
+                    overspeed,
+                    initialization_error,
+                    hardware_error,
+                    encoder_inharmonious_error,
+                    higher_track_error,
+                    low_amplitude_error,
+                    signal_strength_alarm,
+                    temperature_alarm,
+                    unused,
                 )
-                return create(cls, values)
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1350,7 +1383,7 @@ class _WidePositionReply(NamedTuple):
 
 
 class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
-    """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
+    """Wide position reply, sent by the encoder over RS-485: 9 bytes, low byte first.
 
     Attributes:
         status_alarm: ea0: The bit is not stored. It clears as soon as the cause is gone. True when 1: encoder alarm
@@ -1365,6 +1398,8 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
         position: ABS0 ... ABS5: Position in counts. Multiply it by the resolution to get a length. Unit: counts.
             Signed, in two's complement.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
+
+    Source: 7.2 p.37, 7.3.3 p.39.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
@@ -1428,6 +1463,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if self.status_error:
             return None
         return self.position
@@ -1456,6 +1492,7 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any) -> WidePositionReply:
+            """Decode a frame. ``handle_error`` raises or returns each error."""
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 9:
@@ -1464,12 +1501,12 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
                 if computed_crc != b8:
                     raise CrcError(b8, computed_crc)
-                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if b0 != 0x2A:
                     sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    data_id = (b0 >> 3) & 0xF  # bits 6:3
                     parity = b0 >> 7  # bit 7
                     # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
@@ -1478,13 +1515,11 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
                     # 5 is WIDE_POSITION.
                     if data_id != 5:
                         raise RangeError("data_id", data_id, "5h")
-                values = (
-                    (b1 & 0x10) != 0,  # status_alarm, bit 4
-                    (b1 & 0x20) != 0,  # status_error, bit 5
-                    signed(int.from_bytes(data[2:8], "little"), 48),  # position, low byte first
-                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
-                )
-                return create(cls, values)
+                status_alarm = (b1 & 0x10) != 0  # bit 4
+                status_error = (b1 & 0x20) != 0  # bit 5
+                position = signed(int.from_bytes(data[2:8], "little"), 48)  # low byte first
+                unused = b1 & 0xCF  # 1 where a bit differs from the manual
+                return create_tuple(cls, (status_alarm, status_error, position, unused))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1510,7 +1545,7 @@ class _IdentificationReply(NamedTuple):
 
 
 class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, Positioned):
-    """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first [7.2 p.37, 7.3.3 p.39].
+    """Identification reply, sent by the encoder over RS-485: 9 bytes, low byte first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
@@ -1540,6 +1575,8 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
         signal_strength_alarm: Signal on the strength alarm: Not implemented.
         temperature_alarm: Temperature alarm: Not implemented.
         unused: Mask of the unused bits that differ from the manual. 0 if none differs.
+
+    Source: 7.2 p.37, 7.3.3 p.39.
 
     In the manual: Encoder → Master: CF SF DF0 ... DF5 CRC.
 
@@ -1618,6 +1655,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if (
             self.status_error
             or self.overspeed
@@ -1660,6 +1698,7 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
         position_bits = variant.rs485_position_bits
 
         def decode(frame: Any) -> IdentificationReply:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 9:
@@ -1668,13 +1707,13 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                 computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
                 if computed_crc != b8:
                     raise CrcError(b8, computed_crc)
-                position = b2 | b3 << 8 | b4 << 16  # low byte first
-                # The first byte is compared as a whole. If any constant is wrong, the first wrong field is reported.
+                position = b2 | (b3 << 8) | (b4 << 16)  # low byte first
+                # These comparisons cover all constant bits. If one fails, the checks below report the first wrong one.
                 if position >> position_bits or b5 != 0x51 or b6 or b0 != 0x52:
                     sync = b0 & 0x7  # bits 2:0: Sync code, binary 010
                     if sync != 0x2:
                         raise ConstantError("sync", sync, 0x2)
-                    data_id = b0 >> 3 & 0xF  # bits 6:3
+                    data_id = (b0 >> 3) & 0xF  # bits 6:3
                     parity = b0 >> 7  # bit 7
                     # Even parity over data_id.
                     expected_parity = data_id.bit_count() & 1
@@ -1692,22 +1731,33 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                     # 0xA is IDENTIFICATION.
                     if data_id != 0xA:
                         raise RangeError("data_id", data_id, "Ah")
+                status_alarm = (b1 & 0x10) != 0  # bit 4
+                status_error = (b1 & 0x20) != 0  # bit 5
+                overspeed = (b7 & 0x01) != 0  # bit 0
+                initialization_error = (b7 & 0x02) != 0  # bit 1
+                hardware_error = (b7 & 0x04) != 0  # bit 2
+                encoder_inharmonious_error = (b7 & 0x08) != 0  # bit 3
+                higher_track_error = (b7 & 0x10) != 0  # bit 4
+                low_amplitude_error = (b7 & 0x20) != 0  # bit 5
+                signal_strength_alarm = (b7 & 0x40) != 0  # bit 6
+                temperature_alarm = (b7 & 0x80) != 0  # bit 7
+                unused = b1 & 0xCF  # 1 where a bit differs from the manual
                 values = (
                     variant,
-                    (b1 & 0x10) != 0,  # status_alarm, bit 4
-                    (b1 & 0x20) != 0,  # status_error, bit 5
+                    status_alarm,
+                    status_error,
                     position,
-                    (b7 & 0x01) != 0,  # overspeed, bit 0
-                    (b7 & 0x02) != 0,  # initialization_error, bit 1
-                    (b7 & 0x04) != 0,  # hardware_error, bit 2
-                    (b7 & 0x08) != 0,  # encoder_inharmonious_error, bit 3
-                    (b7 & 0x10) != 0,  # higher_track_error, bit 4
-                    (b7 & 0x20) != 0,  # low_amplitude_error, bit 5
-                    (b7 & 0x40) != 0,  # signal_strength_alarm, bit 6
-                    (b7 & 0x80) != 0,  # temperature_alarm, bit 7
-                    b1 & 0xCF,  # unused, 1 where a bit differs from the manual
+                    overspeed,
+                    initialization_error,
+                    hardware_error,
+                    encoder_inharmonious_error,
+                    higher_track_error,
+                    low_amplitude_error,
+                    signal_strength_alarm,
+                    temperature_alarm,
+                    unused,
                 )
-                return create(cls, values)
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1750,11 +1800,12 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     }
 
     def decode(frame: Any) -> Request:
+        """Decode a request of the encoder ``variant``, with the function for its data_id in ``decoders``."""
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
                 raise LengthError(1, len(data))
-            data_id = data[0] >> 3 & 0xF
+            data_id = (data[0] >> 3) & 0xF
             if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
         except (FrameError, TypeError) as exception:
@@ -1808,11 +1859,12 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     }
 
     def decode(frame: Any) -> Reply:
+        """Decode a reply of the encoder ``variant``, with the function for its data_id in ``decoders``."""
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
             if not data:
                 raise LengthError(1, len(data))
-            data_id = data[0] >> 3 & 0xF
+            data_id = (data[0] >> 3) & 0xF
             if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
         except (FrameError, TypeError) as exception:
@@ -1859,12 +1911,14 @@ class _ProfileId(NamedTuple):
 
 
 class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
-    """Profile ID (it: ID Profilo), registers 42h to 43h, read-only, over BiSS C-mode [6.4 p.28].
+    """Profile ID (it: ID Profilo), registers 42h to 43h, read-only, over BiSS C-mode.
 
     Attributes:
         variant: Encoder to which the register belongs.
         profile_id: 28h, followed by the number of position bits in decimal. The value ``profile_id`` helps to identify
             the encoder. The decoder also accepts other values.
+
+    Source: 6.4 p.28.
 
     Code of the profile that the encoder uses.
 
@@ -1906,11 +1960,8 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            variant,
-            data[0] << 8 | data[1],  # profile_id, high byte first
-        )
-        return create(cls, values)
+        profile_id = (data[0] << 8) | data[1]  # high byte first
+        return create_tuple(cls, (variant, profile_id))
 
 
 class _SerialNumber(NamedTuple):
@@ -1922,12 +1973,14 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """Serial number (it: Numero di serie), registers 44h to 47h, read-only, over BiSS C-mode [6.4 p.29].
+    """Serial number (it: Numero di serie), registers 44h to 47h, read-only, over BiSS C-mode.
 
     Attributes:
         year: Production year.
         week: Production week.
         number: Serial number, assigned in ascending order.
+
+    Source: 6.4 p.29.
 
     Production year and week, and a serial number, in hexadecimal.
 
@@ -1957,16 +2010,16 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        values = (
-            data[0],  # year
-            data[1],  # week
-            data[2] << 8 | data[3],  # number, high byte first
-        )
-        return create(cls, values)
+        year = data[0]
+        week = data[1]
+        number_ = (data[2] << 8) | data[3]  # high byte first
+        return create_tuple(cls, (year, week, number_))
 
 
 class Command(IntEnum):
-    """Command (it: Comando), register 48h, write-only, over BiSS C-mode [6.4 p.29, 12 p.51].
+    """Command (it: Comando), register 48h, write-only, over BiSS C-mode.
+
+    Source: 6.4 p.29, 12 p.51.
 
     Saves the parameters, activates the preset or offset, or restores the defaults.
 
@@ -2018,7 +2071,7 @@ class _Configuration(NamedTuple):
 
 
 class Configuration(FixedRegister, _Configuration):
-    """Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode [6.4 p.30, 12 p.51].
+    """Configuration (it: Configurazione), register 49h, read and write, over BiSS C-mode.
 
     Attributes:
         counting_direction: Direzione di conteggio: Counting direction of the absolute position. It does not affect the
@@ -2027,6 +2080,8 @@ class Configuration(FixedRegister, _Configuration):
         enable_preset_offset: Abilita preset / offset: Enables preset and offset when it is 0. Default: 0.
         select_preset_offset: Seleziona preset / offset: Content of the Preset / Offset register. The bit is available
             only while the function is enabled (bit 2). Default: 0.
+
+    Source: 6.4 p.30, 12 p.51.
 
     Preset or offset, output code and counting direction.
 
@@ -2067,17 +2122,17 @@ class Configuration(FixedRegister, _Configuration):
         unused_7 = data[0] >> 7  # bit 7: Not used
         if unused_7:
             raise ConstantError("unused_7", unused_7, 0)
-        unused_3_4 = data[0] >> 3 & 0x3  # bits 4:3: Not used
+        unused_3_4 = (data[0] >> 3) & 0x3  # bits 4:3: Not used
         if unused_3_4:
             raise ConstantError("unused_3_4", unused_3_4, 0)
         unused_0 = data[0] & 0x1  # bit 0: Not used
         if unused_0:
             raise ConstantError("unused_0", unused_0, 0)
-        counting_direction = as_member(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)  # bit 6
-        output_code = as_member(OutputCode, "output_code", data[0] >> 5 & 0x1)  # bit 5
-        enable_preset_offset = as_member(EnablePresetOffset, "enable_preset_offset", data[0] >> 2 & 0x1)  # bit 2
-        select_preset_offset = as_member(SelectPresetOffset, "select_preset_offset", data[0] >> 1 & 0x1)  # bit 1
-        return create(cls, (counting_direction, output_code, enable_preset_offset, select_preset_offset))
+        counting_direction = as_member(CountingDirection, "counting_direction", (data[0] >> 6) & 0x1)  # bit 6
+        output_code = as_member(OutputCode, "output_code", (data[0] >> 5) & 0x1)  # bit 5
+        enable_preset_offset = as_member(EnablePresetOffset, "enable_preset_offset", (data[0] >> 2) & 0x1)  # bit 2
+        select_preset_offset = as_member(SelectPresetOffset, "select_preset_offset", (data[0] >> 1) & 0x1)  # bit 1
+        return create_tuple(cls, (counting_direction, output_code, enable_preset_offset, select_preset_offset))
 
 
 class _AbsoluteResolution(NamedTuple):
@@ -2088,12 +2143,14 @@ class _AbsoluteResolution(NamedTuple):
 
 
 class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
-    """Absolute resolution (it: Risoluzione assoluta), register 4Dh, read-only, over BiSS C-mode [6.4 p.31].
+    """Absolute resolution (it: Risoluzione assoluta), register 4Dh, read-only, over BiSS C-mode.
 
     Attributes:
         variant: Encoder to which the register belongs.
         absolute_resolution: Length of one count. Unit: µm. The value ``resolution_um`` helps to identify the encoder.
             The decoder also accepts other values.
+
+    Source: 6.4 p.31.
 
     Resolution of the absolute position.
 
@@ -2130,11 +2187,8 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            variant,
-            data[0],  # absolute_resolution
-        )
-        return create(cls, values)
+        absolute_resolution = data[0]
+        return create_tuple(cls, (variant, absolute_resolution))
 
 
 class _PresetOffset(NamedTuple):
@@ -2144,10 +2198,12 @@ class _PresetOffset(NamedTuple):
 
 
 class PresetOffset(FixedLimitedRegister, _PresetOffset):
-    """Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32, 12 p.51].
+    """Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode.
 
     Attributes:
         preset_offset: Preset offset.
+
+    Source: 6.4 p.32, 12 p.51.
 
     Preset or offset, as selected by the Select preset / offset bit of the Configuration register.
 
@@ -2193,10 +2249,10 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        values = (
-            int.from_bytes(data, "big"),  # preset_offset, high byte first
-        )
-        return keep_bytes(create(cls, values), data)
+        preset_offset = int.from_bytes(data, "big")  # high byte first
+        register = create_tuple(cls, (preset_offset,))
+        # encode() returns these bytes again, even if they are outside the limits of the register.
+        return keep_bytes(register, data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -2223,11 +2279,13 @@ class _DeviceType(NamedTuple):
 
 
 class DeviceType(FixedRegister, _DeviceType):
-    """Device type (it: Tipo di dispositivo), register 55h, read-only, over BiSS C-mode [6.4 p.33].
+    """Device type (it: Tipo di dispositivo), register 55h, read-only, over BiSS C-mode.
 
     Attributes:
         type: 08h: linear encoder, BiSS C-mode, with incremental signals AB /AB. The value 08h helps to identify the
             encoder. The decoder also accepts other values.
+
+    Source: 6.4 p.33.
 
     Device type.
 
@@ -2258,10 +2316,8 @@ class DeviceType(FixedRegister, _DeviceType):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],  # type
-        )
-        return create(cls, values)
+        type_ = data[0]
+        return create_tuple(cls, (type_,))
 
 
 class _SineCosineResolution(NamedTuple):
@@ -2271,11 +2327,13 @@ class _SineCosineResolution(NamedTuple):
 
 
 class SineCosineResolution(FixedRegister, _SineCosineResolution):
-    """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read-only, over BiSS C-mode [6.4 p.33].
+    """Sine cosine resolution (it: Risoluzione SENO-COSENO), register 58h, read-only, over BiSS C-mode.
 
     Attributes:
         period: 00h: no sine and cosine signals. The value 00h helps to identify the encoder. The decoder also accepts
             other values.
+
+    Source: 6.4 p.33.
 
     Period of the sine and cosine signals.
 
@@ -2306,10 +2364,8 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],  # period
-        )
-        return create(cls, values)
+        period = data[0]
+        return create_tuple(cls, (period,))
 
 
 class _PositionCheck(NamedTuple):
@@ -2319,10 +2375,12 @@ class _PositionCheck(NamedTuple):
 
 
 class PositionCheck(FixedRegister, _PositionCheck):
-    """Position check (it: Controllo posizione), register 59h, read and write, over BiSS C-mode [6.4 p.33].
+    """Position check (it: Controllo posizione), register 59h, read and write, over BiSS C-mode.
 
     Attributes:
         position_check: Position check.
+
+    Source: 6.4 p.33.
 
     Used with the warning bit for an automatic check of the position.
 
@@ -2353,10 +2411,8 @@ class PositionCheck(FixedRegister, _PositionCheck):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],  # position_check
-        )
-        return create(cls, values)
+        position_check = data[0]
+        return create_tuple(cls, (position_check,))
 
 
 class _DeviceId(NamedTuple):
@@ -2367,12 +2423,14 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read-only, over BiSS C-mode [6.4 p.34].
+    """Device ID (it: ID dispositivo), registers 78h to 7Dh, read-only, over BiSS C-mode.
 
     Attributes:
         name: Device name (53 4D 32 31 in hexadecimal). ASCII text. The value ``SM21`` helps to identify the encoder.
             The decoder also accepts other values.
         release: Hardware-software release, printed as xx xx.
+
+    Source: 6.4 p.34.
 
     Device name and hardware-software release.
 
@@ -2406,11 +2464,9 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        values = (
-            data[0:4].decode("latin-1"),  # name, high byte first
-            data[4] << 8 | data[5],  # release, high byte first
-        )
-        return create(cls, values)
+        name = data[0:4].decode("latin-1")  # high byte first
+        release = (data[4] << 8) | data[5]  # high byte first
+        return create_tuple(cls, (name, release))
 
 
 class _ManufacturerId(NamedTuple):
@@ -2420,11 +2476,13 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read-only, over BiSS C-mode [6.4 p.34].
+    """Manufacturer ID (it: ID costruttore), registers 7Eh to 7Fh, read-only, over BiSS C-mode.
 
     Attributes:
         name: Lika Electronic (4C 69 in hexadecimal). ASCII text. The value ``Li`` helps to identify the encoder. The
             decoder also accepts other values.
+
+    Source: 6.4 p.34.
 
     Manufacturer.
 
@@ -2455,16 +2513,14 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0:2].decode("latin-1"),  # name, high byte first
-        )
-        return create(cls, values)
+        name = data[0:2].decode("latin-1")  # high byte first
+        return create_tuple(cls, (name,))
 
 
 #: Parameters that registers hold at run time.
 _REGISTER_PARAMETERS: Final = (
     RegisterParameter(
-        parameter="offset_selected",
+        name="offset_selected",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
         default=b"\x20",
@@ -2475,7 +2531,7 @@ _REGISTER_PARAMETERS: Final = (
         max=1,
     ),
     RegisterParameter(
-        parameter="output_code",
+        name="output_code",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
         default=b"\x20",
@@ -2513,7 +2569,10 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
 
 
 def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
-    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address.
+
+    Each register whose bytes are all in ``contents`` is compared.
+    """
     return (
         is_consistent(
             contents,
@@ -2571,7 +2630,9 @@ _PROCEDURES: Final = {
 
 
 def set_configuration(configuration: Configuration | int, *, variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Set and save the configuration [6.4 p.31, 6.6.1 p.35].
+    """Set and save the configuration.
+
+    Source: 6.4 p.31, 6.6.1 p.35.
 
     Result: The new configuration is active and saved.
 
@@ -2590,14 +2651,11 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     """
     if variant is not None:
         check_encoder(variant, family_class=Variant, interface=_BISS, procedures=_PROCEDURES)
-    Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
+    configuration_bytes = encode_register("configuration", Configuration, configuration, length=1, order="big")
+    # Decoding the bytes checks the constant bits.
+    Configuration.decode(configuration_bytes)
     return (
-        *write_bytes(
-            "configuration",
-            Address.CONFIGURATION,
-            encode_register("configuration", Configuration, configuration, 1, "big"),
-            meaning="takes effect immediately",
-        ),
+        *write_bytes("configuration", Address.CONFIGURATION, configuration_bytes, meaning="takes effect immediately"),
         Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *write_bytes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), meaning="save it permanently"),
         Wait(microseconds=30_000, meaning="EEPROM write time"),
@@ -2605,7 +2663,9 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
 
 
 def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
-    """Set, save and activate a preset [6.4 p.32, 6.6.2 p.35].
+    """Set, save and activate a preset.
+
+    Source: 6.4 p.32, 6.6.2 p.35.
 
     Precondition: The sensor is at rest at the desired position. In the Configuration register, preset and offset are
     enabled and preset is selected, which is the factory default. Otherwise run select_preset first.
@@ -2645,7 +2705,9 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
 
 
 def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Enable the function and select preset [6.4 p.30].
+    """Enable the function and select preset.
+
+    Source: 6.4 p.30.
 
     Result: The Preset / Offset register contains a preset.
 
@@ -2674,7 +2736,9 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
-    """Select, set, save and activate an offset [6.4 p.30, 6.4 p.32].
+    """Select, set, save and activate an offset.
+
+    Source: 6.4 p.30, 6.4 p.32.
 
     Precondition: The sensor is at rest at the desired position. At 2 µm and 1 µm, only 0 is within the limits.
 
@@ -2748,7 +2812,9 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
 
 
 def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Save the parameters [6.4 p.29].
+    """Save the parameters.
+
+    Source: 6.4 p.29.
 
     Result: New register values are saved.
 
@@ -2771,7 +2837,9 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Load and save all default parameters [6.4 p.29].
+    """Load and save all default parameters.
+
+    Source: 6.4 p.29.
 
     Result: The default parameters are active and saved. All previously set parameters are lost.
 
@@ -2794,7 +2862,9 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
-    """Identify the device [6.4 p.28].
+    """Identify the device.
+
+    Source: 6.4 p.28.
 
     Result: Manufacturer, device, resolution and serial number are known. The supply is not.
 
@@ -2822,7 +2892,9 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
 
 
 def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
-    """Reset all errors [7.3.3.2 p.41].
+    """Reset all errors.
+
+    Source: 7.3.3.2 p.41.
 
     Result: All errors are reset and the encoder initializes itself.
 
@@ -2854,7 +2926,9 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
 
 def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
-    """Reset the position to 0 [7.3.3.2 p.41].
+    """Reset the position to 0.
+
+    Source: 7.3.3.2 p.41.
 
     Precondition: The encoder is at rest.
 

@@ -182,13 +182,16 @@ class BitReader:
         return shifted if is_at_top else PythonOperation(shifted, "&", self.scope.ones(bits.width))
 
     def place(self, bits: FieldBits) -> str:
-        """Return the position of these bits, for a comment, such as ``bits 7:4``.
+        """Return the position of these bits, for a comment, such as ``bits 7:4``, or ``from bit 48 down``.
 
-        Empty if it depends on the order code, or if the bits fill a byte.
+        Empty if both ends depend on the order code, or if the bits fill a byte.
         """
         if not self.plan.by_word:
             return place_in_bytes(bits.bit_slices)
-        return bit_numbers(bits.low.constant, bits.width.constant) if bits.are_fixed else ""
+        if bits.are_fixed:
+            return bit_numbers(bits.low.constant, bits.width.constant)
+        end = bits.low + bits.width
+        return f"from bit {end.constant - 1} down" if end.is_constant and not bits.low.is_constant else ""
 
     def number_with_parity_of(self, covered_fields: Sequence[FieldBits], parity_mask: int) -> PythonExpression:
         """Return a number that has the same parity as the bits that a parity bit covers.

@@ -23,10 +23,12 @@ from ...plan.values import (
     is_number,
     meaning_of,
 )
+from ...say.plain_text import text_on_one_line
 from ...say.text import as_sentence
 from . import docstrings
 from .bits import BitsEncoder
-from .decode import Decoder, attribute_values
+from .decode import Decoder
+from .field_values import attribute_values
 from .limits import LimitsFunction, limits_depend, limits_functions
 from .literals import Atom, ParameterExpressions, PythonExpression, coded, quoted, value_in_words
 from .named_values import NamedValues
@@ -347,7 +349,11 @@ class LayoutClass:
         if self.register is not None or self.layout.sender != "encoder":
             return None
         reporting = self.context.reportings.get(self.layout.name)
-        return FrameReports(reporting, self.plan, self.names, self.context.parameters)
+        meanings = {
+            parameter.name: as_sentence(text_on_one_line(parameter.meaning))
+            for parameter in self.context.device.parameters
+        }
+        return FrameReports(reporting, self.plan, self.names, self.context.parameters, meanings)
 
     # -- limits of registers
 

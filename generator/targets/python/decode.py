@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from ...model import Digits, Field
 from ...model.expressions import Expression
@@ -20,20 +20,19 @@ from ...plan.values import (
     meaning_of,
 )
 from .bits import BitReader
+from .field_values import digit_values, is_flag_active, replace_zero, text_of_number
 from .first_byte import FirstByte
 from .literals import (
     Atom,
     ParameterExpressions,
     PythonExpression,
-    PythonOperation,
     call,
-    grouped,
     join_operands,
     mask,
     number,
     shift_left,
 )
-from .named_values import NamedValues, prefer_names_of_fields
+from .named_values import NamedValues, comment_on_constant, prefer_names_of_fields
 from .names import ClassNames
 
 #: Number of bits per CRC table.
@@ -168,20 +167,21 @@ class Decoder:
 
     @property
     def table_lookups(self) -> str:
-        """The CRC check as an XOR of table entries: ``table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]``.
+        """The CRC check as an XOR of table entries: ``table_0[low_bits] ^ table_1[high_bits & 0xFFFF] ^ …``.
 
-        ``low`` contains the lowest 16 bits of the word, and ``high`` the rest. The word is split first, because
-        operations on short numbers are faster.
+        ``low_bits`` contains the lowest 16 bits of the word, and ``high_bits`` the rest. The word is split first,
+        because operations on short numbers are faster.
         """
-        lookups = ["table_0[low]"]
+        lookups = ["table_0[low_bits]"]
         top_table = self.tables - 1
         for table in range(1, self.tables):
-            # The lowest bits of the word, which table_0 covers, are not in ``high``.
+            # The lowest bits of the word, which table_0 covers, are not in ``high_bits``.
             shift = TABLE_BITS * (table - 1)
-            index = f"high >> {shift}" if shift else "high"
+            index = f"high_bits >> {shift}" if shift else "high_bits"
             # No bits are above the bits of the top table, so it needs no mask.
             if table < top_table:
-                index += f" & {mask((1 << TABLE_BITS) - 1)}"
+                shifted_bits = f"({index})" if shift else index
+                index = f"{shifted_bits} & {mask((1 << TABLE_BITS) - 1)}"
             lookups.append(f"table_{table}[{index}]")
         return " ^ ".join(lookups)
 
@@ -287,7 +287,7 @@ class Decoder:
             case TwosComplement():
                 return [call("signed", bits, self.number(field.width))]
             case ZeroMeans(number_for_zero):
-                return [_replace_zero(bits, number_for_zero)]
+                return [replace_zero(bits, number_for_zero)]
             case ActiveFlag(low):
                 return [self._is_active(decoded_field, low_is_active=low)]
             case NamedChoice() if self.selects(field):
@@ -307,7 +307,7 @@ class Decoder:
         adjacent_bytes = self.bit_reader.characters(decoded_field.bits)
         if adjacent_bytes:
             return Atom(f'{adjacent_bytes}.decode("latin-1")')
-        return _text_of_number(decoded_field.field, self.bits(decoded_field))
+        return text_of_number(decoded_field.field, self.bits(decoded_field))
 
     def _is_active(self, decoded_field: FieldToDecode, *, low_is_active: bool) -> PythonExpression:
         """Return the condition that a flag is active. If the order code does not have the flag, it is inactive.
@@ -320,31 +320,28 @@ class Decoder:
             inactive = self.number(width) if low_is_active else number(0)
             return Atom(f"{self.bits(decoded_field).operand} != {inactive.operand}")
         flag_bit = self.bit_reader.bit(decoded_field.bits, self._shorter_number(decoded_field))
-        return _is_flag_active(flag_bit, low_is_active=low_is_active)
+        return is_flag_active(flag_bit, low_is_active=low_is_active)
 
     def _shorter_number(self, decoded_field: FieldToDecode) -> str:
-        """Return ``low``, the variable with the lowest bits of a word, if it exists and contains the flag.
+        """Return ``low_bits``, the variable with the lowest bits of a word, if it exists and contains the flag.
 
         Otherwise, the result is an empty string. The variable exists if tables compute the CRC.
         """
         low_bit = decoded_field.bits.low
         is_in_low_table = low_bit.is_constant and low_bit.constant < TABLE_BITS
-        return "low" if self.tables and not self.plan.is_converted and is_in_low_table else ""
+        return "low_bits" if self.tables and not self.plan.is_converted and is_in_low_table else ""
 
     def decoded_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
-        """Return the values of all attributes in order: encoder, answers to open questions, fields, unused bits.
-
-        Each has a comment, which is empty for a variable with the name of the attribute.
-        """
-        decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])
+        """Return the values of all attributes in order: encoder, answers to open questions, fields, unused bits."""
+        decoded = DecodedValues(values=[name for name, _ in encoder_and_answers])
         for decoded_field in self.plan.decoded_fields:
             self._add_values(decoded_field, decoded)
         if self.plan.reserved:
             differing_bits = str(self.bit_reader.differing_unused_bits())
-            decoded.values.append((differing_bits, "unused, 1 where a bit differs from the manual"))
+            decoded.assign("unused", differing_bits, "1 where a bit differs from the manual")
         elif self.plan.keeps_undefined_bits:
             other_bits = str(self.bit_reader.bits_without_field())
-            decoded.values.append((other_bits, "unused, all other bits"))
+            decoded.assign("unused", other_bits, "all other bits")
         return decoded
 
     def _add_values(self, decoded_field: FieldToDecode, decoded: DecodedValues) -> None:
@@ -352,98 +349,56 @@ class Decoder:
 
         If several values are computed from the field, a statement first assigns its bits to a variable.
         """
-        runs = decoded_field.field.runs
-        if len(runs) > 1 and decoded_field.field.name not in self.assigned:
-            decoded.statements.append(self.assign(decoded_field.field, self.bit_reader.bits(decoded_field.bits)))
-        attributes: Sequence[Field | Digits] = runs or (decoded_field.field,)
+        field = decoded_field.field
+        if len(field.runs) > 1 and field.name not in self.assigned:
+            decoded.statements.append((self.assign(field, self.bit_reader.bits(decoded_field.bits)), ""))
+        attributes: Sequence[Field | Digits] = field.runs or (field,)
         for attribute, expression in zip(attributes, self.values(decoded_field), strict=True):
-            code = str(expression)
-            shows_its_name = code == self.local(attribute)
-            decoded.values.append((code, "" if shows_its_name else self._place_comment(decoded_field, attribute)))
+            variable = self.local(attribute)
+            # This variable must keep its number: for the other runs, or since it would also get a text.
+            holds_number = variable == self.local(field) and field.name in self.assigned
+            if holds_number and (len(field.runs) > 1 or isinstance(meaning_of(field), Latin1Text)):
+                decoded.values.append(str(expression))
+            else:
+                decoded.assign(variable, str(expression), self._place_comment(decoded_field))
 
-    def _place_comment(self, decoded_field: FieldToDecode, attribute: Field | Digits) -> str:
-        """Return the comment on a value: the name of its attribute, and the place of its bits if they are read there.
+    def _place_comment(self, decoded_field: FieldToDecode) -> str:
+        """Return the comment on a value: the place of its bits, if they are read there, and the meaning of the bits.
 
-        An example is ``warning, bit 6, active low``.
+        An example is ``bit 6, active low``.
         """
-        name = self.names.attribute(attribute.name)
-        has_variable = decoded_field.field.name in self.assigned
-        if has_variable or isinstance(attribute, Digits):
-            return name
-        meaning = meaning_of(decoded_field.field)
-        is_active_low = isinstance(meaning, ActiveFlag) and meaning.low
-        level = "active low" if is_active_low else ""
-        place = self.bit_reader.place(decoded_field.bits)
-        return ", ".join(text for text in (name, place, level) if text)
+        notes = []
+        if decoded_field.field.name not in self.assigned:
+            notes.append(self.bit_reader.place(decoded_field.bits) or self.constant_in(decoded_field.bits.low))
+        match meaning_of(decoded_field.field):
+            case ActiveFlag(low=True):
+                notes.append("active low")
+            case ZeroMeans(number_for_zero):
+                notes.append(f"0 means {number_for_zero:,}")
+        return ", ".join(filter(None, notes))
+
+    def constant_in(self, expression: Expression) -> str:
+        """Return a comment on the constant in a length or place: ``8 = crc (6) + warning (1) + error (1)``.
+
+        Empty without such a constant, and if a variable with its own comment holds the length or place.
+        """
+        has_variable = self.number(expression).operand in self.values_by_name
+        return "" if has_variable or expression.is_constant else comment_on_constant(self.plan, expression)
 
 
 class DecodedValues:
-    """The code for the values of all attributes of a frame or register, each with its comment.
+    """The code for the values of all attributes of a frame or register.
 
-    An example is ``[("variant", ""), ("word >> 8 & 0x3FF", "position, bits 17:8")]``. ``statements`` are printed before
-    the values.
+    ``statements`` assign values to variables, each with a comment or an empty text: ``("position = word >> 8", "bits
+    17:8")``. ``values`` are these variables, such as ``["variant", "position"]``.
     """
 
-    def __init__(self, values: list[tuple[str, str]]) -> None:
+    def __init__(self, values: list[str]) -> None:
         self.values = values
-        self.statements: list[str] = []
+        self.statements: list[tuple[str, str]] = []
 
-    @property
-    def named_values(self) -> list[tuple[str, str]]:
-        """The values with a comment, whose code does not show the name of the attribute."""
-        return [(code, comment) for code, comment in self.values if comment]
-
-
-def attribute_values(
-    scope: ParameterExpressions, class_names: ClassNames, enum: str, field: Field, bits: PythonExpression
-) -> Iterator[tuple[str, PythonExpression]]:
-    """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
-    attribute = class_names.attribute(field.name)
-    match meaning_of(field):
-        case UnsignedNumber():
-            yield attribute, bits
-        case TwosComplement():
-            yield attribute, call("signed", bits, scope.expression_of(field.width))
-        case ZeroMeans(number_for_zero):
-            yield attribute, _replace_zero(bits, number_for_zero)
-        case ActiveFlag(low):
-            yield attribute, _is_flag_active(bits, low_is_active=low)
-        case NamedChoice():
-            yield attribute, call("as_member", enum, f'"{field.name}"', bits)
-        case DecimalDigits(runs):
-            for run, run_value in digit_values(bits, runs):
-                yield class_names.attribute(run.name), run_value
-        case Latin1Text():
-            yield attribute, _text_of_number(field, bits)
-        case meaning:
-            assert_never(meaning)
-
-
-def digit_values(
-    decimal_number: PythonExpression, digit_runs: Sequence[Digits]
-) -> Iterator[tuple[Digits, PythonExpression]]:
-    """Yield groups of decimal digits in a number (digit runs), each with its value, such as ``number // 100 % 10``."""
-    for digit_run in digit_runs:
-        value = decimal_number
-        if digit_run.divisor != 1:
-            value = PythonOperation(value, "//", number(digit_run.divisor))
-        # No digits are before the first run.
-        if digit_run is not digit_runs[0]:
-            value = PythonOperation(value, "%", number(digit_run.modulus))
-        yield digit_run, value
-
-
-def _replace_zero(bits: PythonExpression, number_for_zero: int) -> PythonExpression:
-    """Return the bits, or the number that the bits 0 stand for, such as ``data[0] or 256``."""
-    return Atom(f"{bits.operand} or {grouped(number_for_zero)}")
-
-
-def _is_flag_active(bit: PythonExpression, *, low_is_active: bool) -> PythonExpression:
-    """Return the condition that a flag with this bit is active."""
-    return Atom(f"not {bit}" if low_is_active else f"{bit.operand} != 0")
-
-
-def _text_of_number(field: Field, bits: PythonExpression) -> PythonExpression:
-    """Return the text whose characters are the bytes of a number, such as ``number.to_bytes(4, "big").decode(…)``."""
-    number_of_characters = field.width.constant // 8
-    return Atom(f'{bits.operand}.to_bytes({number_of_characters}, "big").decode("latin-1")')
+    def assign(self, variable: str, value: str, comment: str) -> None:
+        """Add an attribute. A statement assigns its value to a variable, unless the value is this variable."""
+        self.values.append(variable)
+        if value != variable:
+            self.statements.append((f"{variable} = {value}", comment))

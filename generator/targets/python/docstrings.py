@@ -20,6 +20,7 @@ from ...model import (
     Procedure,
     Register,
     Value,
+    cite,
 )
 from ...model.record import dataclass
 from ...say import commands_and_alarms, count_with_unit, names_and_evidence, text_on_one_line, wrap_text
@@ -140,6 +141,12 @@ def describe_errata(device: Device, *paths: str) -> list[Block]:
     return paragraphs(map(describe_erratum, errata(device, *paths)))
 
 
+def _with_source_below(first: Statement) -> tuple[str, str]:
+    """Return a statement as a sentence without its source, and the source as a paragraph: ``Source: 5.3 p.22.``"""
+    source = f"Source: {cite(first.source)}." if first.source else ""
+    return DOCSTRING_STYLE.sentence(replace(first, source=())), source
+
+
 def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     """Return a paragraph for each statement, and a list of the errata among them in short form."""
     sentences: list[Block] = []
@@ -231,13 +238,13 @@ def _about_quantity(device: Device, parameter: Parameter) -> str:
 
 def describe_alternative(device: Device, alternative: Alternative) -> str:
     """Return the docstring of the class with the answers to a question that the manual leaves open."""
-    question = DOCSTRING_STYLE.sentence(statement(alternative.meaning, source=alternative.source))
+    question, source = _with_source_below(statement(alternative.meaning, source=alternative.source))
     decision = "The manual leaves this open, or other evidence contradicts it."
     if alternative.default:
         decision += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
     else:
         decision += " There is no default."
-    return docstring(question, decision, *describe_errata(device, f"alternatives.{alternative.name}"), indent=4)
+    return docstring(question, source, decision, *describe_errata(device, f"alternatives.{alternative.name}"), indent=4)
 
 
 def describe_answer(answer: Answer) -> str:
@@ -250,6 +257,16 @@ def describe_parameter(device: Device, parameter: Parameter) -> str:
     return DOCSTRING_STYLE.paragraph(say_order_code.describe_parameter(device, parameter))
 
 
+def describe_derived_parameter(device: Device, parameter: Parameter) -> list[Block]:
+    """Return the paragraphs about a parameter that is computed from others: meaning, source, then unit and formula."""
+    facts = list(say_order_code.describe_parameter(device, parameter))
+    if not parameter.meaning:
+        return [DOCSTRING_STYLE.paragraph(facts)]
+    # The first one is the meaning.
+    summary, source = _with_source_below(facts[0])
+    return [summary, source, DOCSTRING_STYLE.paragraph(facts[1:])]
+
+
 # -- frames, registers and procedures
 
 
@@ -260,14 +277,14 @@ def describe_layout(device: Device, interface: Interface, frame: Layout) -> tupl
     empty if there are none.
     """
     title = heading(frame.name)
-    summary = DOCSTRING_STYLE.sentence(say_layout.describe_head(interface, frame, title, device.alternatives))
+    summary, source = _with_source_below(say_layout.describe_head(interface, frame, title, device.alternatives))
     group_names = dict.fromkeys(field.group for field in frame.fields if field.group)
     # These are paths in the spec of the device, where errata refer to them.
     group_paths = [f"field_groups.{name}" for name in group_names]
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
     group_titles = [erratum.title for erratum in errata(device, *group_paths) if erratum not in frame_errata]
     further_errata = f"See also these errata in ERRATA: {'; '.join(group_titles)}." if group_titles else ""
-    return summary, [*paragraphs(say_layout.describe_layout(device, interface, frame)), further_errata]
+    return summary, [source, *paragraphs(say_layout.describe_layout(device, interface, frame)), further_errata]
 
 
 def describe_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
@@ -279,13 +296,14 @@ def describe_register(device: Device, device_register: Register) -> tuple[str, l
     if is_one_choice(device_register):
         facts += say_register.rules(device, device_register.layout.fields[0])
     register_errata = describe_errata(device, f"registers.{device_register.name}")
+    summary, source = _with_source_below(say_register.describe_head(device, device_register, full_title(device_register)))
     blocks: list[Block] = [
+        source,
         as_sentence(device_register.meaning),
         DOCSTRING_STYLE.paragraph(facts),
         as_sentence(device_register.note),
         *register_errata,
     ]
-    summary = DOCSTRING_STYLE.sentence(say_register.describe_head(device, device_register, full_title(device_register)))
     return summary, blocks
 
 
@@ -304,18 +322,15 @@ def describe_class(
 
 def describe_crc(device: Device, device_crc: Crc) -> list[Block]:
     """Return the paragraphs of the function that computes a CRC."""
-    first_paragraph, *further_paragraphs = paragraphs(say_layout.describe_crc(device, device_crc))
-    return [f"Compute the {first_paragraph}", *further_paragraphs]
+    head, *further_statements = say_layout.describe_crc(device, device_crc)
+    summary, source = _with_source_below(head)
+    return [f"Compute the {summary}", source, *paragraphs(further_statements)]
 
 
 def describe_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
     """Return the paragraphs about a procedure, beginning with its title."""
-    return paragraphs(
-        [
-            statement(device_procedure.title, source=device_procedure.source),
-            *commands_and_alarms.describe_procedure(device, device_procedure),
-        ]
-    )
+    summary, source = _with_source_below(statement(device_procedure.title, source=device_procedure.source))
+    return [summary, source, *paragraphs(commands_and_alarms.describe_procedure(device, device_procedure))]
 
 
 def describe_argument(device: Device, argument: Argument) -> str:

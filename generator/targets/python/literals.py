@@ -11,10 +11,12 @@ from ...model.record import assert_never, dataclass
 from ...plan.values import ActiveFlag, Meaning, TwosComplement, ZeroMeans
 from .line_breaks import break_lines
 
-#: Operators by precedence, lowest first. Arithmetic gets parentheses next to bit operators.
+#: Operators by precedence, lowest first.
 _LOOSEST_FIRST = (("or",), ("and",), ("not",), ("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "//", "%"))
 _PRECEDENCE_LEVELS = {operator: level for level, operators in enumerate(_LOOSEST_FIRST) for operator in operators}
-_ARITHMETIC_LEVEL, _ATOM_LEVEL = _PRECEDENCE_LEVELS["+"], len(_LOOSEST_FIRST)
+_ATOM_LEVEL = len(_LOOSEST_FIRST)
+#: Levels of the operators ``|`` to ``>>``. Readers do not know the order of these by heart.
+_BIT_LEVELS = range(_PRECEDENCE_LEVELS["|"], _PRECEDENCE_LEVELS["+"])
 
 
 class PythonExpression:
@@ -35,13 +37,14 @@ class PythonExpression:
     def as_operand_of(self, operator: str, after: bool = False) -> str:
         """Return the text as an operand of ``operator``, in parentheses if they are needed or make it easier to read.
 
-        Arithmetic next to a bit operator always gets parentheses. ``after`` is True for the right operand, which needs
-        them if it has an operator of the same precedence.
+        An operand of a bit operator always gets parentheses, unless it has the same operator: ``(a >> 3) & 0xF``, and
+        ``a | b | c``. ``after`` is True for the right operand, which needs them if it has an operator of the same
+        precedence.
         """
         operator_level = _PRECEDENCE_LEVELS[operator]
         binds_looser = self.level <= operator_level if after else self.level < operator_level
-        is_arithmetic_next_to_bit_operator = operator_level < _ARITHMETIC_LEVEL <= self.level
-        return self.operand if binds_looser or is_arithmetic_next_to_bit_operator else str(self)
+        is_in_bit_operation = operator_level in _BIT_LEVELS and self.level != operator_level
+        return self.operand if binds_looser or is_in_bit_operation else str(self)
 
 
 @dataclass(frozen=True, slots=True)

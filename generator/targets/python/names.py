@@ -72,8 +72,8 @@ def _runtime_modules(names: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
 PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
         "codec": """BitField Data PositionRange Rows Word Words as_bytes as_member as_word check_kind check_limits
-            check_signed check_width crc_by_xor crc_of_bits crc_of_bytes create exchange_bytes from_digits from_gray
-            make_crc_tables require_answer signed text_number too_long_error wrong_answer_error zero_for""",
+            check_signed check_width crc_by_xor crc_of_bits crc_of_bytes create_tuple exchange_bytes from_digits
+            from_gray make_crc_tables require_answer signed text_number too_long_error wrong_answer_error zero_for""",
         "encoder": """Encoder ErrorHandler Exchanged Positioned SerialEncoder check_encoder load_fact look_up
             raise_frame_error return_frame_error wrong_encoder_error""",
         "measures": "FineLinear Linear Rotary Wrapping",
@@ -142,14 +142,14 @@ CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode enco
     is_as_documented limits reports self to_dict usable_position variant verdict""".split()
 LOCAL_NAMES = [
     *"bits cls computed_crc difference data decode decode_frame exception expected_parity frame frame_bits".split(),
-    *"handle_error high isinstance len length low number padding received_crc self sent type unused".split(),
+    *"handle_error high_bits isinstance len length low_bits number padding received_crc self sent type unused".split(),
     *"valid_first_bytes values variant word".split(),
     *(f"b{place}" for place in range(16)),
     *(f"table_{place}" for place in range(16)),
     *FUNCTIONS,
 ]
 #: Names that the functions of procedures use. An argument with such a name gets a trailing underscore.
-PROCEDURE_NAMES = (*FUNCTIONS, "before", "content", "dict", "enumerate", "isinstance", "variant")
+PROCEDURE_NAMES = (*FUNCTIONS, "dict", "enumerate", "first_steps", "isinstance", "register_bytes", "variant")
 
 #: Built-ins that the generated classes use in their bodies, where a field with the same name would hide them. A
 #: NamedTuple does not allow ``super``.

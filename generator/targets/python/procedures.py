@@ -25,8 +25,8 @@ from ...plan.steps import (
 from ...plan.values import DecimalDigits, UnsignedNumber, meaning_of
 from . import docstrings
 from .codec import LayoutClass
-from .decode import digit_values
 from .docstrings import Block
+from .field_values import digit_values
 from .limits import limit_expressions, limits_depend
 from .literals import Atom, PythonExpression, shift_left
 from .names import PROCEDURE_NAMES, ModuleContext, attribute, encoder_name, interface_name, meaning_limits
@@ -136,6 +136,19 @@ class ProcedureFunction:
     def argument(argument: Argument) -> str:
         """Return the name of an argument in Python."""
         return attribute(argument.name, PROCEDURE_NAMES)
+
+    def encoded_argument(self, argument: Argument) -> str:
+        """Return the variable with the bytes of an argument, or "" unless they are decoded as a check."""
+        is_decoded = any(
+            isinstance(refusal, Undecodable)
+            for parameter in self.arguments
+            if parameter.argument is argument
+            for refusal in parameter.refusals
+        )
+        if not is_decoded:
+            return ""
+        names_of_arguments = [other_parameter.argument.name for other_parameter in self.arguments]
+        return attribute(f"{argument.name}_bytes", (*PROCEDURE_NAMES, *names_of_arguments))
 
     def type(self, parameter: CheckedArgument) -> str:
         """Return the type of an argument. A register of several fields is passed as an object or as one number."""

@@ -182,7 +182,7 @@ def held_record(context: ModuleContext, register: Register, held_parameter: Held
     """
     parameter = held_parameter.parameter
     record_members: dict[str, Literal] = {
-        "parameter": context.parameters[parameter.name],
+        "name": context.parameters[parameter.name],
         "interface": SourceText(f"Interface.{register.interface.upper()}"),
         "address": SourceText(f"Address.{register.name.upper()}"),
         "default": register.default_bytes() or bytes(register.length),

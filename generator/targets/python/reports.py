@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Field, Flag, Verdict, first_or_raise
 from ...model.expressions import Expression
+from ...model.record import dataclass
 from ...plan.codec import LayoutPlan
 from ...plan.operations import FieldToDecode, Reserved
 from ...plan.verdicts import CodeCondition, MatchingValues, ReportCause, ReportsAndVerdict, VerdictCause
@@ -13,11 +14,23 @@ from .literals import Atom, Not, ParameterExpressions, PythonExpression, PythonO
 from .names import ClassNames
 
 
+@dataclass(frozen=True)
+class VerdictStep:
+    """A verdict with its ``conditions``, each of which is sufficient, such as ``["self.error"]``.
+
+    ``reasons`` are the comments that explain the conditions, such as ``["error: position data is invalid."]``.
+    """
+
+    verdict: str
+    conditions: list[str]
+    reasons: list[str]
+
+
 class FrameReports:
     """The reports of a frame, and its verdict, which says whether the position is usable.
 
-    ``reporting`` is None if the frame has no reports. ``parameters`` contains the attribute of the variant for each
-    parameter of the order code.
+    ``reporting`` is None if the frame has no reports. For each parameter of the order code, ``parameters`` contains the
+    attribute of the variant, and ``meanings`` a sentence.
     """
 
     def __init__(
@@ -26,12 +39,14 @@ class FrameReports:
         layout_plan: LayoutPlan,
         class_names: ClassNames,
         parameters: Mapping[str, str],
+        meanings: Mapping[str, str],
     ) -> None:
         self._report_causes = reporting.causes if reporting is not None else ()
         self._verdict_rules = reporting.verdict_rules if reporting is not None else None
         self._reserved = layout_plan.reserved
         self._names = class_names
         self._variant_attributes = parameters
+        self._parameter_meanings = meanings
 
     @property
     def _causes_by_verdict(self) -> Sequence[tuple[Verdict, Sequence[VerdictCause]]]:
@@ -51,26 +66,46 @@ class FrameReports:
     # -- verdict
 
     @property
-    def verdict_conditions(self) -> list[tuple[str, list[str]]]:
-        """The verdicts that flags or bits cause, worst first, such as ``("NOT_USABLE", ["self.error"])``.
+    def verdict_steps(self) -> list[VerdictStep]:
+        """The verdicts that flags or bits cause, worst first, with conditions and reasons.
 
-        Each of the conditions is sufficient for the verdict.
+        The causes that depend only on the frame share a step. Every other cause has its own, because it needs more
+        reasons.
         """
         if self._verdict_rules is None:
             return []
-        conditions = {verdict: self._conditions_of_causes(causes) for verdict, causes in self._causes_by_verdict}
-        if self._verdict_rules.may_be_unknown:
-            conditions[Verdict.UNKNOWN] = [self._has_no_judging_bits(self._verdict_rules.judging_bits)]
-        return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
-
-    @property
-    def reasons_by_verdict(self) -> dict[str, list[str]]:
-        """Meanings of the causes of each verdict, such as ``{"NOT_USABLE": ["error: data is invalid."]}``."""
-        reasons_by_verdict: dict[str, list[str]] = {}
+        steps = []
+        explained_parameters: set[str] = set()
         for verdict, causes in self._causes_by_verdict:
-            meanings = [_meaning_while_active(cause) for cause in causes]
-            reasons_by_verdict[verdict.name] = list(dict.fromkeys(meanings))
-        return reasons_by_verdict
+            simple_causes = [cause for cause in causes if _depends_on_frame_only(cause)]
+            if simple_causes:
+                reasons = list(dict.fromkeys(map(_meaning_while_active, simple_causes)))
+                steps.append(VerdictStep(verdict.name, self._conditions_of_causes(simple_causes), reasons))
+            for cause in causes:
+                if not _depends_on_frame_only(cause):
+                    conditions = self._conditions_of_causes([cause], in_parentheses=False)
+                    reasons = list(self._reasons_for_conditions(cause, explained_parameters))
+                    steps.append(VerdictStep(verdict.name, conditions, [_meaning_while_active(cause), *reasons]))
+        if self._verdict_rules.may_be_unknown:
+            conditions = [self._has_no_judging_bits(self._verdict_rules.judging_bits)]
+            reason = "With this order code, all bits that judge the position are left out."
+            steps.append(VerdictStep(Verdict.UNKNOWN.name, conditions, [reason]))
+        worst_first = [verdict.name for verdict in Verdict]
+        return sorted(steps, key=lambda step: worst_first.index(step.verdict))
+
+    def _reasons_for_conditions(self, cause: VerdictCause, explained_parameters: set[str]) -> Iterator[str]:
+        """Yield comments on the other conditions of a cause: parameters, and flags that decide instead of it.
+
+        A parameter is explained only once. ``explained_parameters`` is the record of these.
+        """
+        for parameter in dict.fromkeys(condition.parameter for condition in cause.conditions):
+            meaning = self._parameter_meanings.get(parameter)
+            if meaning and parameter not in explained_parameters:
+                explained_parameters.add(parameter)
+                yield f"{self._variant_attributes[parameter]}: {meaning}"
+        if cause.unless:
+            flags = " or ".join(self._names.attribute(flag.field.name) for flag in cause.unless)
+            yield f"It combines several flags. While {flags} is active, that flag decides instead."
 
     @property
     def not_usable_conditions(self) -> list[str]:
@@ -103,8 +138,10 @@ class FrameReports:
 
     # -- conditions
 
-    def _conditions_of_causes(self, causes: Sequence[VerdictCause]) -> list[str]:
+    def _conditions_of_causes(self, causes: Sequence[VerdictCause], *, in_parentheses: bool = True) -> list[str]:
         """Return a condition for each flag and each match of values, and one for all unused bits.
+
+        ``in_parentheses`` is True if a condition that consists of several is an operand of ``or``.
 
         An example is ``["self.error", "(self.mode == 3 and self.ready)", "self.unused & 0xC"]``.
         """
@@ -114,15 +151,19 @@ class FrameReports:
             if isinstance(cause.cause, Reserved):
                 unused_fields.append(cause.cause)
             else:
-                conditions.append(self._condition_of_cause(cause, cause.cause))
+                condition = self._condition_of_cause(cause, cause.cause)
+                is_joined = isinstance(condition, PythonOperation) and in_parentheses
+                conditions.append(condition.operand if is_joined else str(condition))
         if unused_fields:
             conditions.append(str(self._differs_in(unused_fields)))
         return conditions
 
-    def _condition_of_cause(self, cause: VerdictCause, flag_or_match: FieldToDecode | MatchingValues) -> str:
+    def _condition_of_cause(
+        self, cause: VerdictCause, flag_or_match: FieldToDecode | MatchingValues
+    ) -> PythonExpression:
         """Return the condition under which a flag or a match of values causes a verdict.
 
-        An example is ``(self.error and not self.warning)``. The flag is ignored while one of the flags in ``unless``,
+        An example is ``self.error and not self.warning``. The flag is ignored while one of the flags in ``unless``,
         which combine it with others, is active, and for order codes that do not meet its conditions.
         """
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
@@ -136,7 +177,7 @@ class FrameReports:
         if cause.unless:
             combined_flags = [self._read_attribute(flag) for flag in cause.unless]
             conditions.append(Not(join_operands("or", combined_flags)))
-        return str(conditions[0]) if len(conditions) == 1 else f"({join_operands('and', conditions)})"
+        return join_operands("and", conditions)
 
     def _has_values(self, match: MatchingValues) -> list[PythonExpression]:
         """Return a condition for each value of a match, such as ``self.mode == 3``, or ``not self.ready`` for a flag.
@@ -170,6 +211,11 @@ class FrameReports:
     def _read_attribute(self, decoded_field: FieldToDecode) -> PythonExpression:
         """Return the code that reads the attribute of a field, such as ``self.error``."""
         return Atom(f"self.{self._names.attribute(decoded_field.field.name)}")
+
+
+def _depends_on_frame_only(cause: VerdictCause) -> bool:
+    """Return whether a cause leads to its verdict with every order code, and whatever other flags are active."""
+    return isinstance(cause.cause, Reserved) or not (cause.conditions or cause.unless)
 
 
 def _meaning_while_active(cause: VerdictCause) -> str:

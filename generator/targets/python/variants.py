@@ -123,8 +123,8 @@ class VariantTable:
         return docstrings.describe_variant(self.device, self.context.parameters)
 
     @property
-    def derived_parameters(self) -> list[tuple[str, str, PythonExpression]]:
-        """The attribute, the description and the value of each parameter that is computed from other parameters.
+    def derived_parameters(self) -> list[tuple[str, list[docstrings.Block], PythonExpression]]:
+        """The attribute, the docstring and the value of each parameter that is computed from other parameters.
 
         Parameters that equal a quantity of the measurement, such as the counts per turn, are left out, since the class
         already has that quantity.
@@ -134,8 +134,8 @@ class VariantTable:
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
                 attribute_name = self.context.parameters[parameter.name]
-                meaning = docstrings.describe_parameter(self.device, parameter)
-                derived.append((attribute_name, meaning, self._scope.expression_of(parameter.equals)))
+                about = docstrings.describe_derived_parameter(self.device, parameter)
+                derived.append((attribute_name, about, self._scope.expression_of(parameter.equals)))
         return derived
 
     # -- units of positions

@@ -136,7 +136,7 @@ _PACKAGE: Final = Package(
 _FAMILIES: Final = ("icmu",)
 
 #: Names that are imported from a module of the runtime on first use.
-_LATE: Final = {
+_CLASSES_ON_FIRST_USE: Final = {
     "AsyncLink": "link_async",
     "ErrorKind": "errors",
     "Link": "link",
@@ -153,7 +153,7 @@ _LATE: Final = {
 }
 
 #: Methods that are imported on first use: the module of the runtime, the class, and its argument.
-_LATE_METHODS: Final = {
+_METHODS_ON_FIRST_USE: Final = {
     "decode_capture": ("captures.capture", "Captures", __name__),
     "decode_file": ("files.stream", "Files", __name__),
     "decode_partition": ("files.stream", "Files", __name__),
@@ -165,15 +165,19 @@ _LATE_METHODS: Final = {
 if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> object:
-        """Return a public name. The first access imports its module."""
+        """Return a public name. Its module is imported on the first access, so that the package itself loads fast."""
         if name == "FAMILIES":
-            return tuple(import_module(f".{family}", __name__).FAMILY for family in _FAMILIES)
-        if name in _LATE_METHODS:
-            module, provider, argument = _LATE_METHODS[name]
-            provider_class = getattr(import_module(f"codewheel_runtime.{module}"), provider)
-            return getattr(provider_class(argument), name)
-        if name in _LATE:
-            return getattr(import_module(f"codewheel_runtime.{_LATE[name]}"), name)
+            family_modules = [import_module(f".{family}", __name__) for family in _FAMILIES]
+            return tuple(family_module.FAMILY for family_module in family_modules)
+        if name in _METHODS_ON_FIRST_USE:
+            module_name, class_name, argument = _METHODS_ON_FIRST_USE[name]
+            provider_class = getattr(import_module(f"codewheel_runtime.{module_name}"), class_name)
+            provider = provider_class(argument)
+            return getattr(provider, name)
+        if name in _CLASSES_ON_FIRST_USE:
+            runtime_module = import_module(f"codewheel_runtime.{_CLASSES_ON_FIRST_USE[name]}")
+            return getattr(runtime_module, name)
+        # All other names are modules of this package.
         if name in __all__:
             return import_module(f".{name}", __name__)
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

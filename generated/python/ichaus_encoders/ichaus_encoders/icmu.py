@@ -51,7 +51,7 @@ from codewheel_runtime.codec import (
     as_word,
     crc_of_bits,
     crc_of_bytes,
-    create,
+    create_tuple,
     make_crc_tables,
     too_long_error,
 )
@@ -291,7 +291,9 @@ def lookup(label: str) -> Variant:
 
 
 def crc_biss_6(number: int, bits: int) -> int:
-    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted [p.30, mu150: p.29].
+    """Compute the CRC biss_6 of 6 bits: x^6 + x + 1, start value 0, sent inverted.
+
+    Source: p.30, mu150: p.29.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -307,8 +309,9 @@ def crc_biss_6(number: int, bits: int) -> int:
 
 
 def crc_configuration_16(data: bytes) -> int:
-    """Compute the CRC configuration_16 of 16 bits: x^16 + x^12 + x^5 + 1, start value 0x1, sent unchanged [b1: p.22,
-    mu150: p.23].
+    """Compute the CRC configuration_16 of 16 bits: x^16 + x^12 + x^5 + 1, start value 0x1, sent unchanged.
+
+    Source: b1: p.22, mu150: p.23.
 
     This CRC protects the configuration in the EEPROM, addresses 00h to 20h and 30h to 3Fh. BiSS does not give access to
     it.
@@ -374,13 +377,15 @@ class _SingleCycleData(NamedTuple):
 
 class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
-    bit first [p.28, p.30, mu150: p.29].
+    bit first.
 
     Attributes:
         variant: Encoder to which the frame belongs.
         position: Position as configured. Unit: counts.
         error: ERR. True when 0: an error is active. While it is True, the position is not usable.
         warning: WRN. True when 0: a warning is active. While it is True, the position is usable with a warning.
+
+    Source: p.28, p.30, mu150: p.29.
 
     In the manual: SCD.
 
@@ -405,6 +410,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def usable_position(self) -> int | None:
         """``position`` in counts, or None if it is not usable."""
+        # Conditions of Verdict.NOT_USABLE. ``verdict`` has their reasons.
         if self.error:
             return None
         return self.position
@@ -445,29 +451,32 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         table_0, table_1, table_2, table_3 = make_crc_tables(crc_biss_6, covered=47, width=6, count=4)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
+            """Decode a frame of the encoder ``variant``. ``handle_error`` raises or returns each error."""
             try:
                 # An int is used as it is, which is faster. ``as_word`` converts other types, and compares ``bits``.
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
-                # The CRC is looked up 16 bits at a time. The XOR of the entries is 0 if it is correct.
-                low = word & 0xFFFF
-                high = word >> 16
-                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16 & 0xFFFF] ^ table_3[high >> 32]
+                # Each table has the CRCs of 16 of the bits. Their XOR is 0 if the received CRC is correct.
+                low_bits = word & 0xFFFF
+                high_bits = word >> 16
+                difference = (
+                    table_0[low_bits]
+                    ^ table_1[high_bits & 0xFFFF]
+                    ^ table_2[(high_bits >> 16) & 0xFFFF]
+                    ^ table_3[high_bits >> 32]
+                )
                 if difference:
                     received_crc = word & 0x3F
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
-                zero = word >> 8 & zero_mask  # Zero bits
+                zero = (word >> 8) & zero_mask  # Zero bits
                 if zero:
                     raise ConstantError("zero", zero, 0)
-                values = (
-                    variant,
-                    word >> position_low,  # position
-                    not low & 0x80,  # error, bit 7, active low
-                    not low & 0x40,  # warning, bit 6, active low
-                )
-                return create(cls, values)
+                position = word >> position_low
+                error = not (low_bits & 0x80)  # bit 7, active low
+                warning = not (low_bits & 0x40)  # bit 6, active low
+                return create_tuple(cls, (variant, position, error, warning))
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -508,11 +517,13 @@ class _Mode(NamedTuple):
 
 
 class Mode(FixedRegister, _Mode):
-    """Mode, register 0Bh, read and write, over BiSS C-mode [p.30, p.31, b1: p.54, driver: MU_MODEA].
+    """Mode, register 0Bh, read and write, over BiSS C-mode.
 
     Attributes:
         modea: MODEA.
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
+
+    Source: p.30, p.31, b1: p.54, driver: MU_MODEA.
 
     Functions of port A and port B.
 
@@ -540,11 +551,8 @@ class Mode(FixedRegister, _Mode):
         if len(data) != 1:
             raise LengthError(1, len(data))
         modea = as_member(Modea, "modea", data[0] & 0x7)  # bits 2:0
-        values = (
-            modea,
-            data[0] & 0xF8,  # unused, all other bits
-        )
-        return create(cls, values)
+        unused = data[0] & 0xF8  # all other bits
+        return create_tuple(cls, (modea, unused))
 
 
 class _OutputLength(NamedTuple):
@@ -555,12 +563,13 @@ class _OutputLength(NamedTuple):
 
 
 class OutputLength(FixedRegister, _OutputLength):
-    """Output length, register 11h, read and write, over BiSS C-mode [driver: MU_OUT_MSB, driver: MU_OUT_ZERO, b1: p.27,
-    mu150: p.28].
+    """Output length, register 11h, read and write, over BiSS C-mode.
 
     Attributes:
         out_zero: OUT_ZERO: Number of zero bits.
         out_msb: OUT_MSB: Code 0 is bit 13, code 18h is bit 37.
+
+    Source: driver: MU_OUT_MSB, driver: MU_OUT_ZERO, b1: p.27, mu150: p.28.
 
     Highest position bit and number of zero bits in the single cycle data.
 
@@ -586,11 +595,9 @@ class OutputLength(FixedRegister, _OutputLength):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0] >> 5,  # out_zero, bits 7:5
-            data[0] & 0x1F,  # out_msb, bits 4:0
-        )
-        return create(cls, values)
+        out_zero = data[0] >> 5  # bits 7:5
+        out_msb = data[0] & 0x1F  # bits 4:0
+        return create_tuple(cls, (out_zero, out_msb))
 
 
 class _OutputSelection(NamedTuple):
@@ -603,14 +610,15 @@ class _OutputSelection(NamedTuple):
 
 
 class OutputSelection(FixedRegister, _OutputSelection):
-    """Output selection, register 12h, read and write, over BiSS C-mode [p.28, mu150: p.28, mu150: p.31, driver:
-    MU_OUT_LSB].
+    """Output selection, register 12h, read and write, over BiSS C-mode.
 
     Attributes:
         gssi: GSSI. True when 1: Gray code over SSI. False when 0: binary code over SSI.
         rssi: RSSI. True when 1: SSI ring operation. False when 0: normal SSI output.
         mode_st: MODE_ST.
         out_lsb: OUT_LSB: Lowest position bit.
+
+    Source: p.28, mu150: p.28, mu150: p.31, driver: MU_OUT_LSB.
 
     Lowest position bit and selection of the output data.
 
@@ -637,14 +645,11 @@ class OutputSelection(FixedRegister, _OutputSelection):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        mode_st = as_member(ModeSt, "mode_st", data[0] >> 4 & 0x3)  # bits 5:4
-        values = (
-            (data[0] & 0x80) != 0,  # gssi, bit 7
-            (data[0] & 0x40) != 0,  # rssi, bit 6
-            mode_st,
-            data[0] & 0xF,  # out_lsb, bits 3:0
-        )
-        return create(cls, values)
+        mode_st = as_member(ModeSt, "mode_st", (data[0] >> 4) & 0x3)  # bits 5:4
+        gssi = (data[0] & 0x80) != 0  # bit 7
+        rssi = (data[0] & 0x40) != 0  # bit 6
+        out_lsb = data[0] & 0xF  # bits 3:0
+        return create_tuple(cls, (gssi, rssi, mode_st, out_lsb))
 
 
 class _Bank(NamedTuple):
@@ -655,11 +660,13 @@ class _Bank(NamedTuple):
 
 
 class Bank(FixedRegister, _Bank):
-    """BANKSEL, register 40h, read and write, over BiSS C-mode [p.49, p.53].
+    """BANKSEL, register 40h, read and write, over BiSS C-mode.
 
     Attributes:
         bank: Bank number.
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
+
+    Source: p.49, p.53.
 
     Bank whose registers are at 00h to 3Fh.
     """
@@ -683,11 +690,9 @@ class Bank(FixedRegister, _Bank):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0] & 0x1F,  # bank, bits 4:0
-            data[0] & 0xE0,  # unused, all other bits
-        )
-        return create(cls, values)
+        bank = data[0] & 0x1F  # bits 4:0
+        unused = data[0] & 0xE0  # all other bits
+        return create_tuple(cls, (bank, unused))
 
 
 class _EdsBank(NamedTuple):
@@ -697,10 +702,12 @@ class _EdsBank(NamedTuple):
 
 
 class EdsBank(FixedRegister, _EdsBank):
-    """EDSBANK, register 41h, read-only, over BiSS C-mode [p.19, p.53].
+    """EDSBANK, register 41h, read-only, over BiSS C-mode.
 
     Attributes:
         eds_bank: Eds bank.
+
+    Source: p.19, p.53.
 
     First bank of the electronic data sheet. 00h and FFh stand for none.
 
@@ -727,10 +734,8 @@ class EdsBank(FixedRegister, _EdsBank):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],  # eds_bank
-        )
-        return create(cls, values)
+        eds_bank = data[0]
+        return create_tuple(cls, (eds_bank,))
 
 
 class _ProfileId(NamedTuple):
@@ -740,10 +745,12 @@ class _ProfileId(NamedTuple):
 
 
 class ProfileId(FixedRegister, _ProfileId):
-    """PROFILE_ID, registers 42h to 43h, read-only, over BiSS C-mode [p.53, driver: MU_PROFILE_ID].
+    """PROFILE_ID, registers 42h to 43h, read-only, over BiSS C-mode.
 
     Attributes:
         profile_id: Profile ID.
+
+    Source: p.53, driver: MU_PROFILE_ID.
 
     Profile ID.
 
@@ -774,10 +781,8 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0] << 8 | data[1],  # profile_id, high byte first
-        )
-        return create(cls, values)
+        profile_id = (data[0] << 8) | data[1]  # high byte first
+        return create_tuple(cls, (profile_id,))
 
 
 class _SerialNumber(NamedTuple):
@@ -787,10 +792,12 @@ class _SerialNumber(NamedTuple):
 
 
 class SerialNumber(FixedRegister, _SerialNumber):
-    """SERIAL, registers 44h to 47h, read-only, over BiSS C-mode [p.53, driver: MU_SERIAL].
+    """SERIAL, registers 44h to 47h, read-only, over BiSS C-mode.
 
     Attributes:
         serial_number: Serial number.
+
+    Source: p.53, driver: MU_SERIAL.
 
     Serial number.
 
@@ -821,10 +828,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        values = (
-            int.from_bytes(data, "big"),  # serial_number, high byte first
-        )
-        return create(cls, values)
+        serial_number = int.from_bytes(data, "big")  # high byte first
+        return create_tuple(cls, (serial_number,))
 
 
 class _EventCount(NamedTuple):
@@ -834,10 +839,12 @@ class _EventCount(NamedTuple):
 
 
 class EventCount(FixedRegister, _EventCount):
-    """EVENT_COUNT, register 73h, read-only, over BiSS C-mode [p.53, p.58, driver: MU_EVENT_COUNT].
+    """EVENT_COUNT, register 73h, read-only, over BiSS C-mode.
 
     Attributes:
         event_count: Event count.
+
+    Source: p.53, p.58, driver: MU_EVENT_COUNT.
 
     Event counter.
     """
@@ -861,10 +868,8 @@ class EventCount(FixedRegister, _EventCount):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],  # event_count
-        )
-        return create(cls, values)
+        event_count = data[0]
+        return create_tuple(cls, (event_count,))
 
 
 class _HardwareRevision(NamedTuple):
@@ -874,10 +879,12 @@ class _HardwareRevision(NamedTuple):
 
 
 class HardwareRevision(FixedRegister, _HardwareRevision):
-    """HARD_REV, register 74h, read-only, over BiSS C-mode [p.53, driver: MU_HARD_REV].
+    """HARD_REV, register 74h, read-only, over BiSS C-mode.
 
     Attributes:
         hardware_revision: Hardware revision.
+
+    Source: p.53, driver: MU_HARD_REV.
 
     Hardware revision.
     """
@@ -901,14 +908,14 @@ class HardwareRevision(FixedRegister, _HardwareRevision):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            data[0],  # hardware_revision
-        )
-        return create(cls, values)
+        hardware_revision = data[0]
+        return create_tuple(cls, (hardware_revision,))
 
 
 class Command(IntEnum):
-    """CMD_MU, register 75h, write-only, over BiSS C-mode [p.57, driver: CMD_MU].
+    """CMD_MU, register 75h, write-only, over BiSS C-mode.
+
+    Source: p.57, driver: CMD_MU.
 
     Executes a command.
     """
@@ -979,7 +986,7 @@ class _Status0(NamedTuple):
 
 
 class Status0(FixedRegister, _Status0):
-    """STATUS0, register 76h, read-only, over BiSS C-mode [p.55].
+    """STATUS0, register 76h, read-only, over BiSS C-mode.
 
     Attributes:
         stup: STUP. True when 1: start-up.
@@ -988,6 +995,8 @@ class Status0(FixedRegister, _Status0):
         am_max: AM_MAX. True when 1: signal error, clipping (master track).
         am_min: AM_MIN. True when 1: signal error, poor level (master track).
         unused: Bits that the manual does not describe, at their positions in the number that the bytes form.
+
+    Source: p.55.
 
     Start-up and signal errors.
     """
@@ -1011,15 +1020,13 @@ class Status0(FixedRegister, _Status0):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            (data[0] & 0x10) != 0,  # stup, bit 4
-            (data[0] & 0x08) != 0,  # an_max, bit 3
-            (data[0] & 0x04) != 0,  # an_min, bit 2
-            (data[0] & 0x02) != 0,  # am_max, bit 1
-            (data[0] & 0x01) != 0,  # am_min, bit 0
-            data[0] & 0xE0,  # unused, all other bits
-        )
-        return create(cls, values)
+        stup = (data[0] & 0x10) != 0  # bit 4
+        an_max = (data[0] & 0x08) != 0  # bit 3
+        an_min = (data[0] & 0x04) != 0  # bit 2
+        am_max = (data[0] & 0x02) != 0  # bit 1
+        am_min = (data[0] & 0x01) != 0  # bit 0
+        unused = data[0] & 0xE0  # all other bits
+        return create_tuple(cls, (stup, an_max, an_min, am_max, am_min, unused))
 
 
 class _Status1(NamedTuple):
@@ -1036,7 +1043,7 @@ class _Status1(NamedTuple):
 
 
 class Status1(FixedRegister, _Status1):
-    """STATUS1, register 77h, read-only, over BiSS C-mode [p.55].
+    """STATUS1, register 77h, read-only, over BiSS C-mode.
 
     Attributes:
         crc_err: CRC_ERR. True when 1: invalid checksum of the internal RAM.
@@ -1047,6 +1054,8 @@ class Status1(FixedRegister, _Status1):
         frq_abz: FRQ_ABZ. True when 1: signal frequency too high for the ABZ converter.
         frq_cnv: FRQ_CNV. True when 1: signal frequency too high for the internal converter.
         cmd_exe: CMD_EXE. True when 1: a command is being executed.
+
+    Source: p.55.
 
     Memory, multiturn, counter and frequency errors.
     """
@@ -1070,17 +1079,15 @@ class Status1(FixedRegister, _Status1):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        values = (
-            (data[0] & 0x80) != 0,  # crc_err, bit 7
-            (data[0] & 0x40) != 0,  # epr_err, bit 6
-            (data[0] & 0x20) != 0,  # mt_err, bit 5
-            (data[0] & 0x10) != 0,  # mt_ctr, bit 4
-            (data[0] & 0x08) != 0,  # non_ctr, bit 3
-            (data[0] & 0x04) != 0,  # frq_abz, bit 2
-            (data[0] & 0x02) != 0,  # frq_cnv, bit 1
-            (data[0] & 0x01) != 0,  # cmd_exe, bit 0
-        )
-        return create(cls, values)
+        crc_err = (data[0] & 0x80) != 0  # bit 7
+        epr_err = (data[0] & 0x40) != 0  # bit 6
+        mt_err = (data[0] & 0x20) != 0  # bit 5
+        mt_ctr = (data[0] & 0x10) != 0  # bit 4
+        non_ctr = (data[0] & 0x08) != 0  # bit 3
+        frq_abz = (data[0] & 0x04) != 0  # bit 2
+        frq_cnv = (data[0] & 0x02) != 0  # bit 1
+        cmd_exe = (data[0] & 0x01) != 0  # bit 0
+        return create_tuple(cls, (crc_err, epr_err, mt_err, mt_ctr, non_ctr, frq_abz, frq_cnv, cmd_exe))
 
 
 class _DeviceId(NamedTuple):
@@ -1090,10 +1097,12 @@ class _DeviceId(NamedTuple):
 
 
 class DeviceId(FixedRegister, _DeviceId):
-    """DEV_ID, registers 78h to 7Dh, read-only, over BiSS C-mode [p.53, driver: MU_DEV_ID].
+    """DEV_ID, registers 78h to 7Dh, read-only, over BiSS C-mode.
 
     Attributes:
         device_id: Device ID.
+
+    Source: p.53, driver: MU_DEV_ID.
 
     Device ID.
 
@@ -1124,10 +1133,8 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        values = (
-            int.from_bytes(data, "big"),  # device_id, high byte first
-        )
-        return create(cls, values)
+        device_id = int.from_bytes(data, "big")  # high byte first
+        return create_tuple(cls, (device_id,))
 
 
 class _ManufacturerId(NamedTuple):
@@ -1137,10 +1144,12 @@ class _ManufacturerId(NamedTuple):
 
 
 class ManufacturerId(FixedRegister, _ManufacturerId):
-    """MFG_ID, registers 7Eh to 7Fh, read-only, over BiSS C-mode [p.53, driver: MU_MFG_ID].
+    """MFG_ID, registers 7Eh to 7Fh, read-only, over BiSS C-mode.
 
     Attributes:
         manufacturer_id: Manufacturer ID.
+
+    Source: p.53, driver: MU_MFG_ID.
 
     BiSS manufacturer ID.
 
@@ -1171,10 +1180,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        values = (
-            data[0] << 8 | data[1],  # manufacturer_id, high byte first
-        )
-        return create(cls, values)
+        manufacturer_id = (data[0] << 8) | data[1]  # high byte first
+        return create_tuple(cls, (manufacturer_id,))
 
 
 # Every order code that the manual lists

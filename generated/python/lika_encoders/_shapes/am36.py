@@ -48,9 +48,10 @@ from ..am36 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits,
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             Column("singleturn", low=0, width=variant.singleturn_bits),
@@ -59,6 +60,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             BitField("singleturn", low=0, width=variant.singleturn_bits),
@@ -73,9 +75,10 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.used_singleturn_bits + variant.used_multiturn_bits + 8,
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("multiturn", low=variant.used_singleturn_bits + 8, width=variant.used_multiturn_bits),
             Column("singleturn", low=8, width=variant.used_singleturn_bits),
@@ -98,6 +101,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             ReportCause("warning", mask=1),
             ReportCause("error", mask=2),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("multiturn", low=variant.used_singleturn_bits + 8, width=variant.used_multiturn_bits),
             BitField("singleturn", low=8, width=variant.used_singleturn_bits),
@@ -133,14 +137,16 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("profile", low=0, width=16),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("profile", low=0, width=16),
         ),
@@ -149,16 +155,18 @@ def shape_of_register_profile_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("year", low=24, width=8),
             Column("week", low=16, width=8),
             Column("number", low=0, width=16),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("year", low=24, width=8),
             BitField("week", low=16, width=8),
@@ -169,16 +177,18 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_configuration() -> Shape:
-    """Return the description of ``Configuration`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Configuration``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("counting_direction", low=6, width=1, kind="choice", values=CountingDirection),
             Column("output_code", low=5, width=1, kind="choice", values=OutputCode),
             Column("enable_preset", low=2, width=1, kind="choice", values=EnablePreset),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("zero_above_counting_direction", low=7, width=1),
             BitField("counting_direction", low=6, width=1),
@@ -192,14 +202,16 @@ def shape_of_register_configuration() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_information_per_revolution() -> Shape:
-    """Return the description of ``InformationPerRevolution`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``InformationPerRevolution``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=24,
         length=3,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("steps", low=0, width=24, power_of_two=True),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("steps", low=0, width=24),
         ),
@@ -209,14 +221,16 @@ def shape_of_register_information_per_revolution() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_number_of_revolutions() -> Shape:
-    """Return the description of ``NumberOfRevolutions`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``NumberOfRevolutions``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("revolutions", low=0, width=16, zero_means=65_536),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("revolutions", low=0, width=16),
         ),
@@ -226,14 +240,16 @@ def shape_of_register_number_of_revolutions() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset(variant: BissEncoder) -> Shape:
-    """Return the description of ``Preset`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Preset``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=40,
         length=5,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("position", low=0, width=36),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("zero_above_position", low=36, width=4),
             BitField("position", low=0, width=36),
@@ -245,14 +261,16 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_type() -> Shape:
-    """Return the description of ``DeviceType`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DeviceType``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("device_type", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("device_type", low=0, width=8),
         ),
@@ -261,14 +279,16 @@ def shape_of_register_device_type() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_singleturn_bits_used() -> Shape:
-    """Return the description of ``SingleturnBitsUsed`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SingleturnBitsUsed``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("bits", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("bits", low=0, width=8),
         ),
@@ -277,14 +297,16 @@ def shape_of_register_singleturn_bits_used() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_multiturn_bits_used() -> Shape:
-    """Return the description of ``MultiturnBitsUsed`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``MultiturnBitsUsed``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("bits", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("bits", low=0, width=8),
         ),
@@ -293,17 +315,19 @@ def shape_of_register_multiturn_bits_used() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("model", low=32, width=16, kind="text"),
             Column("interface_code", low=16, width=16, kind="text"),
             Column("enclosure", low=8, width=8, kind="text"),
             Column("software_version", low=0, width=8, kind="text"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("model", low=32, width=16),
             BitField("interface_code", low=16, width=16),
@@ -315,14 +339,16 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("name", low=0, width=16, kind="text"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=0, width=16),
         ),

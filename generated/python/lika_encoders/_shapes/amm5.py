@@ -51,9 +51,10 @@ from ..amm5 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits,
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             Column("singleturn", low=0, width=variant.singleturn_bits),
@@ -62,6 +63,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("multiturn", low=variant.singleturn_bits, width=variant.multiturn_bits),
             BitField("singleturn", low=0, width=variant.singleturn_bits),
@@ -73,9 +75,10 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.singleturn_bits + variant.multiturn_bits + 8,
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("multiturn", low=variant.singleturn_bits + 8, width=variant.multiturn_bits),
             Column("singleturn", low=8, width=variant.singleturn_bits),
@@ -115,6 +118,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             ),
             *([ReportCause("warning_unexplained", flag="warning")] if not variant.multiturn_bits else []),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("multiturn", low=variant.singleturn_bits + 8, width=variant.multiturn_bits),
             BitField("singleturn", low=8, width=variant.singleturn_bits),
@@ -144,15 +148,16 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_data_request() -> Shape:
-    """Return the description of ``DataRequest`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DataRequest``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("data_id", low=3, width=4, kind="choice", values=(0, 1, 2, 3, 7, 8, 12)),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -162,6 +167,7 @@ def shape_of_data_request() -> Shape:
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -174,22 +180,24 @@ def shape_of_data_request() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_write_request(adf_layout: AdfLayout) -> Shape:
-    """Return the description of ``EepromWriteRequest`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``EepromWriteRequest``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
             Column("data", low=16, width=8),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(6,)),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -214,21 +222,23 @@ def shape_of_eeprom_write_request(adf_layout: AdfLayout) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_read_request(adf_layout: AdfLayout) -> Shape:
-    """Return the description of ``EepromReadRequest`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``EepromReadRequest``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=24,
         length=3,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
             Check(low=adf_layout.mem_busy_bit + 8, width=1, fault=ErrorKind.CONSTANT, values=(0,)),
             Check(low=3, width=4, fault=ErrorKind.RANGE, values=(13,)),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -252,11 +262,12 @@ def shape_of_eeprom_read_request(adf_layout: AdfLayout) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
-    """Return the description of ``SingleturnReply`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SingleturnReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("data_id", low=3, width=4, kind="choice", values=(0, 7, 8, 12)),
             Column("status_st_error", low=12, width=1, kind="flag"),
@@ -268,7 +279,7 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -298,6 +309,7 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -327,11 +339,12 @@ def shape_of_singleturn_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
-    """Return the description of ``MultiturnReply`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``MultiturnReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("status_st_error", low=12, width=1, kind="flag"),
             Column("status_other_error", low=13, width=1, kind="flag"),
@@ -342,7 +355,7 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -368,6 +381,7 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -397,11 +411,12 @@ def shape_of_multiturn_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_encoder_id_reply() -> Shape:
-    """Return the description of ``EncoderIdReply`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``EncoderIdReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("status_st_error", low=12, width=1, kind="flag"),
             Column("status_other_error", low=13, width=1, kind="flag"),
@@ -412,7 +427,7 @@ def shape_of_encoder_id_reply() -> Shape:
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -425,6 +440,7 @@ def shape_of_encoder_id_reply() -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -451,11 +467,12 @@ def shape_of_encoder_id_reply() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
-    """Return the description of ``CompleteReply`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``CompleteReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=88,
         length=11,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("status_st_error", low=12, width=1, kind="flag"),
             Column("status_other_error", low=13, width=1, kind="flag"),
@@ -479,7 +496,7 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=72, width=1, value=0, place=8),
             Unused(low=75, width=2, value=0, place=11),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -528,6 +545,7 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("alarm_zero_0", mask=256),
             ReportCause("alarm_zero_3_4", mask=6144),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -568,17 +586,18 @@ def shape_of_complete_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
-    """Return the description of ``EepromWriteReply`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``EepromWriteReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
             Column("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1, kind="flag"),
             Column("data", low=16, width=8),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -588,6 +607,7 @@ def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
         report_causes=(
             ReportCause("eeprom_write_reply_mem_busy", flag="mem_busy"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -612,17 +632,18 @@ def shape_of_eeprom_write_reply(adf_layout: AdfLayout) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
-    """Return the description of ``EepromReadReply`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``EepromReadReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("address", low=adf_layout.eeprom_address_bit + 8, width=7),
             Column("mem_busy", low=adf_layout.mem_busy_bit + 8, width=1, kind="flag"),
             Column("data", low=16, width=8),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -632,6 +653,7 @@ def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
         report_causes=(
             ReportCause("eeprom_read_reply_mem_busy", flag="mem_busy"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -656,11 +678,12 @@ def shape_of_eeprom_read_reply(adf_layout: AdfLayout) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset(variant: BissEncoder) -> Shape:
-    """Return the description of ``Preset`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Preset``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=56,
         length=7,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("multiturn", low=49 - variant.multiturn_bits, width=variant.multiturn_bits),
             Column("singleturn", low=33 - variant.singleturn_bits, width=variant.singleturn_bits),
@@ -669,6 +692,7 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
         joins=(
             Join("position", fields=(("singleturn", 0), ("multiturn", variant.singleturn_bits))),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("zero_above_multiturn", low=49, width=7),
             BitField("multiturn", low=49 - variant.multiturn_bits, width=variant.multiturn_bits),
@@ -683,11 +707,12 @@ def shape_of_register_preset(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column(
                 "serial",
@@ -697,6 +722,7 @@ def shape_of_register_serial_number() -> Shape:
                 runs=(("year", 10_000_000, 100), ("week", 100_000, 100), ("number", 1, 100_000)),
             ),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("serial", low=0, width=32),
         ),
@@ -705,15 +731,17 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("name", low=16, width=32, kind="text"),
             Column("release", low=0, width=16),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=16, width=32),
             BitField("release", low=0, width=16),
@@ -723,14 +751,16 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("name", low=0, width=16, kind="text"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=0, width=16),
         ),

@@ -34,12 +34,14 @@ from ..asc85 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits,
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("position", low=0, width=variant.position_bits),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=0, width=variant.position_bits),
         ),
@@ -53,15 +55,16 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape:
-    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=zero_bit.zero_bits + variant.position_bits + 8,
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("position", low=zero_bit.zero_bits + 8, width=variant.position_bits),
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=8, width=zero_bit.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
         ),
@@ -75,6 +78,7 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
             ReportCause("error", flag="error"),
             ReportCause("warning", flag="warning"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=zero_bit.zero_bits + 8, width=variant.position_bits),
             BitField("zero", low=8, width=zero_bit.zero_bits),
@@ -103,15 +107,17 @@ def shape_of_single_cycle_data(variant: BissEncoder, zero_bit: ZeroBit) -> Shape
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("variant_", low=8, width=8, field="variant"),
             Column("data_length", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("variant", low=8, width=8),
             BitField("data_length", low=0, width=8),
@@ -121,14 +127,16 @@ def shape_of_register_profile_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("serial", low=0, width=32),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("serial", low=0, width=32),
         ),
@@ -137,11 +145,12 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_diagnostic_data() -> Shape:
-    """Return the description of ``DiagnosticData`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DiagnosticData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("amplitude_control_maximum_current", low=7, width=1, kind="flag"),
             Column("signal_level_maximum_amplitude", low=6, width=1, kind="flag"),
@@ -152,6 +161,7 @@ def shape_of_register_diagnostic_data() -> Shape:
             Column("dc_minimum_offset", low=1, width=1, kind="flag"),
             Column("ac_minimum_amplitude", low=0, width=1, kind="flag"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("amplitude_control_maximum_current", low=7, width=1),
             BitField("signal_level_maximum_amplitude", low=6, width=1),
@@ -167,11 +177,12 @@ def shape_of_register_diagnostic_data() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_status() -> Shape:
-    """Return the description of ``Status`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Status``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("configuration_completed", low=7, width=1, kind="flag"),
             Column("error_message", low=6, width=1, kind="flag"),
@@ -182,6 +193,7 @@ def shape_of_register_status() -> Shape:
             Column("absolute_data_valid", low=1, width=1, kind="flag"),
             Column("position_data_valid", low=0, width=1, kind="flag"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("configuration_completed", low=7, width=1),
             BitField("error_message", low=6, width=1),
@@ -197,14 +209,16 @@ def shape_of_register_status() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_position(variant: BissEncoder) -> Shape:
-    """Return the description of ``Position`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Position``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("position", low=32 - variant.position_bits, width=variant.position_bits),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=32 - variant.position_bits, width=variant.position_bits),
         ),
@@ -216,11 +230,12 @@ def shape_of_register_position(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_error_register() -> Shape:
-    """Return the description of ``ErrorRegister`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ErrorRegister``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("absolute_data_error", low=6, width=1, kind="flag"),
             Column("interpolation_error", low=5, width=1, kind="flag"),
@@ -229,6 +244,7 @@ def shape_of_register_error_register() -> Shape:
             Column("signal_error", low=1, width=1, kind="flag"),
             Column("control_error", low=0, width=1, kind="flag"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("absolute_data_error", low=6, width=1),
             BitField("interpolation_error", low=5, width=1),
@@ -244,15 +260,17 @@ def shape_of_register_error_register() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("name", low=16, width=32, kind="text"),
             Column("release", low=0, width=16, kind="text"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=16, width=32),
             BitField("release", low=0, width=16),
@@ -262,14 +280,16 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("name", low=0, width=16, kind="text"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=0, width=16),
         ),

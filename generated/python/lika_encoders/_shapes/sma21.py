@@ -54,9 +54,10 @@ from ..sma21 import (
 
 @lru_cache(maxsize=None)
 def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
-    """Return the description of ``SsiWord`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SsiWord``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits + 1,
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("position", low=1, width=variant.position_bits),
             Column("error", low=0, width=1, kind="not_flag"),
@@ -69,6 +70,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
         report_causes=(
             ReportCause("error", flag="error"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=1, width=variant.position_bits),
             BitField("error", low=0, width=1),
@@ -84,15 +86,16 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.position_bits + variant.scd_padding_bits + 8,
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("position", low=8, width=variant.scd_value_bits),
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(
                 low=variant.scd_value_bits + 8,
@@ -111,6 +114,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             ReportCause("error", flag="error"),
             ReportCause("warning", flag="warning"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField(
                 "padding",
@@ -146,15 +150,16 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_data_request() -> Shape:
-    """Return the description of ``DataRequest`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DataRequest``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("data_id", low=3, width=4, kind="choice", values=(4, 5, 10, 11, 15)),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -164,6 +169,7 @@ def shape_of_data_request() -> Shape:
         parities=(
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -176,11 +182,12 @@ def shape_of_data_request() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
-    """Return the description of ``PositionReply`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``PositionReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=56,
         length=7,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("data_id", low=3, width=4, kind="choice", values=(4, 11, 15)),
             Column("status_alarm", low=12, width=1, kind="flag"),
@@ -200,7 +207,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -246,6 +253,7 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -285,11 +293,12 @@ def shape_of_position_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_wide_position_reply() -> Shape:
-    """Return the description of ``WidePositionReply`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``WidePositionReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=72,
         length=9,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("status_alarm", low=12, width=1, kind="flag"),
             Column("status_error", low=13, width=1, kind="flag"),
@@ -300,7 +309,7 @@ def shape_of_wide_position_reply() -> Shape:
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -320,6 +329,7 @@ def shape_of_wide_position_reply() -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -350,11 +360,12 @@ def shape_of_wide_position_reply() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
-    """Return the description of ``IdentificationReply`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``IdentificationReply``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=72,
         length=9,
         order="little",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("status_alarm", low=12, width=1, kind="flag"),
             Column("status_error", low=13, width=1, kind="flag"),
@@ -373,7 +384,7 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             Unused(low=8, width=4, value=0, place=0),
             Unused(low=14, width=2, value=0, place=6),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=0, width=3, fault=ErrorKind.CONSTANT, values=(2,)),
             Check(low=7, width=1, fault=ErrorKind.CONSTANT, parity_of=((3, 4),)),
@@ -417,6 +428,7 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
             ReportCause("status_info", mask=15),
             ReportCause("status_zero", mask=192),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("sync", low=0, width=3),
             BitField("data_id", low=3, width=4),
@@ -458,14 +470,16 @@ def shape_of_identification_reply(variant: Rs485Encoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
-    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("profile_id", low=0, width=16),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("profile_id", low=0, width=16),
         ),
@@ -474,16 +488,18 @@ def shape_of_register_profile_id(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("year", low=24, width=8),
             Column("week", low=16, width=8),
             Column("number", low=0, width=16),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("year", low=24, width=8),
             BitField("week", low=16, width=8),
@@ -494,17 +510,19 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_configuration() -> Shape:
-    """Return the description of ``Configuration`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Configuration``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("counting_direction", low=6, width=1, kind="choice", values=CountingDirection),
             Column("output_code", low=5, width=1, kind="choice", values=OutputCode),
             Column("enable_preset_offset", low=2, width=1, kind="choice", values=EnablePresetOffset),
             Column("select_preset_offset", low=1, width=1, kind="choice", values=SelectPresetOffset),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("unused_7", low=7, width=1),
             BitField("counting_direction", low=6, width=1),
@@ -519,14 +537,16 @@ def shape_of_register_configuration() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
-    """Return the description of ``AbsoluteResolution`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``AbsoluteResolution``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("absolute_resolution", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("absolute_resolution", low=0, width=8),
         ),
@@ -535,14 +555,16 @@ def shape_of_register_absolute_resolution(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_preset_offset() -> Shape:
-    """Return the description of ``PresetOffset`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``PresetOffset``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("preset_offset", low=0, width=32),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("preset_offset", low=0, width=32),
         ),
@@ -552,14 +574,16 @@ def shape_of_register_preset_offset() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_type() -> Shape:
-    """Return the description of ``DeviceType`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DeviceType``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("type", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("type", low=0, width=8),
         ),
@@ -568,14 +592,16 @@ def shape_of_register_device_type() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_sine_cosine_resolution() -> Shape:
-    """Return the description of ``SineCosineResolution`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SineCosineResolution``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("period", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("period", low=0, width=8),
         ),
@@ -584,14 +610,16 @@ def shape_of_register_sine_cosine_resolution() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_position_check() -> Shape:
-    """Return the description of ``PositionCheck`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``PositionCheck``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("position_check", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position_check", low=0, width=8),
         ),
@@ -600,15 +628,17 @@ def shape_of_register_position_check() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("name", low=16, width=32, kind="text"),
             Column("release", low=0, width=16),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=16, width=32),
             BitField("release", low=0, width=16),
@@ -618,14 +648,16 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("name", low=0, width=16, kind="text"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("name", low=0, width=16),
         ),

@@ -127,7 +127,7 @@ def _read_rows_of_frames(frames: Any, bits: int, length: int) -> _Rows:
     rows, wrong_rows = read_rows(frames, length)
     # The frame may not fill its first byte, which then begins with zeros.
     bits_of_first_byte = bits - 8 * (length - 1)
-    does_not_fit = rows[:, 0] >= 1 << bits_of_first_byte
+    does_not_fit = rows[:, 0] >= (1 << bits_of_first_byte)
     if len(wrong_rows):
         does_not_fit[wrong_rows] = True
     return _Rows(rows, does_not_fit)
@@ -139,7 +139,7 @@ def _convert_numbers(frames: list[Any], bits: int, length: int) -> _Rows:
     does_not_fit: list[bool] = []
     for frame in frames:
         number = whole_number("the frame", frame)
-        fits = 0 <= number < 1 << bits
+        fits = 0 <= number < (1 << bits)
         data += (number if fits else 0).to_bytes(length, "big")
         does_not_fit.append(not fits)
     return _Rows(np.frombuffer(data, np.uint8).reshape(-1, length), np.array(does_not_fit, bool))

@@ -60,7 +60,7 @@ __all__ = [
     "crc_by_xor",
     "crc_of_bits",
     "crc_of_bytes",
-    "create",
+    "create_tuple",
     "exchange_bytes",
     "from_digits",
     "from_gray",
@@ -113,8 +113,8 @@ class _Create(Protocol):
     def __call__(self, kind: type[_Kind], values: tuple[object, ...], /) -> _Kind: ...
 
 
-#: ``create(kind, values)`` creates the same NamedTuple as ``kind(*values)``, in half the time.
-create: Final = cast(_Create, _TUPLE.__new__)
+#: ``create_tuple(kind, values)`` creates the same NamedTuple as ``kind(*values)``, in half the time.
+create_tuple: Final = cast(_Create, _TUPLE.__new__)
 
 
 class BitField(NamedTuple):
@@ -226,7 +226,7 @@ def from_digits(number: int, low: int, width: int, digit_bits: int, codes: Seque
             value = mask
             break
         value = value * base + codes.index(code)
-    return other_bits | value << low
+    return other_bits | (value << low)
 
 
 def to_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequence[int]) -> int:
@@ -241,7 +241,7 @@ def to_digits(number: int, low: int, width: int, digit_bits: int, codes: Sequenc
     for place in range(0, width, digit_bits):
         value, digit = divmod(value, len(codes))
         sent_digits |= codes[digit] << place
-    return other_bits | (sent_digits & mask) << low
+    return other_bits | ((sent_digits & mask) << low)
 
 
 def unwrap(

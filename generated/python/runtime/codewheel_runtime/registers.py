@@ -45,7 +45,7 @@ class RegisterParameter(NamedTuple):
     ``by_order_code`` is True if the register has no default, so that the order code sets the parameter.
     """
 
-    parameter: str
+    name: str
     interface: Interface
     address: int
     default: bytes
@@ -70,7 +70,7 @@ class RegisterParameter(NamedTuple):
             return self.zero_means if bits == 0 else bits
         codes = dict(self.codes)
         if bits not in codes:
-            raise RangeError(f"code for {self.parameter}", bits, ", ".join(map(str, codes)))
+            raise RangeError(f"code for {self.name}", bits, ", ".join(map(str, codes)))
         return codes[bits]
 
     def bytes_with(self, value: int) -> bytes:
@@ -89,12 +89,12 @@ class RegisterParameter(NamedTuple):
 
 
 def read_parameters(
-    parameters: tuple[RegisterParameter, ...], register_bytes: Mapping[int, int], variant: Encoder
+    parameters: tuple[RegisterParameter, ...], register_bytes: Mapping[int, int], encoder: Encoder
 ) -> dict[str, int]:
     """Return the parameters that registers contain, by name. ``register_bytes`` are bytes of registers by address.
 
-    If only some bytes of a parameter's register are given, the others come from the present parameter of ``variant``,
-    the encoder. Parameters of registers that are not given are omitted.
+    If only some bytes of a parameter's register are given, the others come from the present parameter of
+    ``encoder``. Parameters of registers that are not given are omitted.
 
     Raises:
         ValueError: A byte belongs to no parameter.
@@ -102,15 +102,15 @@ def read_parameters(
     """
     values: dict[str, int] = {}
     known_addresses: set[int] = set()
-    encoder_parameters = _select_parameters(parameters, variant)
+    encoder_parameters = _select_parameters(parameters, encoder)
     for parameter in encoder_parameters:
-        name = parameter.parameter
+        name = parameter.name
         addresses = range(parameter.address, parameter.address + len(parameter.default))
         is_given = any(address in register_bytes for address in addresses)
         if not is_given:
             continue
         known_addresses.update(addresses)
-        present_bytes = parameter.bytes_with(getattr(variant, name))
+        present_bytes = parameter.bytes_with(getattr(encoder, name))
         data = _replace_bytes(present_bytes, parameter.address, register_bytes)
         value = parameter.value_in(data)
         values[name] = check_limits(name, value, (parameter.min, parameter.max))
@@ -136,22 +136,23 @@ def _replace_bytes(data: bytes, first_address: int, register_bytes: Mapping[int,
     return bytes(changed_data)
 
 
-def _select_parameters(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> list[RegisterParameter]:
+def _select_parameters(parameters: tuple[RegisterParameter, ...], encoder: Encoder) -> list[RegisterParameter]:
     """Return the parameters that apply to the interface of an encoder."""
-    return [parameter for parameter in parameters if parameter.interface is variant.interface]
+    return [parameter for parameter in parameters if parameter.interface is encoder.interface]
 
 
-def format_parameters(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> str:
+def format_parameters(parameters: tuple[RegisterParameter, ...], encoder: Encoder) -> str:
     """Return the parameters of an encoder that differ from the factory default, as text.
 
     The text of each parameter begins with a space, such as `` singleturn_bits=17``. A parameter without a factory
     default is always included.
     """
     texts: list[str] = []
-    for parameter in _select_parameters(parameters, variant):
-        value = getattr(variant, parameter.parameter)
-        if parameter.by_order_code or value != parameter.value_in(parameter.default):
-            texts.append(f" {parameter.parameter}={value}")
+    for parameter in _select_parameters(parameters, encoder):
+        value = getattr(encoder, parameter.name)
+        default_value = parameter.value_in(parameter.default)
+        if parameter.by_order_code or value != default_value:
+            texts.append(f" {parameter.name}={value}")
     return "".join(texts)
 
 

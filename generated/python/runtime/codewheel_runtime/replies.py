@@ -78,24 +78,25 @@ def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, Rep
         return _find_reply_without_mark(received, pending)
     length = pending.kind.length
     # The last one comes first, because an echo and a reply can look like a reply and one more byte.
-    for start in range(len(received) - length, -1, -1):
+    for start in reversed(range(len(received) - length + 1)):
         reply = received[start : start + length]
-        if reply[0] != pending.kind.control or find_error(reply, pending) is not None:
+        is_valid = reply[0] == pending.kind.control and find_error(reply, pending) is None
+        if not is_valid:
             continue
         following_bytes = received[start + length :]
         later_replies = split_replies(following_bytes, pending, kinds)
-        bytes_in_later_replies = sum(map(len, later_replies))
-        if bytes_in_later_replies != len(following_bytes):
-            # Some bytes after the reply belong to no reply.
+        has_other_bytes_after = sum(map(len, later_replies)) != len(following_bytes)
+        if has_other_bytes_after:
             continue
         earlier_bytes = received[:start]
         if len(pending.data) == length:
             # The echo of a write can look like a reply to it.
             earlier_bytes = earlier_bytes.removeprefix(pending.data)
-        replies = split_replies(earlier_bytes, pending, kinds) + later_replies
-        same_request = tuple(other for other in replies if other[0] == pending.kind.control)
-        other_requests = tuple(other for other in replies if other[0] != pending.kind.control)
-        return FoundReply(reply, same_request, other_requests)
+        extra_replies = split_replies(earlier_bytes, pending, kinds) + later_replies
+        # The first byte of a reply shows its request.
+        to_same_request = tuple(extra for extra in extra_replies if extra[0] == pending.kind.control)
+        to_other_requests = tuple(extra for extra in extra_replies if extra[0] != pending.kind.control)
+        return FoundReply(reply, to_same_request, to_other_requests)
     return None
 
 

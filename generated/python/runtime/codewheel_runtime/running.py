@@ -220,7 +220,7 @@ class _Procedure:
         deadline = monotonic() + self.poll_s
         while True:
             number = int.from_bytes(self._read(step), step.order)
-            if number & step.mask == step.value:
+            if (number & step.mask) == step.value:
                 return
             if monotonic() > deadline:
                 raise TimeoutError(f"the register did not reach the expected value within {self.poll_s:g} s")

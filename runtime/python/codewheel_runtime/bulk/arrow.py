@@ -72,10 +72,17 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, rows_b
         return read_floats(array.to_numpy(zero_copy_only=False), shape.bits, rows_before)
     if kinds.is_string(arrow_type) or kinds.is_large_string(arrow_type):
         return _read_each(array.to_pylist(), shape, digits, is_first=not rows_before)
-    if not (kinds.is_binary(arrow_type) or kinds.is_large_binary(arrow_type) or kinds.is_fixed_size_binary(arrow_type)):
+    is_variable_length = kinds.is_binary(arrow_type) or kinds.is_large_binary(arrow_type)
+    if not is_variable_length and not kinds.is_fixed_size_binary(arrow_type):
         raise TypeError(f"expected numbers, bytes or text, got items of the type {arrow_type}")
+    return _read_bytes(array, shape)
+
+
+def _read_bytes(array: Any, shape: Shape) -> Any:
+    """Convert a column of bytes. It is faster if no item is missing and all have the length of a frame."""
+    # Rounded up to whole bytes.
     bytes_per_frame = shape.length or (shape.bits + 7) // 8
-    rows = _read_rows(array, bytes_per_frame) if not array.null_count else None
+    rows = None if array.null_count else _read_rows(array, bytes_per_frame)
     if rows is None:
         return read_byte_cells(array.to_pylist(), shape)
     return rows if shape.length else numbers(rows)

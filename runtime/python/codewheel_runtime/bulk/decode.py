@@ -213,7 +213,7 @@ def _pass_check(chunk: Chunk, check: Check) -> Any:
     if check.limit is not None:
         return are_within_limits(bits, check, check.limit)
     # A value that needs more bits than the field never occurs in it.
-    possible_values = [value for value in check.values if not value >> check.width]
+    possible_values = [value for value in check.values if not (value >> check.width)]
     if len(possible_values) > _MANY_VALUES:
         return np.isin(bits, np.array(possible_values, bits.dtype))
     is_allowed = np.zeros(len(bits), bool)

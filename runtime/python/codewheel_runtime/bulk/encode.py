@@ -21,7 +21,7 @@ from .chunk import (
 )
 from .decode import CHUNK
 from .encode_columns import FirstError, list_names, read_arrays
-from .shape import Column, DigitCoding, Join, Shape, find_width
+from .shape import Check, Column, DigitCoding, Join, Shape, find_width
 from .table import Table
 
 #: Number of bits per character in a frame, and the number of the last Latin-1 character.
@@ -300,19 +300,27 @@ def _check_values(words: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
         if column is None or check.parity_of:
             continue
         bits = Chunk(words, shape.bits).take(check.low, check.width)
-        if check.limit is None:
-            allowed_values = ", ".join(map(str, check.values))
-            # A value that needs more bits than the field never occurs in it.
-            possible_values = [value for value in check.values if 0 <= value < 1 << check.width]
-            is_not_allowed = ~np.isin(bits, possible_values)
-            values = arrays.get(column.name, bits)
-            first_error.add(is_not_allowed, column.name, values, allowed=f"one of {allowed_values}")
-            continue
-        is_within = are_within_limits(bits, check, check.limit)
-        if column.kind == "signed":
-            first_error.add(~is_within, column.name, arrays[column.name], allowed=f"{check.lowest} to {check.limit}")
-        else:
-            first_error.add(~is_within, column.name, bits, allowed=f"at most {check.limit}")
+        _check_column(bits, arrays, column, check, first_error)
+
+
+def _check_column(bits: Any, arrays: Mapping[str, Any], column: Column, check: Check, first_error: FirstError) -> None:
+    """In ``first_error``, record the first value of a column that is not in the list of a check, or above its limit.
+
+    ``bits`` are the bits of the column in each frame.
+    """
+    if check.limit is None:
+        allowed_values = ", ".join(map(str, check.values))
+        # A value that needs more bits than the field never occurs in it.
+        possible_values = [value for value in check.values if 0 <= value < (1 << check.width)]
+        is_not_allowed = ~np.isin(bits, possible_values)
+        values = arrays.get(column.name, bits)
+        first_error.add(is_not_allowed, column.name, values, allowed=f"one of {allowed_values}")
+        return
+    is_outside = ~are_within_limits(bits, check, check.limit)
+    if column.kind == "signed":
+        first_error.add(is_outside, column.name, arrays[column.name], allowed=f"{check.lowest} to {check.limit}")
+    else:
+        first_error.add(is_outside, column.name, bits, allowed=f"at most {check.limit}")
 
 
 def _convert_from_binary(words: list[Any], shape: Shape) -> None:

@@ -144,22 +144,24 @@ def read_array_archive(
     channels, times, rate_in_file = _load_arrays(archive, path)
     sample_rate = rate or rate_in_file
     arrays = list(channels.values())
-    has_single_array = len(arrays) == 1 and times is None
     # Floating-point numbers are voltages.
-    if has_single_array and arrays[0].dtype.kind != "f":
+    is_array_of_samples = len(arrays) == 1 and times is None and arrays[0].dtype.kind != "f"
+    if is_array_of_samples:
         try:
             return read_array(arrays[0], names, sample_rate)
         except TypeError as error:
             raise InputError(path, str(error)) from None
     _check_columns(arrays if times is None else [times, *arrays], path)
-    places = names.places([*channels], path)
-    cells = np.stack([arrays[place] for place in places], 1)
-    samples = pack_bits(_convert_to_levels(cells, threshold, path))
-    masks = tuple(1 << bit for bit in range(len(places)))
+    signal_arrays = [arrays[place] for place in names.places([*channels], path)]
+    levels = _convert_to_levels(np.stack(signal_arrays, axis=1), threshold, path)
+    # Bit 0 of a packed sample is the level of the first signal.
+    samples = pack_bits(levels)
+    masks = tuple(1 << bit for bit in range(len(signal_arrays)))
     edges = read_samples([Samples(samples, done=len(samples), times=times)], masks)
     if times is None:
         return Signals.at_rate(edges, sample_rate, total=len(samples))
-    if not (np.isfinite(times).all() and (np.diff(times) >= 0).all()):
+    is_ascending = (np.diff(times) >= 0).all()
+    if not (np.isfinite(times).all() and is_ascending):
         raise InputError(path, "the times are not finite numbers in ascending order")
     return Signals(edges, seconds=1.0, is_sampled=False, total=len(samples))
 

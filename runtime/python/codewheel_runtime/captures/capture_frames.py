@@ -85,7 +85,7 @@ def open_capture(capture_input: CaptureInput) -> Generator[CaptureFrames, None, 
         advice = "let the analyzer's own serial decoder export the bytes, and decode the replies as a file of frames"
         reason = f"the replies of {encoder.code} have no data ID, so they are not found in captures"
         raise UsageError(f"{reason}: {advice}")
-    probes.check()
+    probes.check_numbers()
     is_serial = interface is Interface.RS485
     if isinstance(encoder, Encoder) and is_serial and not capture_input.is_array:
         paths = list_paths(source)

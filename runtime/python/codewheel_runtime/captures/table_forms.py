@@ -123,15 +123,21 @@ def find_table_form(path: str, head: bytes) -> TableForm:
     headers = _find_headers(cells_by_line)
     if headers is None:
         raise InputError(path, f"this is not a capture: {HINT}")
-    first_rows = cells_by_line[headers.line_count :][:_FIRST_ROWS]
-    is_stamped = bool(first_rows and first_rows[0]) and _is_stamp(first_rows[0][0])
+    rows = cells_by_line[headers.line_count :]
+    first_rows = rows[:_FIRST_ROWS]
+    has_cells = bool(first_rows and first_rows[0])
+    is_stamped = has_cells and _is_stamp(first_rows[0][0])
+    # Time stamps are converted to seconds.
     unit = 1.0 if is_stamped else _find_time_unit(headers, first_rows)
+    has_time_column = unit is not None
+    rate_in_comments = parse_rate(_find_comment(comments, "Samplerate"))
+    offset_of_first_row = _find_first_row(head, headers.line_count)
     return TableForm(
         delimiter=delimiter,
-        channels=_name_channels(headers, comments, first_rows or cells_by_line, unit is not None),
+        channels=_name_channels(headers, comments, first_rows or cells_by_line, has_time_column),
         unit=unit,
-        rate=parse_rate(_find_comment(comments, "Samplerate")) or _find_increment_rate(headers),
-        skipped=head.count(b"\n", 0, _find_first_row(head, headers.line_count)),
+        rate=rate_in_comments or _find_increment_rate(headers),
+        skipped=head.count(b"\n", 0, offset_of_first_row),
         is_stamped=is_stamped,
         has_decimal_commas=has_decimal_commas,
     )

@@ -174,18 +174,19 @@ def _print_summary(summary: CaptureSummary, options: argparse.Namespace) -> None
     if options.json:
         print(json.dumps(summary.to_dict()), file=out)
     else:
-        for lost in summary.first_lost[:_MOST_PRINTED]:
-            print(f"{lost.time:.9g}: {lost.reason}", file=out)
-        more_lost = sum(summary.lost.values()) - _MOST_PRINTED
-        if more_lost > 0:
-            print(f"... and {more_lost} more lost", file=out)
+        for lost_cycle in summary.first_lost[:_MOST_PRINTED]:
+            print(f"{lost_cycle.time:.9g}: {lost_cycle.reason}", file=out)
+        lost_count = sum(summary.lost.values())
+        if lost_count > _MOST_PRINTED:
+            print(f"... and {lost_count - _MOST_PRINTED} more lost", file=out)
         for access in summary.accesses[:_MOST_PRINTED]:
             print(f"{access.time:.9g}: {access}", file=out)
         more_accesses = summary.access_count - _MOST_PRINTED
         if more_accesses > 0:
             print(f"... and {more_accesses} more accesses; --json prints all of them", file=out)
         print(summary, file=out)
-    if not summary.frames.frames:
+    frame_counts = summary.frames
+    if not frame_counts.frames:
         raise CommandFailed(_explain_no_frames(summary.first_lost, options))
     if 100 * summary.error_rate > options.max_errors:
         problem = f"{summary.error_rate:.0%} of the cycles have no valid frame"

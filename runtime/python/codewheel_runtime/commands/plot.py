@@ -79,8 +79,7 @@ def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
     _draw_speed(bottom, table, times, units.speed)
     is_timed = time_column == "time"
     # Without a sample rate, speeds are per sample.
-    speed_label = units.speed_label if is_timed else units.speed_label.replace("/s", "/sample")
-    bottom.set_ylabel(speed_label)
+    bottom.set_ylabel(units.speed_label if is_timed else units.speed_label.replace("/s", "/sample"))
     bottom.set_xlabel("time in s" if is_timed else "sample")
     for mark_times, label, color in _list_marks(table, times, lost):
         if len(mark_times):

@@ -38,15 +38,16 @@ from ..icmu import (
 
 @lru_cache(maxsize=None)
 def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
-    """Return the description of ``SingleCycleData`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SingleCycleData``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=variant.zero_bits + variant.position_bits + 8,
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("position", low=variant.zero_bits + 8, width=variant.position_bits),
             Column("error", low=7, width=1, kind="not_flag"),
             Column("warning", low=6, width=1, kind="not_flag"),
         ),
-        # Constants, parity bits and limits.
+        # Constants, parity bits and limits. `parity_of` lists the lowest bit and the width of covered fields.
         checks=(
             Check(low=8, width=variant.zero_bits, fault=ErrorKind.CONSTANT, values=(0,)),
         ),
@@ -60,6 +61,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             ReportCause("error", flag="error"),
             ReportCause("warning", flag="warning"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("position", low=variant.zero_bits + 8, width=variant.position_bits),
             BitField("zero", low=8, width=variant.zero_bits),
@@ -89,14 +91,16 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_mode() -> Shape:
-    """Return the description of ``Mode`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Mode``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("modea", low=0, width=3, kind="choice", values=Modea),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("modea", low=0, width=3),
         ),
@@ -107,15 +111,17 @@ def shape_of_register_mode() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_output_length() -> Shape:
-    """Return the description of ``OutputLength`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``OutputLength``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("out_zero", low=5, width=3),
             Column("out_msb", low=0, width=5),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("out_zero", low=5, width=3),
             BitField("out_msb", low=0, width=5),
@@ -125,17 +131,19 @@ def shape_of_register_output_length() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_output_selection() -> Shape:
-    """Return the description of ``OutputSelection`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``OutputSelection``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("gssi", low=7, width=1, kind="flag"),
             Column("rssi", low=6, width=1, kind="flag"),
             Column("mode_st", low=4, width=2, kind="choice", values=ModeSt),
             Column("out_lsb", low=0, width=4),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("gssi", low=7, width=1),
             BitField("rssi", low=6, width=1),
@@ -147,14 +155,16 @@ def shape_of_register_output_selection() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_bank() -> Shape:
-    """Return the description of ``Bank`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Bank``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("bank", low=0, width=5),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("bank", low=0, width=5),
         ),
@@ -165,14 +175,16 @@ def shape_of_register_bank() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_eds_bank() -> Shape:
-    """Return the description of ``EdsBank`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``EdsBank``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("eds_bank", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("eds_bank", low=0, width=8),
         ),
@@ -181,14 +193,16 @@ def shape_of_register_eds_bank() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_profile_id() -> Shape:
-    """Return the description of ``ProfileId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ProfileId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("profile_id", low=0, width=16),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("profile_id", low=0, width=16),
         ),
@@ -197,14 +211,16 @@ def shape_of_register_profile_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_serial_number() -> Shape:
-    """Return the description of ``SerialNumber`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``SerialNumber``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=32,
         length=4,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("serial_number", low=0, width=32),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("serial_number", low=0, width=32),
         ),
@@ -213,14 +229,16 @@ def shape_of_register_serial_number() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_event_count() -> Shape:
-    """Return the description of ``EventCount`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``EventCount``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("event_count", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("event_count", low=0, width=8),
         ),
@@ -229,14 +247,16 @@ def shape_of_register_event_count() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_hardware_revision() -> Shape:
-    """Return the description of ``HardwareRevision`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``HardwareRevision``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("hardware_revision", low=0, width=8),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("hardware_revision", low=0, width=8),
         ),
@@ -245,11 +265,12 @@ def shape_of_register_hardware_revision() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_status0() -> Shape:
-    """Return the description of ``Status0`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Status0``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("stup", low=4, width=1, kind="flag"),
             Column("an_max", low=3, width=1, kind="flag"),
@@ -257,6 +278,7 @@ def shape_of_register_status0() -> Shape:
             Column("am_max", low=1, width=1, kind="flag"),
             Column("am_min", low=0, width=1, kind="flag"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("stup", low=4, width=1),
             BitField("an_max", low=3, width=1),
@@ -271,11 +293,12 @@ def shape_of_register_status0() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_status1() -> Shape:
-    """Return the description of ``Status1`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``Status1``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=8,
         length=1,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("crc_err", low=7, width=1, kind="flag"),
             Column("epr_err", low=6, width=1, kind="flag"),
@@ -286,6 +309,7 @@ def shape_of_register_status1() -> Shape:
             Column("frq_cnv", low=1, width=1, kind="flag"),
             Column("cmd_exe", low=0, width=1, kind="flag"),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("crc_err", low=7, width=1),
             BitField("epr_err", low=6, width=1),
@@ -301,14 +325,16 @@ def shape_of_register_status1() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_device_id() -> Shape:
-    """Return the description of ``DeviceId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``DeviceId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=48,
         length=6,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("device_id", low=0, width=48),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("device_id", low=0, width=48),
         ),
@@ -317,14 +343,16 @@ def shape_of_register_device_id() -> Shape:
 
 @lru_cache(maxsize=None)
 def shape_of_register_manufacturer_id() -> Shape:
-    """Return the description of ``ManufacturerId`` for ``decode_many`` and ``encode_many``."""
+    """Return the layout of ``ManufacturerId``: the bits for ``decode_many`` and ``encode_many``."""
     return Shape(
         bits=16,
         length=2,
         order="big",
+        # Columns of the result. `low` is the lowest bit of the field.
         columns=(
             Column("manufacturer_id", low=0, width=16),
         ),
+        # All fields, including constants, parity bits and CRCs.
         fields=(
             BitField("manufacturer_id", low=0, width=16),
         ),

@@ -132,7 +132,7 @@ def decode_byte(bits: int) -> int:
         CrcError: The CRC does not match.
     """
     bits = whole_number("bits", bits)
-    if not 0 <= bits < 1 << BYTE_BITS:
+    if not 0 <= bits < (1 << BYTE_BITS):
         raise LengthError(BYTE_BITS, bits.bit_length(), "bits")
     value = bits >> CRC_BITS
     received_crc = bits & 0xF

@@ -72,7 +72,7 @@ class Request:
             ConstantError: CTS or S is 0, R W is neither 10 nor 01, or the zeros at the end are not all 0.
         """
         word = whole_number("word", word)
-        if not 0 <= word < 1 << _WORD_BITS:
+        if not 0 <= word < (1 << _WORD_BITS):
             raise LengthError(_WORD_BITS, word.bit_length(), "bits")
         # bit  31   30..28  27..21  20..17  16..14  13..6  5..2  1..0
         #      CTS  ID      ADR     CRC     R W S   DATA   CRC   P and 0
@@ -91,9 +91,8 @@ class Request:
             raise ConstantError("CTS", 0, 1)
         if access_bits not in (_READ_REQUEST_BITS, _WRITE_REQUEST_BITS):
             raise ConstantError("R W S", access_bits >> 14, _READ_REQUEST_BITS >> 14)
-        # These are the two bits after the byte and its CRC in a write, and all 14 bits after R W S in a read.
-        trailing_mask = 0x3 if is_write else 0x3FFF
-        trailing_zeros = word & trailing_mask
+        # In a write, they follow the byte and its CRC, and in a read R W S.
+        trailing_zeros = word & (0x3 if is_write else 0x3FFF)
         if trailing_zeros:
             raise ConstantError("the zeros at the end", trailing_zeros, 0)
         return cls(head.slave_id, head.address, value)
@@ -178,7 +177,7 @@ class Answer:
         """
         request.encode()
         cds = whole_number("cds", cds)
-        if not 0 <= cds < 1 << _WORD_BITS:
+        if not 0 <= cds < (1 << _WORD_BITS):
             raise LengthError(_WORD_BITS, cds.bit_length(), "bits")
         # bit  31..16   15  14  13  12..5  4..1  0
         #      IDL0..15  R   W   S  DATA   CRC   P

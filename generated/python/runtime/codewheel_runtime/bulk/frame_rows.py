@@ -126,7 +126,7 @@ def _read_list_of_words(frames: Iterable[Any]) -> ReadFrames:
     for index, frame in enumerate(frames):
         is_missing = _is_missing(frame)
         word = 0 if is_missing else whole_number(f"the frame at index {index}", frame)
-        if is_missing or not 0 <= word < 1 << 64:
+        if is_missing or not 0 <= word < (1 << 64):
             wrong_rows.append(index)
             word = 0
         words.append(word)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import Final, NamedTuple
 
@@ -51,7 +52,7 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
             continue
         covers_unconverted_bits = bool(check.parity_of) and (shape.gray is not None or bool(shape.digit_codings))
         byte_indices = _find_bytes_of(check)
-        possible_values = [value for value in check.values if not value >> check.width]
+        possible_values = [value for value in check.values if not (value >> check.width)]
         if covers_unconverted_bits:
             remaining.append(check)
         elif len(byte_indices) == 1:
@@ -60,19 +61,32 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
             fixed_bits.require(check.low, mask=(1 << check.width) - 1, values=possible_values[0])
         else:
             remaining.append(check)
-    byte_values: list[tuple[int, tuple[int, ...]]] = []
+    allowed_by_byte = _combine_checks_of_bytes(checks_by_byte, fixed_bits, remaining)
+    fixed = _split_into_words(fixed_bits.mask, fixed_bits.values, shape.bits)
+    return QuickChecks(fixed=fixed, bytes=allowed_by_byte, remaining=tuple(remaining))
+
+
+def _combine_checks_of_bytes(
+    checks_by_byte: Mapping[int, Sequence[Check]], fixed_bits: _FixedBits, remaining: list[Check]
+) -> tuple[tuple[int, tuple[int, ...]], ...]:
+    """Return the bytes that are compared with a list, each with its index and its allowed values.
+
+    ``checks_by_byte`` are the checks that need only one byte, by its index. If they only require constant bits, these
+    are added to ``fixed_bits`` instead. If they allow many values, they are added to ``remaining``.
+    """
+    allowed_by_byte: list[tuple[int, tuple[int, ...]]] = []
     for byte_index, checks in checks_by_byte.items():
-        allowed_bytes = [byte for byte in range(256) if _are_all_met(byte << (8 * byte_index), checks)]
-        constant_mask = _find_constant_bits(allowed_bytes)
-        are_other_bits_free = bool(allowed_bytes) and _has_all_values(allowed_bytes, constant_mask)
+        lowest_bit = 8 * byte_index
+        allowed_values = [value for value in range(256) if _are_all_met(value << lowest_bit, checks)]
+        constant_mask = _find_constant_bits(allowed_values)
+        are_other_bits_free = bool(allowed_values) and _has_all_values(allowed_values, constant_mask)
         if are_other_bits_free:
-            fixed_bits.require(8 * byte_index, constant_mask, values=allowed_bytes[0])
-        elif len(allowed_bytes) <= _MOST_COMPARED_VALUES:
-            byte_values.append((byte_index, tuple(allowed_bytes)))
+            fixed_bits.require(lowest_bit, constant_mask, values=allowed_values[0])
+        elif len(allowed_values) <= _MOST_COMPARED_VALUES:
+            allowed_by_byte.append((byte_index, tuple(allowed_values)))
         else:
             remaining += checks
-    fixed = _split_into_words(fixed_bits.mask, fixed_bits.values, shape.bits)
-    return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
+    return tuple(allowed_by_byte)
 
 
 #: Maximum number of allowed values for which a byte is compared with each of them.
@@ -93,7 +107,7 @@ def _has_all_values(values: list[int], constant_mask: int) -> bool:
     The constant bits are then the whole condition.
     """
     free_bits = 8 - constant_mask.bit_count()
-    return len(values) == 1 << free_bits
+    return len(values) == (1 << free_bits)
 
 
 def _split_into_words(mask: int, required_bits: int, bits: int) -> tuple[tuple[int, int], ...]:
@@ -114,6 +128,6 @@ def _find_bytes_of(check: Check) -> set[int]:
     return byte_indices
 
 
-def _are_all_met(number: int, checks: list[Check]) -> bool:
+def _are_all_met(number: int, checks: Sequence[Check]) -> bool:
     """Return whether a frame, given as a number, meets all conditions."""
     return all(holds(number, check) for check in checks)

@@ -62,7 +62,7 @@ class Check(NamedTuple):
         """Return the bits of a frame, given as a number, to which the condition applies."""
         bits = 0
         for low, width in self.joined or ((self.low, self.width),):
-            bits = bits << width | number >> low & (1 << width) - 1
+            bits = (bits << width) | ((number >> low) & ((1 << width) - 1))
         return bits
 
     def parity(self, number: int) -> int:
@@ -82,7 +82,7 @@ class Check(NamedTuple):
             return True
         # Modulo 2**width, the lowest number becomes 0, so one comparison checks both limits.
         mask = (1 << self.width) - 1
-        return (bits - self.lowest) & mask <= self.limit - self.lowest
+        return ((bits - self.lowest) & mask) <= self.limit - self.lowest
 
 
 class Fold(NamedTuple):

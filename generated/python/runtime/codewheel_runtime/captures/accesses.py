@@ -72,11 +72,11 @@ class Access(NamedTuple):
 class Accesses:
     """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave.
 
-    ``_state`` is the method that follows the next cycle. ``_time`` is the time at which the control frame began, and
-    ``_is_write`` is True if it writes. ``_is_outside_frame`` is True outside a control frame. ``_zeros`` is the number
-    of CDM zeros since the last 1. ``_sent_bits`` and ``_answer_bits`` are the CDM and CDS bits of the header or byte,
-    the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_header_bits`` contains CTS, ID and
-    address.
+    ``_state`` is the method that follows the next cycle. ``_begin_time`` is the time at which the control frame began,
+    and ``_is_write`` is True if it writes. ``_is_outside_frame`` is True outside a control frame. ``_zeros`` is the
+    number of CDM zeros since the last 1. ``_sent_bits`` and ``_answer_bits`` are the CDM and CDS bits of the header or
+    byte, the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_header_bits`` contains CTS,
+    ID and address.
     """
 
     def __init__(self) -> None:
@@ -85,7 +85,7 @@ class Accesses:
         self._sent_bits = 0
         self._answer_bits = 0
         self._state = self._follow_idle
-        self._time = 0.0
+        self._begin_time = 0.0
         self._header_bits = 0
         self._is_write, self._is_outside_frame = False, True
 
@@ -127,7 +127,7 @@ class Accesses:
 
     def _begin_access(self, time: float) -> None:
         """Start following a control frame, whose S bit is at this time."""
-        self._time = time
+        self._begin_time = time
         self._is_outside_frame = False
         self._bit_count = 0
         self._sent_bits = 0
@@ -173,7 +173,7 @@ class Accesses:
         """Return the access to the transmitted ID and address, with this value and result."""
         head = ControlHead.decode(self._header_bits)
         return Access(
-            time=self._time,
+            time=self._begin_time,
             slave_id=head.slave_id,
             address=head.address,
             is_write=self._is_write,

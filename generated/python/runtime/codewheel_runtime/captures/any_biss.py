@@ -124,11 +124,7 @@ def biss_layout(text: str) -> BissLayout:
     widths = {field.name: field.width for field in fields if field.name not in ("crc", *_FILLER_NAMES)}
     joins: tuple[Join, ...] = ()
     if "singleturn" in widths and "position" not in widths:
-        # In the position, the multiturn is above the singleturn. Each part is listed with its lowest bit there.
-        parts = [("singleturn", 0)]
-        if "multiturn" in widths:
-            parts.append(("multiturn", widths["singleturn"]))
-        joins = (Join("position", tuple(parts)),)
+        joins = (_join_position(widths),)
         widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
     return BissLayout(
         text=text,
@@ -154,6 +150,15 @@ def _check_fields(fields: Sequence[_Field]) -> None:
         raise UsageError("verdict, fault and time are names of columns that every table has")
     if "crc" in names and fields[-1].name != "crc":
         raise UsageError("the CRC must be the last field")
+
+
+def _join_position(widths: Mapping[str, int]) -> Join:
+    """Return the position as a number that consists of the singleturn and, if there is one, the multiturn."""
+    fields_with_lowest_bits = [("singleturn", 0)]
+    if "multiturn" in widths:
+        # The multiturn is above the singleturn.
+        fields_with_lowest_bits.append(("multiturn", widths["singleturn"]))
+    return Join("position", tuple(fields_with_lowest_bits))
 
 
 def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:

@@ -148,8 +148,8 @@ class Captures(NamedTuple):
         """Return the encoder for a label. Other arguments are returned unchanged."""
         if not isinstance(encoder, str):
             return encoder
-        variant: Encoder = import_module(self.package).lookup(encoder)
-        return variant
+        found_encoder: Encoder = import_module(self.package).lookup(encoder)
+        return found_encoder
 
 
 class _Channels(Protocol):
@@ -163,7 +163,7 @@ class _Channels(Protocol):
 
 def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) -> ChannelCapture:
     """Decode a capture of BiSS frames with several data channels. ``source`` is its files, or an array of samples."""
-    probes.check()
+    probes.check_numbers()
     names = probes.names(is_serial=False)
     log = Log(limit=None)
     frames: list[Any] = []
@@ -175,7 +175,9 @@ def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) ->
             times.append(_round_times(part.times))
     log.finish()
     table = layout.decode_many(np.concatenate(frames))
-    return ChannelCapture(table=table, times=np.concatenate(times), lost=tuple(log.lost), accesses=tuple(log.accesses))
+    return ChannelCapture(
+        table=table, times=np.concatenate(times), lost=tuple(log.lost_cycles), accesses=tuple(log.accesses)
+    )
 
 
 def _read_capture(capture_input: CaptureInput) -> Capture:
@@ -202,7 +204,7 @@ def _read_capture(capture_input: CaptureInput) -> Capture:
     if not table.ok.any():
         _report_exchanged_lines(capture_input)
     table = table.with_columns(**{capture_frames.time_column: np.concatenate(times)})
-    return Capture(table=table, lost=tuple(log.lost), accesses=tuple(log.accesses), others=log.others)
+    return Capture(table=table, lost=tuple(log.lost_cycles), accesses=tuple(log.accesses), others=log.other_frames)
 
 
 def _report_exchanged_lines(capture_input: CaptureInput) -> None:
@@ -278,18 +280,18 @@ def _make_empty_table(
     if time_column in table:
         raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
     table = table.with_columns(**{time_column: np.zeros(0)})
-    return table if add_speeds is None else add_speeds.check(table)
+    return table if add_speeds is None else add_speeds.extend_empty(table)
 
 
 def _summarize(frames: Summary, log: Log) -> CaptureSummary:
     """Return the counts of frames together with the lost cycles and the register accesses in the log."""
     return CaptureSummary(
         frames=frames,
-        lost=log.reasons,
-        first_lost=tuple(log.lost),
+        lost=log.lost_by_reason,
+        first_lost=tuple(log.lost_cycles),
         accesses=tuple(log.accesses),
         access_count=log.access_count,
-        others=log.others,
+        others=log.other_frames,
     )
 
 

@@ -229,15 +229,10 @@ class _CycleFinder:
         # Over BiSS, the CDS bit comes before the frame.
         bits_before_frame = 1 if self._is_biss else 0
         levels = self._read_levels(cycles, bits, complete, bits_before_frame + self._bits)
-        lost = self._list_lost_cycles(cycles, bits)
-        is_last_cycle_lost = bool(bits.reasons[-1])
-        has_pause_at_end = self._end - cycles.last_edge_times[-1] >= self._pause
-        if is_last and is_last_cycle_lost and not has_pause_at_end:
-            lost[-1] = Lost(lost[-1].time, _MESSAGES[CUT_AT_END])
         return CapturedFrames(
             frames=_join_bits(levels[:, bits_before_frame:]),
             times=cycles.begin_times[complete] * self._unit,
-            lost=lost,
+            lost=self._list_lost_cycles(cycles, bits, is_last),
             done=self._done,
             control=self._find_control_bits(cycles, complete, levels) if self._is_biss else None,
         )
@@ -259,17 +254,24 @@ class _CycleFinder:
         timeout_level = clock_level ^ (cycles.ends & 1)
         return ControlBits(times=cycles.begin_times * self._unit, cds=cds, cdm=timeout_level ^ 1)
 
-    def _list_lost_cycles(self, cycles: Cycles, bits: CycleBits) -> list[Lost]:
-        """Return the cycles without a frame, with their reasons."""
-        lost: list[Lost] = []
+    def _list_lost_cycles(self, cycles: Cycles, bits: CycleBits, is_last: bool) -> list[Lost]:
+        """Return the cycles without a frame, with their reasons.
+
+        ``is_last`` is True at the end of the capture, which may cut off the last cycle.
+        """
+        lost_cycles: list[Lost] = []
         # If no pause precedes the first cycle, the capture may have begun within it.
         may_first_be_cut = cycles.begin_times[0] - self._begin < self._pause
         for index in np.flatnonzero(bits.reasons):
             may_be_cut = bool(index == 0 and may_first_be_cut)
             reason = self._explain_loss(int(bits.reasons[index]), int(bits.sent_counts[index]), may_be_cut)
             begin_time = float(cycles.begin_times[index]) * self._unit
-            lost.append(Lost(begin_time, reason))
-        return lost
+            lost_cycles.append(Lost(begin_time, reason))
+        is_last_cycle_lost = bool(bits.reasons[-1])
+        has_pause_at_end = self._end - cycles.last_edge_times[-1] >= self._pause
+        if is_last and is_last_cycle_lost and not has_pause_at_end:
+            lost_cycles[-1] = Lost(lost_cycles[-1].time, _MESSAGES[CUT_AT_END])
+        return lost_cycles
 
     def _read_levels(self, cycles: Cycles, bits: CycleBits, complete: Any, count: int) -> Any:
         """Return the level of the data line in the middle of each bit, with a row for each complete cycle.

@@ -73,58 +73,65 @@ class CaptureSummary(NamedTuple):
     def error_rate(self) -> float:
         """Fraction of the cycles that contain no valid frame, from 0 to 1."""
         lost_count = sum(self.lost.values())
-        cycle_count = self.frames.frames + lost_count
-        invalid_count = lost_count + sum(self.frames.faults.values())
+        frame_counts = self.frames
+        cycle_count = frame_counts.frames + lost_count
+        invalid_count = lost_count + sum(frame_counts.faults.values())
         return invalid_count / cycle_count if cycle_count else 0.0
 
     def to_dict(self) -> dict[str, Any]:
         """Return the counts as plain values for JSON."""
         accesses = [access._asdict() for access in self.accesses]
-        lost = [cycle._asdict() for cycle in self.first_lost]
-        counts = {"lost": dict(self.lost), "first_lost": lost, "accesses": accesses, "others": dict(self.others)}
-        return self.frames.to_dict() | counts
+        first_lost = [cycle._asdict() for cycle in self.first_lost]
+        lost_by_reason, frames_by_kind = dict(self.lost), dict(self.others)
+        return self.frames.to_dict() | {
+            "lost": lost_by_reason,
+            "first_lost": first_lost,
+            "accesses": accesses,
+            "others": frames_by_kind,
+        }
 
     def __str__(self) -> str:
-        lost = sum(self.lost.values())
-        parts = [str(self.frames), f"{lost} lost"]
+        lost_count = sum(self.lost.values())
+        phrases = [str(self.frames), f"{lost_count} lost"]
         if self.access_count:
             # ``count_units`` only adds an s.
-            parts.append(count_units(self.access_count, "register access").replace("accesss", "accesses"))
-        parts += [f"{count} {name}" for name, count in self.others.items()]
-        return ", ".join(parts)
+            phrases.append(count_units(self.access_count, "register access").replace("accesss", "accesses"))
+        phrases += [f"{count} {name}" for name, count in self.others.items()]
+        return ", ".join(phrases)
 
 
 class Log:
     """Log of the lost cycles, accesses and other frames found while a capture is decoded."""
 
     def __init__(self, limit: int | None) -> None:
-        # At most this number of lost cycles and of accesses is kept, or all of them if it is None.
+        # Maximum number of lost cycles, and of accesses, that are kept. None means all of them.
         self._limit = limit
-        self.lost: list[Lost] = []
+        self.lost_cycles: list[Lost] = []
         self.accesses: list[Access] = []
-        #: Number of all accesses, of all lost cycles by reason, and of frames of other kinds by name.
+        #: These counts also include the cycles and accesses that are not kept.
         self.access_count = 0
-        self.reasons: dict[str, int] = {}
-        self.others: dict[str, int] = {}
-        self._finder = Accesses()
+        self.lost_by_reason: dict[str, int] = {}
+        #: Number of frames of other kinds, by the name of the kind.
+        self.other_frames: dict[str, int] = {}
+        self._access_finder = Accesses()
 
     def add(self, part: CapturedFrames) -> None:
         """Count the lost cycles, accesses and frames of other kinds in a part of the capture."""
         for cycle in part.lost:
             # After the colon, a reason quotes the received bytes, which differ each time.
             reason, _, _ = cycle.reason.partition(":")
-            self.reasons[reason] = self.reasons.get(reason, 0) + 1
+            self.lost_by_reason[reason] = self.lost_by_reason.get(reason, 0) + 1
         # Number of lost cycles that can still be kept, or None for all of them.
-        free_places = None if self._limit is None else max(self._limit - len(self.lost), 0)
-        self.lost += part.lost[:free_places]
+        free_places = None if self._limit is None else max(self._limit - len(self.lost_cycles), 0)
+        self.lost_cycles += part.lost[:free_places]
         for name, count in part.others.items():
-            self.others[name] = self.others.get(name, 0) + count
+            self.other_frames[name] = self.other_frames.get(name, 0) + count
         if part.control is not None:
-            self._add_accesses(self._finder.feed(part.control))
+            self._add_accesses(self._access_finder.feed(part.control))
 
     def finish(self) -> None:
         """Add the access that the end of the capture cuts off."""
-        self._add_accesses(self._finder.finish())
+        self._add_accesses(self._access_finder.finish())
 
     def _add_accesses(self, accesses: Any) -> None:
         """Count accesses, and store the first ones."""

@@ -32,14 +32,15 @@ class Probes(NamedTuple):
     baud: float | None = None
     threshold: float | None = None
 
-    def check(self) -> None:
-        """Raise UsageError unless the rates and ``rest`` are above 0 and the threshold is finite.
+    def check_numbers(self) -> None:
+        """Raise UsageError unless the rates and the pause of the clock are above 0 and the threshold is finite.
 
         None is always accepted.
         """
         for name in ("rate", "rest", "baud"):
             number = getattr(self, name)
-            if number is not None and not (_is_finite(number) and number > 0):
+            is_positive = _is_finite(number) and number > 0
+            if number is not None and not is_positive:
                 raise UsageError(f"{name} must be a number above 0, got {number!r}")
         if self.threshold is not None and not _is_finite(self.threshold):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")

@@ -51,17 +51,11 @@ def open_signals(
         heads = [file.read(HEADER) for file in files]
         for file in files:
             file.seek(0)
-        is_saleae = [head.startswith(SALEAE_HEADER) for head in heads]
-        # A serial line has no clock, so it is the only signal.
-        signal_count = 1 if names.clock is None else 2
-        if any(is_saleae):
-            if not all(is_saleae) or len(files) != signal_count:
-                expected_files = "the file of the data line"
-                if signal_count == 2:
-                    expected_files = "two files, one for the clock and one for the data line"
-                raise UsageError(f"each binary file of Saleae has one signal: give {expected_files}")
-            if len({*paths}) < len(paths):
-                raise UsageError("the clock and the data line are the same file: give one file for each")
+        are_saleae = [head.startswith(SALEAE_HEADER) for head in heads]
+        if any(are_saleae):
+            # A serial line has no clock, so it is the only signal.
+            signal_count = 1 if names.clock is None else 2
+            _check_saleae_files(paths, are_saleae, signal_count)
             signals = read_saleae(files[::-1], paths[::-1]) if names.exchanged else read_saleae(files, paths)
         elif len(files) != 1:
             raise UsageError("give one file: only binary files of Saleae have one signal each")
@@ -71,6 +65,20 @@ def open_signals(
             yield signals
         finally:
             signals.edges.close()
+
+
+def _check_saleae_files(paths: Sequence[str], are_saleae: Sequence[bool], signal_count: int) -> None:
+    """Raise UsageError unless there is one binary file of Saleae for each signal.
+
+    ``are_saleae`` is True for each file that is a binary file of Saleae.
+    """
+    if not all(are_saleae) or len(paths) != signal_count:
+        expected_files = "the file of the data line"
+        if signal_count == 2:
+            expected_files = "two files, one for the clock and one for the data line"
+        raise UsageError(f"each binary file of Saleae has one signal: give {expected_files}")
+    if len({*paths}) < len(paths):
+        raise UsageError("the clock and the data line are the same file: give one file for each")
 
 
 def _open_single_file(

@@ -79,6 +79,15 @@ class SignalNames(NamedTuple):
         places = self._find_places(channels, file)
         return places[::-1] if self.exchanged else places
 
+    def _list_choices(self) -> list[_SignalChoice]:
+        """Return the choice of a channel for the serial line, or for the clock and the data line."""
+        if self.clock is None:
+            return [_SignalChoice(self.data, usual_names=_NAMES_OF_SERIAL_LINES, option="--data")]
+        return [
+            _SignalChoice(self.clock, usual_names=_NAMES_OF_CLOCKS, option="--clock"),
+            _SignalChoice(self.data, usual_names=_NAMES_OF_DATA, option="--data"),
+        ]
+
     def _find_places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
         """Return the index of each signal among the channels of a file, clock first, as if they were not exchanged.
 
@@ -86,13 +95,7 @@ class SignalNames(NamedTuple):
         names is missing, and there are as many channels as signals, the channels are taken in order. If only one of two
         signals has a channel, the other one gets the remaining channel. Raises the errors of ``places``.
         """
-        if self.clock is None:
-            choices = [_SignalChoice(self.data, _NAMES_OF_SERIAL_LINES, "--data")]
-        else:
-            choices = [
-                _SignalChoice(self.clock, _NAMES_OF_CLOCKS, "--clock"),
-                _SignalChoice(self.data, _NAMES_OF_DATA, "--data"),
-            ]
+        choices = self._list_choices()
         if len(channels) < len(choices):
             raise InputError(file, f"expected channels of a clock and a data line, got {listed(list(channels))}")
         places = [choice.find_place(channels) for choice in choices]
@@ -129,9 +132,9 @@ class _SignalChoice(NamedTuple):
 
     def find_place(self, channels: Sequence[str]) -> int | None:
         """Return the index of the chosen channel, or of the one with a usual name. None if there is no such channel."""
-        return (
-            _find_place(channels, self.name) if self.name else _find_channel_with_usual_name(channels, self.usual_names)
-        )
+        if self.name:
+            return _find_place(channels, self.name)
+        return _find_channel_with_usual_name(channels, self.usual_names)
 
 
 def _add_remaining_channel(choices: Sequence[_SignalChoice], places: list[int | None]) -> list[int | None]:
@@ -223,7 +226,7 @@ def read_samples(parts: Iterable[Samples], masks: tuple[int, ...]) -> Generator[
             end = float(times[-1])
         first_number += len(samples)
         last_sample = int(samples[-1])
-        first_levels = tuple(int(levels_before & mask != 0) for mask in masks)
+        first_levels = tuple(int((levels_before & mask) != 0) for mask in masks)
         yield Edges(levels=first_levels, times=tuple(edge_times), begin=begin, end=end, done=done)
 
 
@@ -335,16 +338,16 @@ def merge_edges(
     while unfinished:
         # Continue with the signal whose edges end first.
         last_times = {index: _find_last_time(pending_times[index]) for index in sorted(unfinished)}
-        earliest = min(last_times, key=last_times.__getitem__)
-        part = next(signals[earliest], None)
+        earliest_signal = min(last_times, key=last_times.__getitem__)
+        part = next(signals[earliest_signal], None)
         if part is None:
             # All edges of this signal have been read.
-            unfinished.remove(earliest)
-            del last_times[earliest]
+            unfinished.remove(earliest_signal)
+            del last_times[earliest_signal]
         else:
-            amounts_read[earliest] = part.done
-            pending_times[earliest] = np.concatenate([pending_times[earliest], part.times])
-            last_times[earliest] = _find_last_time(pending_times[earliest])
+            amounts_read[earliest_signal] = part.done
+            pending_times[earliest_signal] = np.concatenate([pending_times[earliest_signal], part.times])
+            last_times[earliest_signal] = _find_last_time(pending_times[earliest_signal])
         # The edges of all signals are known up to the earliest of their last edges.
         known_until = min(last_times.values()) if last_times else end()
         known_counts = [int(np.searchsorted(times, known_until, "right")) for times in pending_times]

@@ -54,10 +54,11 @@ def _select_encoder(package: str, options: argparse.Namespace) -> Encoder:
         wanted = Interface(options.interface).title
         raise ValueError(f"{encoder.code} has the interface {encoder.interface.title}, not {wanted}")
     if options.register:
-        with_registers: Callable[[dict[int, int]], Encoder] | None = getattr(encoder, "with_registers", None)
-        if with_registers is None:
+        # Only encoders with such registers have this method.
+        change_registers: Callable[[dict[int, int]], Encoder] | None = getattr(encoder, "with_registers", None)
+        if change_registers is None:
             raise ValueError(f"no register affects the frames of {encoder.code}")
-        encoder = with_registers(dict(options.register))
+        encoder = change_registers(dict(options.register))
     return _add_optional_answers(encoder, options)
 
 

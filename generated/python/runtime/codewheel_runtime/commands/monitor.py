@@ -92,23 +92,17 @@ def watch(
     recorder: Recorder | None = None,
     is_shown: bool = True,
 ) -> Readings:
-    """Show live readings of an encoder until the program is interrupted.
+    """Show live readings of an encoder on a port until the program is interrupted, and return their numbers.
 
     On a terminal, the screen is updated ten times per second. Elsewhere, only the number of failures is written at the
     end.
 
     Args:
-        reader: The link.
-        encoder: The encoder.
-        port: Name of the port.
+        reader: The link, from which the readings come.
         count: Number of readings. By default, until interrupted.
         interval_s: Time in seconds from the start of a reading to the start of the next one.
-        out: File to write to. The default is standard output.
-        recorder: Output for all readings.
+        out: File to write to. The default is standard output. ``recorder`` records all readings.
         is_shown: Show the readings if ``out`` is a terminal.
-
-    Returns:
-        The number of readings and failures.
 
     Raises:
         RuntimeError: The encoder never answered. This is the error that ``reader`` raised.

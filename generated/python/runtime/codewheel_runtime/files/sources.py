@@ -138,15 +138,9 @@ def _read_binary(
 ) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a binary file, and the number of bytes read.
 
-    Frames of bytes are yielded as rows of bytes, and frames of bits as numbers.
-
-    Args:
-        file: The open file, at its first frame.
-        name: Name of the file, for errors.
-        size: Size of the file in bytes, if known.
-        storage: Form of the frames. With ``storage.cut``, an incomplete frame at the end is ignored.
-        shape: Description of the frames.
-        share: Function that returns the fraction of valid frames, for the check of the first frames.
+    Frames of bytes are yielded as rows of bytes, and frames of bits as numbers. ``name`` is the name of the file in
+    errors, and ``size`` its size in bytes, if known. With ``storage.cut``, an incomplete frame at the end is ignored.
+    ``find_valid_fraction`` returns the fraction of valid frames.
 
     Raises:
         InputError: The first frames fit another form of words, the file ends within a frame, or it is an Arrow file.

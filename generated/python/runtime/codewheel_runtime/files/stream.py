@@ -208,8 +208,8 @@ class Files(NamedTuple):
         """Return the encoder for a label. An encoder is returned unchanged."""
         if isinstance(encoder, Encoder):
             return encoder
-        variant: Encoder = import_module(self.package).lookup(encoder)
-        return variant
+        found_encoder: Encoder = import_module(self.package).lookup(encoder)
+        return found_encoder
 
 
 class Output(NamedTuple):
@@ -267,9 +267,9 @@ def _decode_file(
     """
     # A table without frames shows which columns the result has.
     empty_result = decode_many([], shape, encoder)
-    add_columns = SpeedColumns("time", source) if output.si else None
-    if add_columns is not None:
-        empty_result = add_columns.check(empty_result.with_columns(time=np.zeros(0)))
+    speed_columns = SpeedColumns("time", source) if output.si else None
+    if speed_columns is not None:
+        empty_result = speed_columns.extend_empty(empty_result.with_columns(time=np.zeros(0)))
 
     def find_valid_fraction(frames: Any) -> float:
         """Return the fraction of valid frames."""
@@ -279,14 +279,22 @@ def _decode_file(
         open_source(source, storage, shape, find_valid_fraction) as frame_source,
         open_for_writing(output.target, [source], output.force) as file,
     ):
-        if add_columns is not None:
-            if "time" not in frame_source.empty_columns:
-                raise UsageError(f"{source} has no column 'time', which speeds in SI units need")
-            added_names = [name for name in empty_result.others if name != "time"]
-            check_apart(frame_source.empty_columns, added_names, source)
+        if speed_columns is not None:
+            _check_columns_for_speeds(frame_source, empty_result, source)
         plan = make_plan(empty_result, frame_source, output.columns, source, output.raw)
         with SINKS[output.kind](file, plan) as sink:
-            return decode_parts(frame_source, shape, encoder, sink, limit, progress, add_columns)
+            return decode_parts(frame_source, shape, encoder, sink, limit, progress, speed_columns)
+
+
+def _check_columns_for_speeds(frame_source: Source, empty_result: Table, source: str) -> None:
+    """Raise UsageError unless the source has a column ``time``, and none of the columns that are added for speeds.
+
+    ``empty_result`` is a table with the added columns. ``source`` is the name of the source.
+    """
+    if "time" not in frame_source.empty_columns:
+        raise UsageError(f"{source} has no column 'time', which speeds in SI units need")
+    added_names = [name for name in empty_result.others if name != "time"]
+    check_apart(frame_source.empty_columns, added_names, source)
 
 
 def decode_parts(
@@ -298,13 +306,9 @@ def decode_parts(
     progress: Callable[[int, int | None, int], None] | None = None,
     add_columns: Callable[[Table, Mapping[str, Any]], Table] | None = None,
 ) -> Summary:
-    """Decode the frames of a source into a file, and return the counts.
+    """Decode the frames of a source into a file, ``sink``, and return the counts.
 
     Args:
-        frame_source: The source.
-        shape: Description of the frames.
-        encoder: Encoder of the frames, if known.
-        sink: The file.
         limit: Maximum number of frames to decode.
         progress: Called after each part with the amount read, the total if known, and the number of frames.
         add_columns: Function that adds columns to a table. It also receives the other columns of the same rows.
@@ -336,23 +340,23 @@ def decode_parts(
 class SpeedColumns:
     """Function that adds the position and the speed in SI units to each table of a file.
 
-    ``_time`` is the name of the column of times. ``_last`` holds the unwrapped position and the time of the last usable
-    frame so far, or None before the first. The first speed in the next table is computed from it.
+    ``_time_column`` is the name of the column of times. ``_last`` holds the unwrapped position and the time of the
+    last usable frame so far, or None before the first. The first speed in the next table is computed from it.
     """
 
-    def __init__(self, time: str, source: str) -> None:
-        self._time = time
+    def __init__(self, time_column: str, source: str) -> None:
+        self._time_column = time_column
         self._source = source
         self._last: tuple[int, float] | None = None
 
-    def check(self, empty: Table) -> Table:
+    def extend_empty(self, empty: Table) -> Table:
         """Return a table without frames that has the added columns.
 
         Raises:
             UsageError: The times are not in seconds, or the encoder has no SI units.
         """
         # Without a sample rate, a capture has a column of sample numbers instead of ``time``.
-        if self._time != "time":
+        if self._time_column != "time":
             raise UsageError("speeds need the sample rate: give it with --rate")
         try:
             return empty.in_si()
@@ -361,8 +365,8 @@ class SpeedColumns:
 
     def __call__(self, table: Table, other_columns: Mapping[str, Any]) -> Table:
         """Return a table with the times and the added columns, and remember its last usable frame."""
-        times = read_seconds(other_columns[self._time], self._source)
-        extended = table.with_columns(**{self._time: times}).in_si(self._last)
+        times = read_seconds(other_columns[self._time_column], self._source)
+        extended = table.with_columns(**{self._time_column: times}).in_si(self._last)
         usable_rows = np.flatnonzero(table.usable)
         if len(usable_rows):
             # Unwrapping continues from the last position of the previous table.
