@@ -17,9 +17,7 @@ from ..model import (
     number_from_bytes,
     number_to_bytes,
 )
-from ..reference.bits_and_values import parity_bit, reflect
-from .exchanges import usual_values_of
-from ..reference.bits_and_values import (bits_of_field, compute_bytes, parity_bit, reflect)
+from ..reference.bits_and_values import bits_of_field, compute_bytes, parity_bit, reflect
 from .exchanges import LEAST_EVIDENCE, usual_values_of
 from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes

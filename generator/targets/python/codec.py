@@ -23,7 +23,7 @@ from ...plan.values import (
     is_number,
     meaning_of,
 )
-from ...say.plain_text import text_on_one_line
+from ...say import text_on_one_line
 from ...say.text import as_sentence
 from . import docstrings
 from .bits import BitsEncoder

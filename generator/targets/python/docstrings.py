@@ -296,7 +296,9 @@ def describe_register(device: Device, device_register: Register) -> tuple[str, l
     if is_one_choice(device_register):
         facts += say_register.rules(device, device_register.layout.fields[0])
     register_errata = describe_errata(device, f"registers.{device_register.name}")
-    summary, source = _with_source_below(say_register.describe_head(device, device_register, full_title(device_register)))
+    summary, source = _with_source_below(
+        say_register.describe_head(device, device_register, full_title(device_register))
+    )
     blocks: list[Block] = [
         source,
         as_sentence(device_register.meaning),

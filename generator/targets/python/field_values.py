@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ...model import Digits, Field
-from ...model.lookup import assert_never
+from ...model.record import assert_never
 from ...plan.values import (
     ActiveFlag,
     DecimalDigits,
