@@ -158,14 +158,14 @@ def _refuse_invalid_name(name: str) -> None:
     Raises:
         NameRefused: The name is not valid, or something else in the tool or in generated files has this name.
     """
-    from ..language.rules.repetitions import TAKEN
+    from ..language.rules.repetitions import RESERVED_FAMILY_NAMES
 
     if not _is_valid_name(name):
         rule = "use lowercase letters, digits and underscores"
         start_of_name = name[:_SHOWN_CHARACTERS]
         raise NameRefused(f"'{start_of_name}' is not a valid family name; {rule}, such as {_suggested_name(name)}")
-    if name in TAKEN:
-        raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; choose another name for the family")
+    if name in RESERVED_FAMILY_NAMES:
+        raise NameRefused(f"'{name}' is the name of {RESERVED_FAMILY_NAMES[name]}; choose another name for the family")
 
 
 def _write_new_files(text_by_path: dict[Path, str]) -> Iterator[Path]:
@@ -200,11 +200,11 @@ def _suggested_name(name: str) -> str:
 
     If a family cannot have that name, or it is the given one, return an example.
     """
-    from ..language.rules.repetitions import TAKEN
+    from ..language.rules.repetitions import RESERVED_FAMILY_NAMES
 
     with_underscores = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")
     suggestion = with_underscores[:_LONGEST_NAME]
-    is_free = suggestion != name and suggestion not in TAKEN
+    is_free = suggestion != name and suggestion not in RESERVED_FAMILY_NAMES
     return suggestion if is_free and _is_valid_name(suggestion) else "encoder_1"
 
 

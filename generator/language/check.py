@@ -85,12 +85,12 @@ class _RecordingReport(DocumentReport):
         if len(self) - self._problems_before >= MAX_FOUND:
             super().add(TOO_MANY, path, "there are more problems; they are reported once these are fixed")
             raise _TooManyProblems
-        self.reported_paths_of_rule.append(self.document.original(path))
+        self.reported_paths_of_rule.append(self.document.path_in_file(path))
         super().add(rule, path, message, at_key=at_key, cause=cause)
 
     def mark(self, path: Path) -> None:
         """Mark a place as faulty without a message, because another problem explains it."""
-        self.reported_paths_of_rule.append(self.document.original(path))
+        self.reported_paths_of_rule.append(self.document.path_in_file(path))
         super().mark(path)
 
 

@@ -116,30 +116,30 @@ class Document:
 
         An element of a list is shown by its name, or by its number, counted from 1, if it has no plain name.
         """
-        text = ""
+        path_text = ""
         node: Any = self.data
-        for step in self.original(path):
+        for step in self.path_in_file(path):
             child = child_at(node, step)
             if isinstance(node, list) and isinstance(step, int):
                 label = label_of(child)
                 has_plain_label = label is not None and _PLAIN_LABEL.fullmatch(label)
-                text += f".{label}" if has_plain_label else f"[{step + 1}]"
+                path_text += f".{label}" if has_plain_label else f"[{step + 1}]"
             else:
-                text += f".{step}"
+                path_text += f".{step}"
             node = child
-        return text.removeprefix(".")
+        return path_text.removeprefix(".")
 
     def _walk_path(self, path: Path) -> Iterator[tuple[str | int, SourceMark]]:
         """Yield each step of a path with the mark of its place in the file, up to the first missing step."""
         mark = self.marks
-        for step in self.original(path):
+        for step in self.path_in_file(path):
             child = mark.children.get(step)
             if child is None:
                 return
             yield step, child
             mark = child
 
-    def original(self, path: Path) -> Path:
+    def path_in_file(self, path: Path) -> Path:
         """Return a path with the indices that the elements of lists have in the file.
 
         In ``path``, an element can be given by its name, or by its index after invalid elements were removed.
@@ -147,12 +147,12 @@ class Document:
         node: Any = self.data
         original_path: Path = ()
         for step in path:
-            original_step = self._original_step(node, step, original_path)
+            original_step = self._step_in_file(node, step, original_path)
             node = child_at(node, original_step)
             original_path += (original_step,)
         return original_path
 
-    def _original_step(self, node: Any, step: str | int, original_path: Path) -> str | int:
+    def _step_in_file(self, node: Any, step: str | int, original_path: Path) -> str | int:
         """Return one step of a path with the index that the element of a list has in the file.
 
         ``node`` is the list or map in the file at ``original_path``. ``step`` is the name of an element, or its index
@@ -161,13 +161,13 @@ class Document:
         if not isinstance(node, list):
             return step
         if not isinstance(step, int):
-            return self._find_index(node, step)
+            return self._index_of_label(node, step)
         original_indices = self.kept_indices.get(original_path)
         if original_indices is None or step >= len(original_indices):
             return step
         return original_indices[step]
 
-    def _find_index(self, node: list[Any], label: str) -> str | int:
+    def _index_of_label(self, node: list[Any], label: str) -> str | int:
         """Return the index of the first item of a list with this label, or the label if there is none."""
         if id(node) not in self._indices:
             first_indices: dict[str, int] = {}
@@ -371,7 +371,7 @@ def excerpt(line_text: str, column: int, width: int = 80) -> list[str]:
     """Return two lines: the part of a line around a column, and a caret below the column. Empty for a blank line."""
     if not line_text.strip():
         return []
-    window, caret = _cut_window(line_text, column, max(width, 20) - 4)
+    window, caret = _visible_part(line_text, column, max(width, 20) - 4)
     return [f"    {window}", f"    {' ' * caret}^"]
 
 
@@ -399,24 +399,28 @@ def _measure_columns(text: str) -> int:
     return len(text) + wide_count - combining_count
 
 
-def _cut_window(line_text: str, column: int, width: int) -> tuple[str, int]:
+def _visible_part(line_text: str, column: int, width: int) -> tuple[str, int]:
     """Return the part of a line to show, without its indentation, and the offset of the caret in it, in columns.
 
     A line with more than ``width`` columns is cut so that the caret is visible, with more text before it than after.
     """
     indentation = len(line_text) - len(line_text.lstrip(" "))
-    stripped = line_text.strip(" ")
-    caret_index = max(0, min(column - 1 - indentation, len(stripped)))
+    stripped_line = line_text.strip(" ")
+    caret_index = max(0, min(column - 1 - indentation, len(stripped_line)))
     # Each character takes at least one column, so nothing farther away can be shown. A line may have millions.
     start = max(0, caret_index - width)
-    characters_before = [_visible_character(character) for character in stripped[start:caret_index]]
-    characters_after = [_visible_character(character) for character in stripped[caret_index : caret_index + width + 1]]
+    end = caret_index + width + 1
+    characters_before = [_visible_character(character) for character in stripped_line[start:caret_index]]
+    characters_after = [_visible_character(character) for character in stripped_line[caret_index:end]]
     is_too_long = start > 0 or _measure_columns("".join(characters_before + characters_after)) > width
     if is_too_long:
-        characters_before = _cut_at_start(characters_before, width * 2 // 3, is_cut_already=start > 0)
-        characters_after = _cut_at_end(characters_after, width - _measure_columns("".join(characters_before)))
+        width_before_caret = width * 2 // 3
+        characters_before = _cut_at_start(characters_before, width_before_caret, is_cut_already=start > 0)
+        remaining_width = width - _measure_columns("".join(characters_before))
+        characters_after = _cut_at_end(characters_after, remaining_width)
     text_before = "".join(characters_before)
-    return text_before + "".join(characters_after), _measure_columns(text_before)
+    text_after = "".join(characters_after)
+    return text_before + text_after, _measure_columns(text_before)
 
 
 def _cut_at_start(characters: list[str], width: int, *, is_cut_already: bool) -> list[str]:

@@ -28,7 +28,7 @@ CONFIGURATION = "codewheel.yaml"
 #: Reasons why a folder was not searched, for those that may contain specs of the user.
 LINK, NESTED, UNREADABLE = "a link", "a repository of its own", "unreadable"
 #: Number of bytes inspected at the start of a file.
-_LOOKED_AT = 2**20
+_MOST_BYTES_READ = 2**20
 #: The indentation and first character of the first line that is not a comment, a directive or a mark of YAML.
 _FIRST_CONTENT_LINE = re.compile(rb"^([ \t]*)[^\s#%-]", re.MULTILINE)
 #: A key, perhaps in quotes, with its colon.
@@ -201,9 +201,7 @@ def _has_parts_of_a_device(keys: frozenset[str]) -> bool:
 
 
 def top_keys(path: Path) -> frozenset[str] | None:
-    """Return the keys at the top level of a YAML file, or None if it cannot be read.
-
-    In JSON, keys of all levels are returned.
+    """Return the keys at the top level of a YAML file, or of all levels of a JSON file. None if it cannot be read.
 
     The keys are found in the text, because a spec with a syntax error is still a spec, and other files need no parsing.
     Only the first mebibyte is read.
@@ -212,7 +210,7 @@ def top_keys(path: Path) -> frozenset[str] | None:
         if not path.is_file():
             return None
         with open(path, "rb") as file:
-            content = file.read(_LOOKED_AT)
+            content = file.read(_MOST_BYTES_READ)
     except (OSError, ValueError):
         return None
     # Specs are not UTF-16, but such a file must be rejected and not skipped. Without its NULs and its byte order mark,
@@ -223,14 +221,14 @@ def top_keys(path: Path) -> frozenset[str] | None:
     if first_content is None:
         return frozenset()
     is_json = first_content[0].endswith(b"{")
-    if is_json:  # Keys on all levels are found.
-        pattern = _KEY_WITH_COLON
+    if is_json:
+        key_pattern = _KEY_WITH_COLON
     else:
         # Keys at the top level have the same indentation as the first one.
         # A line break is found faster than the beginning of a line.
         indentation = first_content[1]
-        pattern = rb"\n" + re.escape(indentation) + _KEY_WITH_COLON
-    keys = re.findall(pattern, b"\n" + text, re.MULTILINE)
+        key_pattern = rb"\n" + re.escape(indentation) + _KEY_WITH_COLON
+    keys = re.findall(key_pattern, b"\n" + text, re.MULTILINE)
     return frozenset(key.decode() for key in keys)
 
 

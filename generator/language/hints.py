@@ -144,21 +144,23 @@ def _text_hint(key: str, number_text: str) -> str:
     The text can be bytes, a number in quotes, ``48h``, ``0b11``, ``1,000``, ``10 MHz``, a polynomial, or hexadecimal
     without a prefix.
     """
-    if _HEX_BYTES.fullmatch(number_text) and " " in number_text:
+    is_several_bytes = _HEX_BYTES.fullmatch(number_text) is not None and " " in number_text
+    if is_several_bytes:  # 4C 69
         return _bytes_hint(bytes.fromhex(number_text))
     if _PLAIN_NUMBER.fullmatch(number_text):
         return f"; write {number_text}, without the quotes"
-    if match := _HEX_NUMBER.fullmatch(number_text):
-        return f"; write {match['negative']}0x{(match['suffixed'] or match['prefixed']).upper()}"
-    if match := _BINARY_NUMBER.fullmatch(number_text):
+    if match := _HEX_NUMBER.fullmatch(number_text):  # 48h or $48
+        hex_digits = match["suffixed"] or match["prefixed"]
+        return f"; write {match['negative']}0x{hex_digits.upper()}"
+    if match := _BINARY_NUMBER.fullmatch(number_text):  # 0b0101
         return f"; write {int(match['digits'], 2):#x}"
-    if match := _GROUPED_DIGITS.fullmatch(number_text):
+    if match := _GROUPED_DIGITS.fullmatch(number_text):  # 1,000
         return f"; write {number_text.replace(match['separator'], '')}"
-    if match := _WITH_UNIT.fullmatch(number_text):
+    if match := _WITH_UNIT.fullmatch(number_text):  # 10 MHz
         unit_of_key = _unit_of_key(key)
         converted = _convert_number(Fraction(match["number"]), match["unit"].lower(), unit_of_key)
-        return f"; write {converted}, in {_name_unit(unit_of_key)}" if converted is not None else ""
-    if key == "poly" and POLYNOMIAL.fullmatch(number_text):
+        return f"; write {converted}, in {_unit_in_words(unit_of_key)}" if converted is not None else ""
+    if key == "poly" and POLYNOMIAL.fullmatch(number_text):  # x^6 + x + 1
         return _polynomial_hint(number_text)
     return f"; write 0x{number_text.upper()}" if _BARE_HEX_DIGITS.fullmatch(number_text) else ""
 
@@ -214,38 +216,42 @@ def foreign_key_hint(
     ``allowed_keys`` contains the keys that the map can have, and ``used_keys`` the keys that it has. The hint is empty
     if no allowed key has the same meaning.
     """
-    our_key = _our_key(unknown_key, value_of_key, allowed_keys)
-    if not our_key:
+    key_of_language = _key_of_language(unknown_key, value_of_key, allowed_keys)
+    if not key_of_language:
         return ""
-    if our_key in used_keys:
-        return f"; leave it out, because '{our_key}' says the same"
-    if our_key == "active":
+    if key_of_language in used_keys:
+        return f"; leave it out, because '{key_of_language}' says the same"
+    if key_of_language == "active":
         # Both 'active_low: true' and 'active_high: false' mean low.
         names_low = unknown_key.lower() == "active_low"
         is_low = names_low if value_of_key is not False else not names_low
         return "; write 'active: low'" if is_low else "; write 'active: high'"
-    if our_key in _VALUES_OF_OTHER_TOOLS:
-        word = _VALUES_OF_OTHER_TOOLS[our_key].get(str(value_of_key).lower().replace("-", "_"), "")
-        return f"; write '{our_key}: {word}'" if word else f"; it is called '{our_key}' here"
+    if key_of_language in _VALUES_OF_OTHER_TOOLS:
+        word = _VALUES_OF_OTHER_TOOLS[key_of_language].get(str(value_of_key).lower().replace("-", "_"), "")
+        return f"; write '{key_of_language}: {word}'" if word else f"; it is called '{key_of_language}' here"
     # A type such as uint16_t gives the length or the number of bits.
     type_bits = _TYPE_BITS.fullmatch(str(value_of_key).lower())
     if type_bits is not None:
         bits = int(type_bits[1] or type_bits[2])  # The group for uint16_t or the group for u16 is empty.
-        number = bits // 8 if our_key == "length" else bits
-        return f"; write '{our_key}: {number}'"
-    return f"; it is called '{our_key}' here"
+        number = bits // 8 if key_of_language == "length" else bits
+        return f"; write '{key_of_language}: {number}'"
+    return f"; it is called '{key_of_language}' here"
 
 
-def _our_key(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str]) -> str:
+def _key_of_language(unknown_key: str, value_of_key: Any, allowed_keys: Collection[str]) -> str:
     """Return the allowed key that has the meaning of an unknown key of another tool, or an empty string.
 
     If there are several, a key that takes the given value is preferred, so that ``mode: rw`` becomes ``access``.
     """
-    candidates = [our_key for our_key in _KEYS_OF_OTHER_TOOLS.get(unknown_key.lower(), ()) if our_key in allowed_keys]
-    for our_key in candidates:
-        our_words = _VALUES_OF_OTHER_TOOLS.get(our_key, {}).values()
-        if word_hint(our_key, value_of_key) or value_of_key in our_words:
-            return our_key
+    candidates = [
+        key_of_language
+        for key_of_language in _KEYS_OF_OTHER_TOOLS.get(unknown_key.lower(), ())
+        if key_of_language in allowed_keys
+    ]
+    for key_of_language in candidates:
+        our_words = _VALUES_OF_OTHER_TOOLS.get(key_of_language, {}).values()
+        if word_hint(key_of_language, value_of_key) or value_of_key in our_words:
+            return key_of_language
     return candidates[0] if candidates else ""
 
 
@@ -271,10 +277,10 @@ def _fraction_hint(key: str, fraction: float) -> str:
     if unit in _PREFIXED_UNITS and fraction > 0:
         return _larger_unit_hint(unit, fraction)
     if key == "step_um":
-        return _step_hint(fraction)
+        return _hint_on_length_of_step(fraction)
     problem = "; there are no fractions"
     if unit in _BASE_UNIT_AND_POWER:
-        problem += f" of {_name_unit(unit)}"
+        problem += f" of {_unit_in_words(unit)}"
     is_lower_bound = "at_least" in key or key.startswith("min_")
     is_upper_bound = "at_most" in key or key.startswith("max_")
     if is_lower_bound:
@@ -297,14 +303,14 @@ def _larger_unit_hint(unit: str, fraction: float) -> str:
     return f"; if it is in {prefix}{_PREFIXED_UNITS[unit]}, write {converted}"
 
 
-def _step_hint(micrometres: float) -> str:
+def _hint_on_length_of_step(micrometres: float) -> str:
     """Return the hint for ``step_um: 0.5``: the same length in nanometres, or the length of several steps."""
     nanometres = Fraction(str(micrometres)) * 1000
     if nanometres.denominator == 1:
         return f"; write 'step_nm: {nanometres}'"
     length = nanometres.limit_denominator(_MOST_COUNTS)
-    several = f"such as 'step_nm: {length.numerator}' with 'per_counts: {length.denominator}'"
-    return f"; write the length of several steps in nanometres, and their number in 'per_counts', {several}"
+    example = f"such as 'step_nm: {length.numerator}' with 'per_counts: {length.denominator}'"
+    return f"; write the length of several steps in nanometres, and their number in 'per_counts', {example}"
 
 
 def _polynomial_hint(polynomial_text: str) -> str:
@@ -347,19 +353,19 @@ def key_hint(unknown_key: str, value_of_key: Any, known_keys: Iterable[str]) -> 
     fitting_keys = _keys_of_same_kind(stem, unit, known_keys)
     if not fitting_keys or unknown_key in fitting_keys:
         return ""
-    best_key = _best_unit(fitting_keys, value_of_key, unit)
+    best_key = _key_with_best_unit(fitting_keys, value_of_key, unit)
     best_unit = _unit_of_key(best_key)
     if not _is_finite_number(value_of_key):
-        hint = f"; the unit is {_name_unit(best_unit)}: write '{best_key}'"
+        hint = f"; the unit is {_unit_in_words(best_unit)}: write '{best_key}'"
         if best_key in _ALTERNATIVES_TO_UNIT:
             hint += f". If that is not a whole number{_ALTERNATIVES_TO_UNIT[best_key]}"
         return hint
     # From the shortest decimal form: 0.05 means five hundredths, not the nearest binary fraction.
     converted = _convert_number(Fraction(str(value_of_key)), unit, best_unit)
     if converted is None:
-        problem = f"{value_of_key} {_name_unit(unit)} is not a whole number of {_name_unit(best_unit)}"
+        problem = f"{value_of_key} {_unit_in_words(unit)} is not a whole number of {_unit_in_words(best_unit)}"
         return f"; there is only '{best_key}', and {problem}{_ALTERNATIVES_TO_UNIT.get(best_key, '')}"
-    return f"; write '{best_key}: {converted}', in {_name_unit(best_unit)}"
+    return f"; write '{best_key}: {converted}', in {_unit_in_words(best_unit)}"
 
 
 def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[str]:
@@ -382,16 +388,21 @@ def _base_unit(unit: str) -> str:
     return base_unit
 
 
-def _best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:
+def _key_with_best_unit(keys: list[str], value_of_key: Any, unit: str) -> str:
     """Return the key with the largest unit in which a value is a whole number, or the key with the smallest unit.
 
     ``keys`` differ only in their units. ``unit`` is the unit of the value.
     """
-    largest_first = sorted(keys, key=lambda known_key: -_BASE_UNIT_AND_POWER[_unit_of_key(known_key)][1])
-    for known_key in largest_first:
+
+    def power_of_unit(known_key: str) -> int:
+        _, power = _BASE_UNIT_AND_POWER[_unit_of_key(known_key)]
+        return power
+
+    largest_unit_first = sorted(keys, key=power_of_unit, reverse=True)
+    for known_key in largest_unit_first:
         if _is_whole_in(value_of_key, unit, _unit_of_key(known_key)):
             return known_key
-    return largest_first[-1]
+    return largest_unit_first[-1]
 
 
 def _is_finite_number(value_of_key: Any) -> bool:
@@ -400,9 +411,9 @@ def _is_finite_number(value_of_key: Any) -> bool:
 
 def _is_whole_in(value_of_key: Any, unit: str, target_unit: str) -> bool:
     """Return True if a value is a whole number in another unit."""
-    return (
-        _is_finite_number(value_of_key) and _convert_number(Fraction(str(value_of_key)), unit, target_unit) is not None
-    )
+    if not _is_finite_number(value_of_key):
+        return False
+    return _convert_number(Fraction(str(value_of_key)), unit, target_unit) is not None
 
 
 def _remove_unit(key: str) -> str:
@@ -413,7 +424,7 @@ def _unit_of_key(key: str) -> str:
     return key.rpartition("_")[2].lower()
 
 
-def _name_unit(unit: str) -> str:
+def _unit_in_words(unit: str) -> str:
     return _UNIT_NAMES.get(unit, unit)
 
 

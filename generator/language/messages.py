@@ -141,17 +141,17 @@ def explain(error: Any, file_kind: str) -> Iterator[RuleFinding]:
     """
     path: Path = tuple(error.absolute_path)
     if "propertyNames" in error.relative_schema_path:
-        yield _invalid_key(error, path)
+        yield _finding_on_invalid_key(error, path)
     elif error.validator == "additionalProperties":
-        yield from _unknown_keys(error, path, file_kind)
+        yield from _findings_on_unknown_keys(error, path, file_kind)
     elif error.validator == "required":
-        yield from _missing_keys(error, path, file_kind)
+        yield from _findings_on_missing_keys(error, path, file_kind)
     else:
-        rule, message = _EXPLAIN_BY_KEYWORD[error.validator](error, _name_subject(path))
+        rule, message = _EXPLAIN_BY_KEYWORD[error.validator](error, _subject_in_words(path))
         yield RuleFinding(rule, path, message)
 
 
-def _invalid_key(error: Any, path: Path) -> RuleFinding:
+def _finding_on_invalid_key(error: Any, path: Path) -> RuleFinding:
     """Return the finding for a key that is too long or does not match the pattern of names."""
     key = error.instance
     if error.validator == "maxLength":
@@ -165,7 +165,7 @@ def _invalid_key(error: Any, path: Path) -> RuleFinding:
     return RuleFinding("bad-pattern", (*path, key), message, at_key=True)
 
 
-def _unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
+def _findings_on_unknown_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
     """Yield a finding for each key of a map that the schema does not have, with a hint on what to write instead.
 
     If there is such a hint, the key may be meant as another one, so the map cannot be used without it. The rest of the
@@ -190,7 +190,7 @@ def _key_hint(error: Any, path: Path, key: str) -> str:
     known_keys = error.schema["properties"]
     if RENAMED.get(key) in known_keys:
         return f"; it is now called '{RENAMED[key]}' (codewheel migrate renames it)"
-    if foreign_hint := foreign_key_hint(key, error.instance[key], known_keys, error.instance):
+    if foreign_hint := foreign_key_hint(key, error.instance[key], allowed_keys=known_keys, used_keys=error.instance):
         return foreign_hint
     if missing_feature_hint := unsupported_hint(key):
         return missing_feature_hint
@@ -211,7 +211,7 @@ def _suggest_key(error: Any, unknown_key: str) -> str:
     return suggest_word(unknown_key, error.schema["properties"], "known keys")
 
 
-def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
+def _findings_on_missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFinding]:
     """Yield one finding for all missing keys of a map, except keys that an unknown key misspells."""
     required_keys = error.validator_value
     misspelt_keys = [key for key in required_keys if _is_misspelt(error, key)]
@@ -219,7 +219,7 @@ def _missing_keys(error: Any, path: Path, file_kind: str) -> Iterator[RuleFindin
     if not missing_keys:
         return
     hints = [TO_ADD[key] for key in missing_keys if key in TO_ADD]
-    message = "; ".join([missing_keys_message(missing_keys, _name_owner(error, path, file_kind)), *hints])
+    message = "; ".join([missing_keys_message(missing_keys, _owner_in_words(error, path, file_kind)), *hints])
     is_only_prose = not misspelt_keys and WORDS_ONLY.issuperset(missing_keys)
     is_in_named_map = bool(path) and isinstance(path[-1], str)
     yield RuleFinding("missing-key", path, message, at_key=is_in_named_map, alone=is_only_prose)
@@ -232,17 +232,18 @@ def _is_misspelt(error: Any, required_key: str) -> bool:
     return any(_is_meant_as(required_key, key, error.instance, known_keys) for key in unknown_keys)
 
 
-def _is_meant_as(required_key: str, unknown_key: str, instance: Any, known_keys: Any) -> bool:
+def _is_meant_as(required_key: str, unknown_key: str, map_with_keys: Any, known_keys: Any) -> bool:
     """Return True if an unknown key is a typo of the required one, or the hint about it names the required key."""
     if nearest_choice(unknown_key, list(known_keys)) == required_key:
         return True
-    value = instance[unknown_key]
-    hints = key_hint(unknown_key, value, known_keys) + foreign_key_hint(unknown_key, value, known_keys, instance)
+    value = map_with_keys[unknown_key]
+    hint_on_unit = key_hint(unknown_key, value, known_keys)
+    hint_on_other_tools = foreign_key_hint(unknown_key, value, allowed_keys=known_keys, used_keys=map_with_keys)
     # The hints quote the key to write, perhaps followed by a value.
-    return f"'{required_key}" in hints
+    return f"'{required_key}" in hint_on_unit + hint_on_other_tools
 
 
-def _name_owner(error: Any, path: Path, file_kind: str) -> str:
+def _owner_in_words(error: Any, path: Path, file_kind: str) -> str:
     """Return the text for the map that lacks keys in a message, such as ``a register`` or ``a device file``.
 
     A map that is neither an element of a list nor one of several with names is given by its key in quotes.
@@ -253,11 +254,11 @@ def _name_owner(error: Any, path: Path, file_kind: str) -> str:
     is_list_item_or_named_entry = len(schema_path) > 1 and schema_path[-2] in ("items", "additionalProperties")
     if is_list_item_or_named_entry:
         enclosing_keys = [step for step in path[:-1] if isinstance(step, str)]
-        return _name_one_item(enclosing_keys[-1])
+        return _one_item_in_words(enclosing_keys[-1])
     return f"'{path[-1]}'"
 
 
-def _name_one_item(plural: str) -> str:
+def _one_item_in_words(plural: str) -> str:
     """Return one item of a list or map with its article, such as ``a register`` for ``registers``."""
     if plural in _NAMES_OF_ITEMS:
         return _NAMES_OF_ITEMS[plural]
@@ -266,7 +267,7 @@ def _name_one_item(plural: str) -> str:
     return f"{article} {singular}"
 
 
-def _name_subject(path: Path) -> str:
+def _subject_in_words(path: Path) -> str:
     """Return the subject of a message about a value: its key, or ``an item of`` the list that contains it."""
     if path and isinstance(path[-1], int):
         return f"an item of '{path[-2]}'"
@@ -296,13 +297,13 @@ def _explain_type(error: Any, subject: str) -> _RuleMessage:
     if number_or_text or types == ["integer"]:
         hint = number_hint(key, value)
     elif "string" in types and isinstance(value, (int, float)):
-        hint = _text_hint(error)
+        hint = _hint_for_text(error)
     if not hint:
         hint = value_hint(key, value, error.schema)
     return _RuleMessage("wrong-type", f"{subject} must be {accepted}, not {quoted(value)}{hint}")
 
 
-def _text_hint(error: Any) -> str:
+def _hint_for_text(error: Any) -> str:
     """Return a hint for a number or boolean that must be text: quotes, or a name for the value that a step writes.
 
     The hint is empty if the text would not be valid in quotes either.
@@ -318,14 +319,18 @@ def _text_hint(error: Any) -> str:
 
 def _explain_enum(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a value that is not allowed, with the likely or all allowed values."""
-    hint = word_hint(str(error.absolute_path[-1]), error.instance) or unsupported_hint(error.instance)
-    if not hint and not isinstance(error.instance, (dict, list)):
-        hint = suggest_word(str(error.instance), map(str, error.validator_value), "use one of")
+    value, allowed_values = error.instance, error.validator_value
+    key = error.absolute_path[-1]
+    hint = word_hint(str(key), value) or unsupported_hint(value)
+    if not hint and not isinstance(value, (dict, list)):
+        hint = suggest_word(str(value), map(str, allowed_values), "use one of")
     if not hint:
-        hint = f"; use one of {', '.join(map(str, error.validator_value))}"
-    if "use one of" in hint and "fields" in error.absolute_path and error.absolute_path[-1] in _WIDTH_DECIDES:
+        hint = f"; use one of {', '.join(map(str, allowed_values))}"
+    lists_allowed_values = "use one of" in hint
+    is_key_of_field = "fields" in error.absolute_path
+    if lists_allowed_values and is_key_of_field and key in _WIDTH_DECIDES:
         hint += ". If it depends on the order code, write two fields, each with a parameter in 'bits' that is 0 or 1"
-    return _RuleMessage("not-allowed", f"{subject} cannot be {quoted(error.instance)}{hint}")
+    return _RuleMessage("not-allowed", f"{subject} cannot be {quoted(value)}{hint}")
 
 
 def _explain_const(error: Any, subject: str) -> _RuleMessage:
@@ -355,7 +360,7 @@ def _explain_range(error: Any, subject: str) -> _RuleMessage:
     return _RuleMessage("out-of-range", f"{subject} is {quoted(error.instance)}; it must be {bounds}")
 
 
-def _too_long(error: Any, subject: str) -> _RuleMessage:
+def _explain_too_long(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a text that is longer than the schema allows."""
     return _RuleMessage(
         "too-long", f"{subject} has {len(error.instance)} characters; the limit is {error.validator_value}"
@@ -376,7 +381,7 @@ def _explain_too_few(error: Any, subject: str) -> _RuleMessage:
     return _RuleMessage("too-short", f"{subject} is empty; it needs at least one entry")
 
 
-def _too_many(error: Any, subject: str) -> _RuleMessage:
+def _explain_too_many(error: Any, subject: str) -> _RuleMessage:
     """Return rule and message for a list or map with more entries than the schema allows."""
     return _RuleMessage(
         "too-long", f"{subject} has {len(error.instance)} entries; the limit is {error.validator_value}"
@@ -390,12 +395,12 @@ _EXPLAIN_BY_KEYWORD: dict[str, Callable[[Any, str], _RuleMessage]] = {
     "pattern": _explain_pattern,
     "minimum": _explain_range,
     "maximum": _explain_range,
-    "maxLength": _too_long,
+    "maxLength": _explain_too_long,
     "minLength": _explain_empty,
     "minItems": _explain_too_few,
     "minProperties": _explain_too_few,
-    "maxProperties": _too_many,
-    "maxItems": _too_many,
+    "maxProperties": _explain_too_many,
+    "maxItems": _explain_too_many,
 }
 
 #: Keywords of JSON Schema that the schemas may use. Each has a message.

@@ -304,7 +304,7 @@ class LayeredSpec:
     def _replace_value(self, target: _Target, path: Path) -> None:
         """Replace the value at ``path`` with the value of a change. Report the change if both are the same."""
         current_value = value_at(self._data, path)
-        current_text = _value_text(current_value, self._text_from(path))
+        current_text = _shortened_value_text(current_value, self._line_from_value(path))
         if _is_equal(target.change.new_value, current_value):
             message = f"the spec already has {current_text} here; leave the change out"
             self._report_problem("overlay-unused", target, message)
@@ -320,16 +320,15 @@ class LayeredSpec:
         affected = as_affected(self._data, path)
         affected_parent = as_affected(self._data, path[:-1])
         self._data, self._marks = without_value(self._data, self._marks, path)
-        has_remaining_value = bool(ErratumTargets(self._data).at(affected))  # Such as another field of this name.
+        has_remaining_value = bool(
+            ErratumTargets(self._data).values_at(affected)
+        )  # Such as another field of this name.
         affects = affected if has_remaining_value else affected_parent
         is_known = target.change.kind != "unknown"
         self._record_change(target.change, was=target.short_place, now="", affects=affects, is_known=is_known)
 
     def _put_value(self, target: _Target, path: Path, *, was: str) -> None:
-        """Put the value of a change at a path of the spec, and record the change.
-
-        ``was`` is the text for the value before.
-        """
+        """Put the value of a change at a path of the spec, and record the change with ``was``, the text before."""
         change = target.change
         overlay = change.layer.document
         mark = mark_at(overlay.marks, (*change.path, change.key_of_value))
@@ -337,7 +336,7 @@ class LayeredSpec:
         mark_with_file = from_file(mark, overlay_file)
         self._data, self._marks = with_value(self._data, self._marks, path, change.new_value, mark_with_file)
         text_from_value = overlay.line(mark.line)[mark.column - 1 :]
-        now = _value_text(change.new_value, text_from_value)
+        now = _shortened_value_text(change.new_value, text_from_value)
         self._record_change(change, was=was, now=now, affects=as_affected(self._data, path), is_known=True)
 
     def _record_change(self, change: _Change, *, was: str, now: str, affects: str, is_known: bool) -> None:
@@ -367,7 +366,7 @@ class LayeredSpec:
         self._reserved_places[path] = target.change
         return True
 
-    def _text_from(self, path: Path) -> str:
+    def _line_from_value(self, path: Path) -> str:
         """Return the rest of the line in the file from the value at ``path`` on."""
         mark = mark_at(self._marks, path)
         lines = self._other_files[mark.file] if mark.file else self._base.lines
@@ -392,7 +391,7 @@ def _is_equal(new_value: Any, current_value: Any) -> bool:
     return type(new_value) is type(current_value) and bool(new_value == current_value)
 
 
-def _value_text(changed_value: Any, text_from_value: str) -> str:
+def _shortened_value_text(changed_value: Any, text_from_value: str) -> str:
     """Return a value as text, shortened if it is long.
 
     ``text_from_value`` is the line of the file from the value on. A number that is hexadecimal there stays hexadecimal.

@@ -111,7 +111,7 @@ class ProblemReport:
             cause: What the problem has in common with others of this rule, such as the name that is missing.
         """
         if not in_words and path and path[-1] not in WORDS_ONLY:
-            self._faults.setdefault(document.key, set()).add(document.original(path))
+            self._faults.setdefault(document.key, set()).add(document.path_in_file(path))
         line, column = document.position(path, at_key)
         file = document.file_of(path)
         self.add_at(
@@ -181,7 +181,7 @@ class ProblemReport:
         for problem in self.problems:
             key = (problem.file, problem.rule, problem.cause) if problem.cause else problem
             problems_by_cause.setdefault(key, []).append(problem)
-        return tuple(map(_combine, problems_by_cause.values()))
+        return tuple(map(_combine_problems, problems_by_cause.values()))
 
     @property
     def faulty_files(self) -> frozenset[str]:
@@ -203,7 +203,7 @@ class ProblemReport:
         return bool(self._problems)
 
 
-def _combine(problems: Sequence[Problem]) -> Problem:
+def _combine_problems(problems: Sequence[Problem]) -> Problem:
     """Return the first of several problems with the same cause, with the line numbers of the others in its message.
 
     Other problems on the line of the first one are not mentioned.
@@ -220,8 +220,9 @@ def _combine(problems: Sequence[Problem]) -> Problem:
 def joined_lines(lines: Sequence[str]) -> str:
     """Return line numbers as text, such as ``3, 5 and 9``, or the first ones and the number of the others."""
     if len(lines) > _MOST_LINES:
-        return f"{', '.join(lines[:_MOST_LINES])} and {len(lines) - _MOST_LINES} more"
-    return " and ".join(filter(None, (", ".join(lines[:-1]), lines[-1])))
+        first_lines = ", ".join(lines[:_MOST_LINES])
+        return f"{first_lines} and {len(lines) - _MOST_LINES} more"
+    return join_words(lines)
 
 
 def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
@@ -257,7 +258,7 @@ class DocumentReport:
 
     def mark(self, path: Path) -> None:
         """Mark a place as faulty without a message, because another problem explains it."""
-        self._report.mark(self.document, [self.document.original(path)])
+        self._report.mark(self.document, [self.document.path_in_file(path)])
 
     def faults(self) -> frozenset[Path]:
         """Return the places with errors so far, as paths in the document before invalid parts were removed."""
@@ -350,19 +351,23 @@ def is_typo(word: str, known_word: str) -> bool:
     """
     if abs(len(word) - len(known_word)) > 1 or not _has_same_meaning(word, known_word):
         return False
-    # What remains between the common beginning and the common end are the differing letters.
+    # What remains between the common beginning and the common end are the differing letters: in posiion and position,
+    # between "posi" and "ion", the texts "" and "t".
     prefix_length = _common_prefix_length(word, known_word)
     # The common end is searched after the beginning, so that no letter counts for both.
-    suffix_length = _common_prefix_length(word[prefix_length:][::-1], known_word[prefix_length:][::-1])
+    reversed_ending, reversed_known_ending = word[prefix_length:][::-1], known_word[prefix_length:][::-1]
+    suffix_length = _common_prefix_length(reversed_ending, reversed_known_ending)
     differing_letters = word[prefix_length : len(word) - suffix_length]
     known_letters = known_word[prefix_length : len(known_word) - suffix_length]
     shorter_length = min(len(word), len(known_word))
     if len(differing_letters) == 2 and len(known_letters) == 2:
         are_swapped = differing_letters == known_letters[::-1]
         return are_swapped and shorter_length >= 4
-    # Now at most one letter may differ. For an extra or missing letter, one of the two texts is empty.
-    if prefix_length == 0 or len(differing_letters) > 1 or len(known_letters) > 1:
+    differs_in_first_letter = prefix_length == 0
+    differs_in_several_letters = len(differing_letters) > 1 or len(known_letters) > 1
+    if differs_in_first_letter or differs_in_several_letters:
         return False
+    # For an extra or missing letter, one of the two texts is empty.
     is_plural = suffix_length == 0 and "s" in (differing_letters, known_letters)
     if is_plural:
         return shorter_length >= 3

@@ -253,22 +253,22 @@ class _Parser:
         if forbidden is not None:
             code_point = f"U+{ord(forbidden[0]):04X}"
             message = f"the character {code_point} is not allowed in text; remove its escape"
-            return self._replace(event, path, "not-text", message)
+            return self._report_and_replace(event, path, "not-text", message)
         is_untagged_text = tag is None and is_quoted
         if is_untagged_text or tag in ("!", f"{_CORE_TAG}str"):
             return text
         shown_tag = quoted(_short_tag(tag or ""))
         if tag is not None and tag not in _TAGGED_TYPES:
-            return self._replace(event, path, "tag", f"the tag {shown_tag} is not supported; remove it")
+            return self._report_and_replace(event, path, "tag", f"the tag {shown_tag} is not supported; remove it")
         if len(text) > MAX_DIGITS and INTEGER_TEXT.fullmatch(text):
             message = f"a number of {len(text)} digits is too long; put it in quotes if it is text"
-            return self._replace(event, path, "number-too-long", message)
+            return self._report_and_replace(event, path, "number-too-long", message)
         value = resolve_scalar(text)
         if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
-            return self._replace(event, path, "tag", f"{quoted(text)} is not of type {_short_tag(tag)}")
+            return self._report_and_replace(event, path, "tag", f"{quoted(text)} is not of type {_short_tag(tag)}")
         return value
 
-    def _replace(self, event: Any, path: Path, rule: str, message: str) -> None:
+    def _report_and_replace(self, event: Any, path: Path, rule: str, message: str) -> None:
         """Report an invalid scalar. None, which this method returns, replaces its value."""
         self._report(event, rule, message)
         self._report_stand_in(path)
@@ -305,8 +305,8 @@ def read_document(path: pathlib.Path, report: ProblemReport, shown_as: str | Non
     try:
         content = _read_content(path)
         text = _decode_text(content)
-    except Unreadable as refusal:
-        report.add_at(file, refusal.rule, refusal.message, line=refusal.line, column=refusal.column)
+    except Unreadable as error:
+        report.add_at(file, error.rule, error.message, line=error.line, column=error.column)
         return None
     lines = tuple(LINE_BREAK.split(text))
     forbidden_character = FORBIDDEN.search(text)
@@ -315,7 +315,7 @@ def read_document(path: pathlib.Path, report: ProblemReport, shown_as: str | Non
     lines_up_to_it = LINE_BREAK.split(text[: forbidden_character.start()])
     line, column = len(lines_up_to_it), len(lines_up_to_it[-1]) + 1
     code_point = f"U+{ord(forbidden_character[0]):04X}"
-    message = _not_text(content, f"the character {code_point} is not allowed in text; remove it")
+    message = _message_on_content(content, f"the character {code_point} is not allowed in text; remove it")
     is_binary = "\0" in text
     line_text = "" if is_binary else lines[line - 1]
     report.add_at(file, "not-text", message, line=line, column=column, text=line_text)
@@ -332,10 +332,10 @@ def document_of_text(file: str, yaml_text: str, report: ProblemReport) -> Docume
 def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: ProblemReport) -> Document | None:
     """Return the document in a text, or None if nothing in it can be used. Report the errors in the text."""
     errors: list[Unreadable] = []
-    broken_places: list[Path] = []
+    replaced_places: list[Path] = []  # The places of values that could not be read.
     data_and_marks = None
     try:
-        data_and_marks = parse(yaml_text, errors.append, broken_places.append)
+        data_and_marks = parse(yaml_text, report_error=errors.append, report_stand_in=replaced_places.append)
     except Unreadable as last_error:
         errors.append(last_error)
     for error in errors:
@@ -345,8 +345,9 @@ def _parsed_document(file: str, yaml_text: str, lines: tuple[str, ...], report: 
         return None
     data, marks = data_and_marks
     doubtful_places = tuple(error.path for error in errors if error.path)
-    broken = tuple(broken_places)
-    return Document(file=file, lines=lines, data=data, marks=marks, broken=broken, doubtful=doubtful_places)
+    return Document(
+        file=file, lines=lines, data=data, marks=marks, broken=tuple(replaced_places), doubtful=doubtful_places
+    )
 
 
 def read_specs(paths: Iterable[pathlib.Path], report: ProblemReport) -> list[Document]:
@@ -363,7 +364,7 @@ def read_specs(paths: Iterable[pathlib.Path], report: ProblemReport) -> list[Doc
         if belongs_to_spec and not files.is_folder(requested_path):
             _report_lone_file(requested_path, requested_paths, report)
             continue
-        for path in _specs_at(requested_path, report):
+        for path in _specs_in_folder_or_file(requested_path, report):
             # A path with a NUL cannot be resolved. Reading it reports the error.
             real_path = str(path) if "\0" in str(path) else os.path.realpath(path)
             if real_path in read_paths:
@@ -385,7 +386,7 @@ def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path
         report.add_at(str(file), rule, f"this is a {kind}; give {spec.name}, the spec that it belongs to")
 
 
-def _specs_at(path: pathlib.Path, report: ProblemReport) -> Sequence[pathlib.Path]:
+def _specs_in_folder_or_file(path: pathlib.Path, report: ProblemReport) -> Sequence[pathlib.Path]:
     """Return the specs in a folder, or the file itself. Report a folder without specs, and note its other files."""
     if not files.is_folder(path):
         return (path,)
@@ -437,9 +438,9 @@ def _decode_text(content: bytes) -> str:
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         problem = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
-        raise Unreadable("not-text", _not_text(content, problem), line=line) from None
+        raise Unreadable("not-text", _message_on_content(content, problem), line=line) from None
 
 
-def _not_text(content: bytes, problem: str) -> str:
+def _message_on_content(content: bytes, problem: str) -> str:
     """Return the message about content that is not text: ``problem``, or for a binary file that it is one."""
     return "this is a binary file; a spec is UTF-8 text" if b"\0" in content[:65536] else problem

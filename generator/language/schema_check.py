@@ -67,7 +67,7 @@ def check_schema(document: Document, report: ProblemReport, file_kind: FileKind 
     Returns:
         The remaining data, or None if the kind of file cannot be derived, or the file has too many errors.
     """
-    file_kind = file_kind or _kind_of(document.data)
+    file_kind = file_kind or _kind_of_file(document.data)
     if file_kind is None:
         message = (
             "'device' is missing; a device file names its family with 'device', and a manufacturer file has only"
@@ -115,22 +115,24 @@ def _report_findings(findings: Sequence[RuleFinding], document: Document, report
 
 
 def renamed_keys(document: Document) -> list[tuple[Path, str]]:
-    """Return the keys that had another name in earlier versions of the language, each with its current name.
+    """Return the paths of keys that had another name in earlier versions of the language, with their current names.
 
     A key is renamed where the schema has the new name and not the old one. The keys are in the order of the file.
     """
-    file_kind = FileKind.SECOND if is_second(document.file) else _kind_of(document.data)
+    file_kind = FileKind.SECOND if is_second(document.file) else _kind_of_file(document.data)
     if file_kind is None or follows_schema(document.data, schema_without_references(file_kind.value)):
         return []
     new_names: dict[Path, str] = {}
     for error in _build_validator(file_kind.value).iter_errors(document.data):
-        if error.validator != "additionalProperties" or "properties" not in error.schema:
+        has_unknown_key = error.validator == "additionalProperties" and "properties" in error.schema
+        if not has_unknown_key:
             continue
         known_keys = error.schema["properties"]
-        for key, new_name in RENAMED.items():
-            is_old_key = key in error.instance and key not in known_keys
-            if is_old_key and new_name in known_keys and new_name not in error.instance:
-                new_names[(*error.absolute_path, key)] = new_name
+        map_with_unknown_key = error.instance
+        for old_name, new_name in RENAMED.items():
+            is_old_name = old_name in map_with_unknown_key and old_name not in known_keys
+            if is_old_name and new_name in known_keys and new_name not in map_with_unknown_key:
+                new_names[(*error.absolute_path, old_name)] = new_name
 
     def position_of(renamed: tuple[Path, str]) -> tuple[int, int]:
         path, _ = renamed
@@ -139,7 +141,7 @@ def renamed_keys(document: Document) -> list[tuple[Path, str]]:
     return sorted(new_names.items(), key=position_of)
 
 
-def _kind_of(file_data: dict[str, Any]) -> FileKind | None:
+def _kind_of_file(file_data: dict[str, Any]) -> FileKind | None:
     """Return the kind of a file by its keys, or None if no key decides it.
 
     A key that only device files have makes it a device file, even without ``device``.
@@ -175,31 +177,38 @@ def without_places(
 def _remove_broken_items(validator: Any, document: Document, cut: set[Path], file_kind: FileKind) -> SchemaResult:
     """Return the data of a document without the places in ``cut`` and without further parts that break the schema.
 
-    The rest is checked again after each removal, because it can cause new errors, such as a list that is too short.
-    Missing prose gets stand-ins instead. A missing key of a file or an interface only makes the result incomplete.
+    The remaining data are checked again after each removal, because it can cause new errors, such as a list that is too
+    short. Missing prose gets stand-ins instead. A missing key of a file or an interface only makes the result
+    incomplete.
     """
     stand_ins: dict[Path, Mapping[str, str]] = {}
     while True:
-        data = without_places(document, cut, stand_ins)
+        remaining_data = without_places(document, cut, stand_ins)
         is_complete = True
-        places_to_cut: set[Path] = set()
+        further_cuts: set[Path] = set()
         stand_ins_before = len(stand_ins)
-        for error in validator.iter_errors(data):
+        for error in validator.iter_errors(remaining_data):
             path = _find_original_path(tuple(error.absolute_path), document.kept_indices)
             is_missing_key = error.validator == "required"
             if file_kind is FileKind.DEVICE and path and is_missing_key and _lacks_only_prose(error):
-                stand_ins[path] = _stand_ins(error)
+                stand_ins[path] = _stand_ins_for_missing_keys(error)
             elif is_missing_key and _can_be_incomplete(path):
                 is_complete = False
             elif path:  # The file as a whole cannot be removed.
-                places_to_cut.add(path)
-        has_changed = not places_to_cut <= cut or len(stand_ins) > stand_ins_before
+                further_cuts.add(path)
+        has_changed = not further_cuts <= cut or len(stand_ins) > stand_ins_before
         if not has_changed:
-            return SchemaResult(data, file_kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
-        cut |= places_to_cut
+            return SchemaResult(
+                data=remaining_data,
+                kind=file_kind,
+                complete=is_complete,
+                cut=frozenset(cut),
+                stand_ins=stand_ins,
+            )
+        cut |= further_cuts
 
 
-def _stand_ins(error: Any) -> dict[str, str]:
+def _stand_ins_for_missing_keys(error: Any) -> dict[str, str]:
     """Return a stand-in for each missing key that an error reports: a valid source, or a marker for other prose."""
     missing_keys = [key for key in error.validator_value if key not in error.instance]
     stand_ins = dict.fromkeys(missing_keys, MISSING_PROSE)
@@ -262,20 +271,23 @@ def _copy_without(node: Any, cut: Collection[Path], path: Path, kept_indices: di
     return node
 
 
-def remaining_value_at(root: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
+def remaining_value_at(
+    remaining_data: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})
+) -> Any:
     """Return the value at a path of the file in data from which parts were removed, or None if it was removed itself.
 
     ``kept_indices`` contains, by the path of each list that lost elements, the original indices of the others.
     """
+    node = remaining_data
     for depth, step in enumerate(path):
-        if isinstance(root, list) and isinstance(step, int):
-            original_indices = kept_indices.get(path[:depth], range(len(root)))
-            root = root[original_indices.index(step)] if step in original_indices else None
-        elif isinstance(root, dict):
-            root = root.get(step)
+        if isinstance(node, list) and isinstance(step, int):
+            original_indices = kept_indices.get(path[:depth], range(len(node)))
+            node = node[original_indices.index(step)] if step in original_indices else None
+        elif isinstance(node, dict):
+            node = node.get(step)
         else:
             return None
-    return root
+    return node
 
 
 def _find_original_path(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:

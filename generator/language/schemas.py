@@ -254,7 +254,7 @@ def schema_with_parts(text: str) -> str:
     lines = text.splitlines()
     definitions = json.loads(text)["$defs"]
     spec_keys = part_schema(written_parts.WrittenSpec)["properties"]
-    lines = _with_block(lines, 0, ["properties"], lambda indent: _value_text("properties", spec_keys, indent))
+    lines = _replace_block(lines, 0, ["properties"], lambda indent: _format_value("properties", spec_keys, indent))
     for name, part_class in described_parts().items():
         # Such as ``field``, or ``manual.editions`` for a part inside the definition of another one.
         definition_path = _DEFINITION_PLACES.get(name, name_of_part(name))
@@ -262,11 +262,11 @@ def schema_with_parts(text: str) -> str:
         if definition in definitions:
             schema = part_schema(part_class)
             definitions_line = lines.index(_START_OF_DEFINITIONS)
-            lines = _with_block(lines, definitions_line, definition_path.split("."), partial(_format_schema, schema))
+            lines = _replace_block(lines, definitions_line, definition_path.split("."), partial(_format_schema, schema))
     return "\n".join(lines) + "\n"
 
 
-def _with_block(
+def _replace_block(
     lines: Sequence[str], line_before: int, keys: Sequence[str], format_value: Callable[[int], str]
 ) -> list[str]:
     """Return the lines of a schema in which the block at the path ``keys``, after ``line_before``, is replaced.
@@ -316,7 +316,7 @@ def _format_schema(schema: JsonSchema, indent: int) -> str:
     for word, value in schema.items():
         has_own_line = word == "description" or isinstance(value, dict)
         if has_own_line:
-            lines += [*_on_one_line(words_on_line), f"{json.dumps(word)}: {_value_text(word, value, indent + 2)}"]
+            lines += [*_on_one_line(words_on_line), f"{json.dumps(word)}: {_format_value(word, value, indent + 2)}"]
             words_on_line = {}
         else:
             words_on_line[word] = value
@@ -328,7 +328,7 @@ def _on_one_line(words: JsonSchema) -> list[str]:
     return [json.dumps(words, ensure_ascii=False)[1:-1]] if words else []
 
 
-def _value_text(word: str, schema_value: Any, indent: int) -> str:
+def _format_value(word: str, schema_value: Any, indent: int) -> str:
     """Return the text of a value in a schema. Each of the ``properties`` is on a line of its own."""
     if word == "properties":
         lines = [f"{json.dumps(name)}: {_format_schema(inner, indent + 2)}" for name, inner in schema_value.items()]

@@ -205,7 +205,7 @@ def _part_reader(part_class: Any) -> Reader:
     return read_part
 
 
-def _is_of(*types: type) -> Reader:
+def _reader_of_types(*types: type) -> Reader:
     """Return a function that returns a value of one of these types, and None for others. A boolean is not a number."""
     return lambda value, _: value if type(value) in types else None
 
@@ -275,9 +275,9 @@ def _read_cells(row: Any, _: Path) -> Any:
     return tuple(map(str, row)) if isinstance(row, list) else None
 
 
-_text = _is_of(str)
-_number = _is_of(int)
-_number_or_text = _is_of(int, str)
+_text = _reader_of_types(str)
+_number = _reader_of_types(int)
+_number_or_text = _reader_of_types(int, str)
 #: The words for types that are not text.
 _READERS_BY_TYPE: Mapping[str, Reader] = MappingProxyType(
     {
@@ -286,9 +286,9 @@ _READERS_BY_TYPE: Mapping[str, Reader] = MappingProxyType(
             _number,
         ),
         **dict.fromkeys(("Formula", "BitRange", "NumberOrText", "AddressRange"), _number_or_text),
-        "Scalar": _is_of(int, str, bool),
-        "bool": _is_of(bool),
-        "float": _is_of(int, float),
+        "Scalar": _reader_of_types(int, str, bool),
+        "bool": _reader_of_types(bool),
+        "float": _reader_of_types(int, float),
         "Expression": _parse_expression,
         "Names": _map_reader(_text),
         "Joins": _map_reader(_list_reader(_text)),

@@ -67,49 +67,50 @@ def explain(error: yaml.MarkedYAMLError, yaml_text: str) -> YamlMistake:
     lines = LINE_BREAK.split(yaml_text)
     problem = error.problem or "not understood"
     context = error.context or ""
-    opened: Any = error.context_mark
-    stopped: Any = error.problem_mark or opened
-    odd_space = _find_odd_space(lines, [mark.line for mark in (opened, stopped) if mark is not None])
-    if odd_space is not None:
-        return odd_space
+    opening_mark: Any = error.context_mark
+    stop_mark: Any = error.problem_mark or opening_mark
+    marked_lines = [mark.line for mark in (opening_mark, stop_mark) if mark is not None]
+    odd_space_mistake = _find_odd_space(lines, marked_lines)
+    if odd_space_mistake is not None:
+        return odd_space_mistake
     # Here the parser stopped only at the end of its search for the colon.
-    if opened is not None and problem == "could not find expected ':'":
-        return _mistake_at(opened, _message_on_missing_colon(_character_at(lines, opened)))
-    if opened is not None and "quoted scalar" in context and "end of stream" in problem:
-        return _mistake_at(opened, "the quote that opens here is never closed; close it on this line")
+    if opening_mark is not None and problem == "could not find expected ':'":
+        return _mistake_at(opening_mark, _message_on_missing_colon(_character_at(lines, opening_mark)))
+    if opening_mark is not None and "quoted scalar" in context and "end of stream" in problem:
+        return _mistake_at(opening_mark, "the quote that opens here is never closed; close it on this line")
     # An earlier quote may have closed too late, so that the error is only a consequence.
-    quoted_text = _find_last_quoted_text(yaml_text, stopped)
+    quoted_text = _find_last_quoted_text(yaml_text, stop_mark)
     if quoted_text is not None:
         return _mistake_at(quoted_text.start_mark, _message_on_quote(quoted_text))
-    if opened is not None and "flow" in context and "expected ','" in problem:
-        is_on_one_line = stopped.line == opened.line
-        if is_on_one_line and not _COMMENT_START.search(lines[opened.line], opened.column):
-            return _mistake_at(stopped, _NO_COMMA)
-        return _mistake_at(opened, _message_on_bracket(lines, opened, stopped))
-    character = _character_at(lines, stopped)
-    line = 1 if stopped is None else stopped.line + 1
+    if opening_mark is not None and "flow" in context and "expected ','" in problem:
+        is_on_one_line = stop_mark.line == opening_mark.line
+        if is_on_one_line and not _COMMENT_START.search(lines[opening_mark.line], opening_mark.column):
+            return _mistake_at(stop_mark, _NO_COMMA)
+        return _mistake_at(opening_mark, _message_on_bracket(lines, opening_mark, stop_mark))
+    character = _character_at(lines, stop_mark)
+    line = 1 if stop_mark is None else stop_mark.line + 1
     is_at_end = line >= len(lines) and not character
     message = _describe_problem(problem, character, is_at_end)
-    return YamlMistake(line=1, column=1, message=message) if stopped is None else _mistake_at(stopped, message)
+    return YamlMistake(line=1, column=1, message=message) if stop_mark is None else _mistake_at(stop_mark, message)
 
 
-def _find_odd_space(lines: list[str], positions: list[int]) -> YamlMistake | None:
+def _find_odd_space(lines: list[str], line_indices: list[int]) -> YamlMistake | None:
     """Return the mistake of an unusual space in one of these lines, or in the line before. None if there is none.
 
-    ``positions`` are the numbers of the lines, counted from 0.
+    ``line_indices`` are the numbers of the lines, counted from 0.
     """
-    for position in positions:
-        for line in (position, position - 1):
-            is_in_file = 0 <= line < len(lines)
+    for line_index in line_indices:
+        for index in (line_index, line_index - 1):
+            is_in_file = 0 <= index < len(lines)
             if not is_in_file:
                 continue
-            odd_space = _ODD_SPACE.search(lines[line])
+            odd_space = _ODD_SPACE.search(lines[index])
             if odd_space is not None:
                 character = f"U+{ord(odd_space[0]):04X}"
                 message = (
                     f"the space {character} is not an ordinary space, so YAML reads it as text; replace it with one"
                 )
-                return YamlMistake(line=line + 1, column=odd_space.start() + 1, message=message)
+                return YamlMistake(line=index + 1, column=odd_space.start() + 1, message=message)
     return None
 
 
@@ -133,27 +134,27 @@ def _message_on_missing_colon(character: str) -> str:
     return "a key has no colon, or the text of a value continues without indentation"
 
 
-def _find_last_quoted_text(yaml_text: str, stopped: Any) -> Any:
+def _find_last_quoted_text(yaml_text: str, stop_mark: Any) -> Any:
     """Return the token of the last quoted text before an error if it may be the cause, otherwise None.
 
-    ``stopped`` is the place where the parser stopped, or None. The text must end on the same line, and either span
+    ``stop_mark`` is the place where the parser stopped, or None. The text must end on the same line, and either span
     several lines or end exactly there.
     """
     last = None
     try:
         for token in yaml.scan(yaml_text, Loader=YAML_LOADER):
             token_start = (token.start_mark.line, token.start_mark.column)
-            if stopped is None or token_start >= (stopped.line, stopped.column):
+            if stop_mark is None or token_start >= (stop_mark.line, stop_mark.column):
                 break
             is_quoted = isinstance(token, yaml.ScalarToken) and token.style in ("'", '"')
-            if is_quoted and token.end_mark.line == stopped.line:
+            if is_quoted and token.end_mark.line == stop_mark.line:
                 last = token
     except yaml.YAMLError:
         pass  # This is the error to explain. Everything before it has been scanned.
     if last is None:
         return None
     spans_lines = last.end_mark.line > last.start_mark.line
-    ends_at_error = last.end_mark.column == stopped.column
+    ends_at_error = last.end_mark.column == stop_mark.column
     return last if spans_lines or ends_at_error else None
 
 
@@ -166,17 +167,17 @@ def _message_on_quote(token: Any) -> str:
     return 'a quote inside "..." ends the text; put the text in single quotes, or write \\" for the quote inside'
 
 
-def _message_on_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
+def _message_on_bracket(lines: list[str], opening_mark: Any, stop_mark: Any) -> str:
     """Return the message about a bracket that is not closed, or whose closing bracket is hidden by a comment.
 
-    ``opened`` is the place of the bracket, and ``stopped`` the place where the parser stopped.
+    ``opening_mark`` is the place of the bracket, and ``stop_mark`` the place where the parser stopped.
     """
-    bracket = _character_at(lines, opened)
+    bracket = _character_at(lines, opening_mark)
     closing_bracket = {"{": "}", "[": "]"}.get(bracket, "bracket")
-    is_at_end = stopped.line >= len(lines) - 1 and not _character_at(lines, stopped)
-    limit = "the end of the file" if is_at_end else f"line {stopped.line + 1}"
+    is_at_end = stop_mark.line >= len(lines) - 1 and not _character_at(lines, stop_mark)
+    limit = "the end of the file" if is_at_end else f"line {stop_mark.line + 1}"
     problem = f"the '{bracket}' that opens here is not closed by {limit}"
-    if _COMMENT_START.search(lines[opened.line], opened.column):
+    if _COMMENT_START.search(lines[opening_mark.line], opening_mark.column):
         return f"{problem}: a '#' after a space begins a comment; put the text in quotes"
     return f"{problem}; close it with '{closing_bracket}', or add the missing comma"
 
@@ -330,6 +331,7 @@ class CorrectedEvents:
             return
         first_skipped = None
         is_number = _DIGITS.fullmatch(value_event.value) is not None
+        # The parser reads the text after the comma as a key, with an empty value.
         while self._is_key_without_colon(self._peek_event(0), self._peek_event(1)):
             text_after_comma = self._peek_event(0)
             if is_number and _THREE_DIGITS.fullmatch(text_after_comma.value):

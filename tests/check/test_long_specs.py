@@ -234,5 +234,5 @@ def test_a_path_is_looked_up_without_reading_its_list_again() -> None:
 
     affected = walk.ErratumTargets({"registers": Items([{"name": f"r{index}"} for index in range(50)])})
     for index in range(50):
-        assert affected.at(f"registers.r{index}") == [{"name": f"r{index}"}]
+        assert affected.values_at(f"registers.r{index}") == [{"name": f"r{index}"}]
     assert Items.reads == 1

@@ -160,7 +160,7 @@ def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
         contradictions = [
             *_contradictions_of_fields(sent_fields, crcs, frame_path),
             *_contradictions_of_order(sent_fields, layout.path_of("name"), frame_path),
-            *_late_positions(sent_fields, names_of_position, frame_path),
+            *_contradictions_of_late_position(sent_fields, names_of_position, frame_path),
         ]
         for contradiction in contradictions:
             affected_path = contradiction.path_for_erratum
@@ -194,18 +194,20 @@ def _contradictions_of_fields(
         name = field.name
         if name in _ERROR_AND_WARNING and field.active == "high":
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
-            yield _Contradiction((*path, "active"), f"{frame_path}.{name}.active", problem)
+            yield _Contradiction(
+                path=(*path, "active"), path_for_erratum=f"{frame_path}.{name}.active", problem=problem
+            )
         if field.crc_of:
             problem = f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; remove 'crc_of'"
-            yield _Contradiction((*path, "crc_of"), f"{frame_path}.{name}", problem)
+            yield _Contradiction(path=(*path, "crc_of"), path_for_erratum=f"{frame_path}.{name}", problem=problem)
         if field.crc not in crcs:
             continue
         for key, problem in _contradictions_of_crc(crcs[field.crc]):
             path_for_erratum = f"crcs.{field.crc}.{key}"
-            yield _Contradiction((*path, "crc"), path_for_erratum, problem)
+            yield _Contradiction(path=(*path, "crc"), path_for_erratum=path_for_erratum, problem=problem)
 
 
-def _contradictions_of_order(sent_fields: SentFields, place_of_name: Path, frame_path: str) -> Iterator[_Contradiction]:
+def _contradictions_of_order(sent_fields: SentFields, path_of_name: Path, frame_path: str) -> Iterator[_Contradiction]:
     """Yield a contradiction to BiSS if a frame has nW before nE, and one if it has no CRC.
 
     A missing CRC is reported at the name of the frame.
@@ -216,15 +218,17 @@ def _contradictions_of_order(sent_fields: SentFields, place_of_name: Path, frame
     if is_warning_first:
         path, _ = sent_fields[names.index("warning")]
         problem = "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
-        yield _Contradiction(path, f"{frame_path}.warning", problem)
+        yield _Contradiction(path=path, path_for_erratum=f"{frame_path}.warning", problem=problem)
     has_crc = any(field.crc for _, field in sent_fields)
     if not has_crc:
         remedy = "add a last field such as {name: crc, crc: NAME}"
         problem = f"the frame has no CRC, but a BiSS frame ends with one; {remedy}"
-        yield _Contradiction(place_of_name, f"{frame_path}.fields", problem)
+        yield _Contradiction(path=path_of_name, path_for_erratum=f"{frame_path}.fields", problem=problem)
 
 
-def _late_positions(sent_fields: SentFields, names_of_position: set[str], frame_path: str) -> Iterator[_Contradiction]:
+def _contradictions_of_late_position(
+    sent_fields: SentFields, names_of_position: set[str], frame_path: str
+) -> Iterator[_Contradiction]:
     """Yield a contradiction to BiSS for the first field of the position that is sent after nE or nW, if there is one.
 
     ``names_of_position`` are the names of the fields and joined numbers that form the position.
@@ -236,7 +240,11 @@ def _late_positions(sent_fields: SentFields, names_of_position: set[str], frame_
             first_flag = first_flag or name
         elif first_flag and name in names_of_position:
             problem = f"{quoted(name)} is after {quoted(first_flag)}, but BiSS sends the position before nE and nW"
-            yield _Contradiction(path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(first_flag)}")
+            yield _Contradiction(
+                path=path,
+                path_for_erratum=f"{frame_path}.{name}",
+                problem=f"{problem}; move it before {quoted(first_flag)}",
+            )
             return
 
 

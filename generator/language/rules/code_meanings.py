@@ -85,14 +85,14 @@ def check_value_words(spec: WrittenSpec, report: DocumentReport) -> None:
     for part in spec.order_code.parts:
         for label, value in part.values.items():
             if not value.meaning_differs:
-                _check_code(label, value, spec, report)
-                _check_lengths(label, value, spec, report)
-                _check_supply(label, value, report)
+                _check_named_code(label, value, spec, report)
+                _check_named_lengths(label, value, spec, report)
+                _check_named_supply(label, value, report)
 
 
-def _check_code(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, report: DocumentReport) -> None:
+def _check_named_code(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a value whose meaning names Gray or binary code sets the parameters that decide the code."""
-    for name, required_number in _codes_named(spec, code_value).items():
+    for name, required_number in _parameters_of_named_code(spec, code_value).items():
         if code_value.sets[name] != required_number:
             code = "Gray" if required_number else "binary"
             problem = f"the meaning of {quoted(label)} says {code}, so {quoted(name)} must be {required_number}"
@@ -100,9 +100,9 @@ def _check_code(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, rep
             report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
 
 
-def _check_lengths(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, report: DocumentReport) -> None:
+def _check_named_lengths(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each length that a value sets is in its meaning, if this names any."""
-    lengths_in_meaning = _lengths_named(code_value.meaning)
+    lengths_in_meaning = _lengths_in_text(code_value.meaning)
     if not lengths_in_meaning:
         return
     first_length_text, *_ = lengths_in_meaning.values()
@@ -118,9 +118,9 @@ def _check_lengths(label: str, code_value: WrittenCodeValue, spec: WrittenSpec, 
             report.add("meaning-mismatch", (*code_value.path, "sets", name), message)
 
 
-def _check_supply(label: str, code_value: WrittenCodeValue, report: DocumentReport) -> None:
+def _check_named_supply(label: str, code_value: WrittenCodeValue, report: DocumentReport) -> None:
     """Check that the supply of a value is the supply that its meaning names."""
-    stated_range = supply_named(code_value.meaning)
+    stated_range = supply_in_text(code_value.meaning)
     if stated_range is None or code_value.supply is None:
         return
     supply = code_value.supply.part
@@ -131,12 +131,13 @@ def _check_supply(label: str, code_value: WrittenCodeValue, report: DocumentRepo
         report.add("meaning-mismatch", code_value.supply.path, message)
 
 
-def _lengths_named(meaning: str) -> dict[Fraction, str]:
-    """Return the lengths in a meaning in nanometres, each with its text.
+def _lengths_in_text(meaning: str) -> dict[Fraction, str]:
+    """Return the lengths in a text, in nanometres, each with its text: ``{Fraction(50000): "50 µm"}``.
 
     A quotient such as ``20/1024 mm`` represents its result and also its dividend, 20 mm.
     """
     length_texts = {}
+    # ("20", "1024", "mm") for 20/1024 mm, and ("", "50", "µm") for 50 µm.
     for dividend_text, number_text, unit in _LENGTH_IN_TEXT.findall(meaning):
         number = Fraction(number_text.replace(",", ""))
         nanometres_per_unit = _NANOMETRES_PER_UNIT[unit]
@@ -150,7 +151,7 @@ def _lengths_named(meaning: str) -> dict[Fraction, str]:
     return length_texts
 
 
-def _codes_named(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, int]:
+def _parameters_of_named_code(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, int]:
     """Return the parameters that a value sets and that decide the code, with the number for the code in its meaning.
 
     A parameter that decides the code of a layout is 1 for Gray code and 0 for binary code. The result is empty if the
@@ -170,7 +171,7 @@ def _codes_named(spec: WrittenSpec, code_value: WrittenCodeValue) -> dict[str, i
     return {name: required_number for name in code_value.sets if name in deciding_parameters}
 
 
-def supply_named(meaning: str) -> tuple[int, int] | None:
+def supply_in_text(meaning: str) -> tuple[int, int] | None:
     """Return the supply range that a text consists of, in millivolts, or None if it does not.
 
     ``5 V ± 5 %`` is ``(4750, 5250)``, ``5 to 30 V DC`` is ``(5000, 30000)``.
@@ -200,10 +201,12 @@ def check_named_interface(spec: WrittenSpec, report: DocumentReport) -> None:
             interface_names = {word.upper().replace("RS485", "RS-485") for word in interface_words}
             if len(interface_names) != 1 or value.interface is None:
                 continue
-            named_kinds = [kind for kind, pattern in _INTERFACE_NAMES.items() if pattern.search(value.meaning)]
-            if named_kinds and value.interface != named_kinds[0]:
-                name = interface_names.pop().replace("BISS", "BiSS")
-                problem = f"the meaning of {quoted(label)} mentions {name}, but the value selects {value.interface}"
+            named_interfaces = [name for name, pattern in _INTERFACE_NAMES.items() if pattern.search(value.meaning)]
+            if named_interfaces and value.interface != named_interfaces[0]:
+                printed_name = interface_names.pop().replace("BISS", "BiSS")
+                problem = (
+                    f"the meaning of {quoted(label)} mentions {printed_name}, but the value selects {value.interface}"
+                )
                 report.add("interface-mismatch", value.path_of("interface"), problem)
 
 
@@ -237,11 +240,11 @@ def check_alignment(spec: WrittenSpec, report: DocumentReport) -> None:
     Nothing is checked if they name none or both.
     """
     ssi = spec.interfaces.ssi
-    texts = [section.title for section in spec.manual.contents.values()]
+    titles_and_meanings = [section.title for section in spec.manual.contents.values()]
     for part in spec.order_code.parts:
-        texts += [value.meaning for value in part.values.values()]
+        titles_and_meanings += [value.meaning for value in part.values.values()]
     named_alignments: set[str] = set()
-    for text in texts:
+    for text in titles_and_meanings:
         for side in _ALIGNMENT_IN_TEXT.findall(text):
             named_alignments.add(_ALIGNMENTS[side.casefold()])
     if ssi is None or not ssi.alignment or len(named_alignments) != 1:
@@ -309,15 +312,16 @@ def check_counts(spec: WrittenSpec, report: DocumentReport) -> None:
     They are computed with the formulas of the measurement, if the value sets all parameters in them. With several
     measurements, the formula of the last one applies.
     """
-    formulas = dict(_yield_formulas(spec))
-    definitions = _collect_definitions(spec)
+    formulas = dict(_formulas_of_measurements(spec))
+    formula_by_parameter = _formulas_of_parameters(spec)
     for part in spec.order_code.parts:
         for value in part.values.values():
             if value.meaning_differs:
                 continue
-            parameters = resolve_parameters(value.sets, definitions)
+            parameters = resolve_parameters(value.sets, formula_by_parameter)
             for number_text, unit_text in _COUNT_IN_TEXT.findall(value.meaning):
-                formula = formulas.get("counts" if unit_text.startswith("counts") else "turns")
+                formula_name = "counts" if unit_text.startswith("counts") else "turns"
+                formula = formulas.get(formula_name)
                 number = _evaluate_formula(formula, parameters) if formula is not None else None
                 if number is None:
                     continue
@@ -330,7 +334,7 @@ def check_counts(spec: WrittenSpec, report: DocumentReport) -> None:
                     report.add("meaning-mismatch", value.path_of("meaning"), message)
 
 
-def _yield_formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
+def _formulas_of_measurements(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
     """Yield the formulas of measurements: ``("counts", …)`` for the counts per turn, ``("turns", …)`` for the turns."""
     for measurement in measurements(spec):
         for unit, key in (("counts", "counts_per_turn"), ("turns", "turns")):
@@ -339,7 +343,7 @@ def _yield_formulas(spec: WrittenSpec) -> Iterator[tuple[str, Expression]]:
                 yield unit, formula
 
 
-def _collect_definitions(spec: WrittenSpec) -> dict[str, Expression]:
+def _formulas_of_parameters(spec: WrittenSpec) -> dict[str, Expression]:
     """Return the formulas of the parameters that are calculated, by name."""
     formulas = {name: _parse_formula(parameter.equals) for name, parameter in spec.parameters.items()}
     return {name: formula for name, formula in formulas.items() if formula is not None}
@@ -373,11 +377,11 @@ def check_widths(spec: WrittenSpec, report: DocumentReport) -> None:
     these at their lowest, and with all at their highest.
     """
     ranges = _ranges_set_by_codes(spec)
-    definitions = _collect_definitions(spec)
+    formula_by_parameter = _formulas_of_parameters(spec)
     lowest_numbers = {name: lowest for name, (lowest, _) in ranges.items()}
     highest_numbers = {name: highest for name, (_, highest) in ranges.items()}
-    lowest_parameters = resolve_parameters(lowest_numbers, definitions)
-    highest_parameters = resolve_parameters(highest_numbers, definitions)
+    lowest_parameters = resolve_parameters(lowest_numbers, formula_by_parameter)
+    highest_parameters = resolve_parameters(highest_numbers, formula_by_parameter)
     for name, parameter in spec.parameters.items():
         if parameter.unit != "bits" or name not in lowest_parameters or name not in highest_parameters:
             continue

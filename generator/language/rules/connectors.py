@@ -44,14 +44,14 @@ class _Contact:
     @property
     def main_names(self) -> set[str]:
         """Names of the signal, without names in parentheses."""
-        return set(_yield_names(_IN_PARENTHESES.sub("", self.signal)))
+        return set(_names_in_signal(_IN_PARENTHESES.sub("", self.signal)))
 
     @property
     def names(self) -> list[str]:
         """All names of the signal: ``A``, ``REQ+`` and ``SD+`` of ``A (REQ+ / SD+)``."""
-        names = list(_yield_names(_IN_PARENTHESES.sub("", self.signal)))
+        names = list(_names_in_signal(_IN_PARENTHESES.sub("", self.signal)))
         for text_in_parentheses in _IN_PARENTHESES.findall(self.signal):
-            names += _yield_names(text_in_parentheses)
+            names += _names_in_signal(text_in_parentheses)
         return names
 
     @property
@@ -71,7 +71,7 @@ class _Connector:
         return self.located.part
 
     @property
-    def label(self) -> str:
+    def quoted_name(self) -> str:
         return quoted(self.part.name)
 
     def names_in_note(self, signal: str) -> bool:
@@ -142,8 +142,8 @@ def check_incomplete_pair(spec: WrittenSpec, report: DocumentReport) -> None:
                 is_missing = bool(partner) and partner.casefold() not in known_names
                 if is_missing and not connector.names_in_note(partner):
                     message = (
-                        f"{quoted(name)} is here, but {quoted(partner)} is not on {connector.label}; add it, or say in"
-                        f" the 'note' of {connector.label} why {partner} is missing"
+                        f"{quoted(name)} is here, but {quoted(partner)} is not on {connector.quoted_name}; add it, or"
+                        f" say in the 'note' of {connector.quoted_name} why {partner} is missing"
                     )
                     report.add("incomplete-pair", (*contact.path, "signal"), message)
 
@@ -180,8 +180,10 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
             missing_signals.append(contact.signal)
     if missing_signals:
         missing_text = join_words(map(quoted, dict.fromkeys(missing_signals)))
-        problem = f"{incomplete.label} lacks {missing_text}, which {complete.label} has"
-        message = f"{problem}; correct one of the two, or name the missing signal in the 'note' of {incomplete.label}"
+        problem = f"{incomplete.quoted_name} lacks {missing_text}, which {complete.quoted_name} has"
+        message = (
+            f"{problem}; correct one of the two, or name the missing signal in the 'note' of {incomplete.quoted_name}"
+        )
         report.add("missing-signal", (*incomplete.located.path, "contacts"), message, at_key=True)
 
 
@@ -193,7 +195,7 @@ def _collect_connectors(spec: WrittenSpec) -> list[_Connector]:
         for index, contact in enumerate(located.part.contacts):
             if not _UNCONNECTED_SIGNAL.fullmatch(contact.signal.strip()):
                 path = (*located.path, "contacts", index)
-                contacts.append(_Contact(path, contact.contact, contact.signal, contact.only))
+                contacts.append(_Contact(path=path, name=contact.contact, signal=contact.signal, only=contact.only))
         connectors.append(_Connector(located, tuple(contacts)))
     return connectors
 
@@ -205,18 +207,18 @@ def _normalised_names(contact: _Contact) -> set[str]:
 
 def _normalise_signal(signal: str) -> str:
     """Return a signal in the form for comparison: lower case, with plain minus signs and no spaces before signs."""
-    return _close_signs(signal).casefold()
+    return _without_spaces_before_signs(signal).casefold()
 
 
-def _close_signs(signal: str) -> str:
+def _without_spaces_before_signs(signal: str) -> str:
     """Return a signal with plain minus signs, and without spaces before signs: ``MA-`` for ``MA −``."""
     signal_in_ascii = " ".join(signal.replace("−", "-").split())
     return re.sub(r"\s+(?=[+-])", "", signal_in_ascii)
 
 
-def _yield_names(signal_text: str) -> Iterator[str]:
+def _names_in_signal(signal_text: str) -> Iterator[str]:
     """Yield the names that a text lists, such as ``MA+`` and ``Clock IN+``."""
-    for name in re.split(r"\s/\s", _close_signs(signal_text)):
+    for name in re.split(r"\s/\s", _without_spaces_before_signs(signal_text)):
         if name.strip():
             yield name.strip()
 
@@ -278,10 +280,10 @@ def check_contact_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
                 " connector', or say in a 'note' that the wires are numbered"
             )
             report.add("contact-numbers", (*located_connector.path, "kind"), message)
-        _check_order(located_connector, numbered_contacts, report)
+        _check_order_of_contacts(located_connector, numbered_contacts, report)
 
 
-def _check_order(
+def _check_order_of_contacts(
     connector: LocatedPart[Connector], numbered_contacts: NumberedContacts, report: DocumentReport
 ) -> None:
     """Report the first contact that has a leading zero, or a number that does not follow the number before it.

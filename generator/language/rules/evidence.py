@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...model import Evidence
 from ...model.interface_parts import CABLE_LIMITS
@@ -26,7 +27,7 @@ from .parts import (
     readable_names,
 )
 from .references import NameResolver
-from .walk import leaves, leaves_of, sources
+from .walk import is_derived, leaves, leaves_of, sources
 
 #: Grades of evidence, with and without data from real hardware, for which each fact needs the manufacturer's document
 #: or two implementations.
@@ -51,7 +52,7 @@ def check_evidence(spec: WrittenSpec, report: DocumentReport) -> None:
             problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
             report.add("evidence-grade", ("evidence", "implementations", index), problem)
     examples = by_name(spec.with_invalid_parts.examples)
-    _check_examples(evidence, examples, report)
+    _check_supporting_examples(evidence, examples, report)
     if not spec.evidence.is_valid("grade"):
         return
     for problem in _yield_missing_support(evidence):
@@ -60,7 +61,9 @@ def check_evidence(spec: WrittenSpec, report: DocumentReport) -> None:
         _check_sources(spec, report)
 
 
-def _check_examples(evidence: Evidence, examples: Mapping[str, WrittenExample], report: DocumentReport) -> None:
+def _check_supporting_examples(
+    evidence: Evidence, examples: Mapping[str, WrittenExample], report: DocumentReport
+) -> None:
     """Check ``vectors``, the names of the examples that support the evidence, such as frames from real hardware.
 
     None of them may consist of equal bits. If the grade needs data from hardware, one must be data from an encoder.
@@ -72,8 +75,8 @@ def _check_examples(evidence: Evidence, examples: Mapping[str, WrittenExample], 
             report.add("evidence-grade", ("evidence", "vectors", index), problem)
     known_vectors = [examples[name] for name in evidence.vectors if name in examples]
     all_exist = bool(known_vectors) and len(known_vectors) == len(evidence.vectors)
-    has_reading = any(map(_is_reading, known_vectors))
-    if evidence.grade in _GRADES_WITH_FRAME and all_exist and not has_reading:
+    has_data_from_encoder = any(map(_is_data_from_encoder, known_vectors))
+    if evidence.grade in _GRADES_WITH_FRAME and all_exist and not has_data_from_encoder:
         message = (
             f"the grade {quoted(evidence.grade)} needs data from an encoder: add a frame 'from: encoder' without"
             f" 'refused', or a register reading, {_OR_CORROBORATED} without 'vectors'"
@@ -111,7 +114,7 @@ def _yield_missing_support(evidence: Evidence) -> Iterator[str]:
 def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each fact cites a document of the manufacturer or, for a corroborated grade, two implementations.
 
-    A source without a key before a colon cites the manual. Errata and examples are not checked.
+    Errata and examples are not checked.
     """
     grade = spec.evidence.part.grade
     documents_read = spec.evidence.part.documents
@@ -125,23 +128,38 @@ def _check_sources(spec: WrittenSpec, report: DocumentReport) -> None:
         needed_sources.append(f"a source in {join_words(documents_read, 'or')}")
     if can_cite_two_implementations:
         needed_sources.append(f"two sources among {join_words(implementations)}")
+    needed_text = ", or ".join(needed_sources)
     checked_data = {**spec.data, "errata": [], "examples": []}
     for path, source in sources(leaves(checked_data)):
         if is_corroborated and "clock" in path:
             continue  # One program is enough for its own clock. Another rule checks limits.
-        # ``errata: 2`` has the key errata and the place 2, and ``6.4`` no key and the place 6.4.
-        matches = [_SOURCE_PATTERN.fullmatch(citation) for citation in source.split(";")]
-        keys_and_places = [(match[1], match[2]) for match in matches if match is not None]
-        cited_keys = {key or "manual" for key, _ in keys_and_places}
+        citations = _split_citations(source)
+        cited_keys = {citation.document_key or "manual" for citation in citations}
         cites_manufacturer = not cited_keys.isdisjoint(documents_read)
         cites_two_implementations = is_corroborated and len(cited_keys.intersection(implementations)) > 1
         if not cites_manufacturer and not cites_two_implementations:
-            needed_text = ", or ".join(needed_sources)
-            places_without_key = [place for key, place in keys_and_places if not key]
+            places_without_key = [citation.place for citation in citations if not citation.document_key]
             first_place = places_without_key[0] if places_without_key else ""
             suggestion = _suggest_source(first_place, spec.documents)
             message = f"the grade {quoted(grade)} needs {needed_text} for each fact{suggestion}"
             report.add("evidence-grade", path, message)
+
+
+class _Citation(NamedTuple):
+    """A citation of a source: the key of the document, which is empty for the manual, and the place in it."""
+
+    document_key: str
+    place: str
+
+
+def _split_citations(source: str) -> list[_Citation]:
+    """Return the citations of a source: ``("", "6.4")`` and ``("errata", "2")`` for ``6.4; errata: 2``."""
+    citations: list[_Citation] = []
+    for citation_text in source.split(";"):
+        match = _SOURCE_PATTERN.fullmatch(citation_text)
+        if match is not None:
+            citations.append(_Citation(document_key=match[1] or "", place=match[2]))
+    return citations
 
 
 def _suggest_source(cited_place: str, documents: Collection[str]) -> str:
@@ -167,7 +185,7 @@ def _has_different_bits(example: WrittenExample) -> bool:
     return len(set(bits_or_bytes)) > 1
 
 
-def _is_reading(example: WrittenExample) -> bool:
+def _is_data_from_encoder(example: WrittenExample) -> bool:
     """Return True if an example is a frame that an encoder sent and a decoder accepts, or the content of a register."""
     is_frame = example.kind == "frame" and example.from_ == "encoder" and not example.refused
     return is_frame or example.kind == "register"
@@ -347,20 +365,20 @@ def check_listed_pages(spec: WrittenSpec, report: DocumentReport) -> None:
     page under ``pages`` must be cited, but not in overlays and older editions, which omit facts. Other pages can be
     evidence too.
     """
-    is_derived = bool(report.document.family or report.document.other_files)
     for key, pages_read in spec.evidence.part.documents.items():
         path = ("evidence", "documents", key)
+        document_key = "" if key == "manual" else key  # Sources cite the manual without a key.
         last_page = _LAST_PAGE_OF_DOCUMENT.search(pages_read)
-        for page in _pages_in(pages_read):
+        for page in _pages_in_text(pages_read):
             if last_page is not None and page > int(last_page[1]):
                 report.add("cited-place", path, f"page {page} is after the last page, {last_page[1]}")
-        _check_pages_cited(spec, "" if key == "manual" else key, path, pages_read, report)
+        _check_pages_cited(spec, document_key, list_path=path, listed_text=pages_read, report=report)
     for key, document in spec.documents.items():
         path = ("documents", key, "pages")
-        cited_pages = _check_pages_cited(spec, key, path, document.pages, report)
-        if is_derived:
+        cited_pages = _check_pages_cited(spec, key, list_path=path, listed_text=document.pages, report=report)
+        if is_derived(report.document):
             continue
-        for page in sorted(_pages_in(document.pages) - cited_pages):
+        for page in sorted(_pages_in_text(document.pages) - cited_pages):
             report.add("cited-place", path, f"no source cites page {page}; correct or remove it")
 
 
@@ -371,10 +389,10 @@ def _check_pages_cited(
 
     Nothing is reported if the text has no pages, such as "all pages".
     """
-    listed_pages = _pages_in(listed_text)
+    listed_pages = _pages_in_text(listed_text)
     cited_pages: set[int] = set()
     for path, source in sources(leaves_of(spec.data, report)):
-        pages = set().union(*map(_pages_in, places_in_document(source, document_key)))
+        pages = set().union(*map(_pages_in_text, places_in_document(source, document_key)))
         cited_pages |= pages
         unlisted_pages = pages - listed_pages
         if listed_pages and unlisted_pages:
@@ -384,7 +402,7 @@ def _check_pages_cited(
     return cited_pages
 
 
-def _pages_in(text: str) -> set[int]:
+def _pages_in_text(text: str) -> set[int]:
     """Return the pages in a text, such as 9, 10 and 18 for ``p.9-10 and 18``."""
     page_numbers: set[int] = set()
     for pages_text in _CITED_PAGES.findall(text):

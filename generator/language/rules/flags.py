@@ -114,7 +114,7 @@ def check_cleared_alarms(spec: WrittenSpec, report: DocumentReport) -> None:
 def check_implemented_alarms(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that an alarm and its flag are either both implemented by the encoder or both not implemented."""
     for alarm in spec.alarms:
-        flag = _find_flag(spec, alarm)
+        flag = _flag_of_alarm(spec, alarm)
         if flag is not None and flag.implemented != alarm.part.implemented:
             flag_text = "is implemented" if flag.implemented else "is not implemented"
             message = (
@@ -124,7 +124,7 @@ def check_implemented_alarms(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("alarm-implemented", (*alarm.path, key), message)
 
 
-def _find_flag(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField | None:
+def _flag_of_alarm(spec: WrittenSpec, alarm: LocatedPart[Alarm]) -> WrittenField | None:
     """Return the flag that an alarm names in its group or register, or None if the alarm names no existing flag."""
     group_or_register = owner_of_alarm(spec, alarm)
     if group_or_register is None or not alarm.part.field:
@@ -297,7 +297,7 @@ def check_missing_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
         if not frame.is_from_encoder or not has_position:
             continue
         flags_with_known_verdict = INTERFACES[frame.interface].flags
-        for field in _yield_fields(frame, spec):
+        for field in _fields_with_groups(frame, spec):
             is_flag = bool(field.active)
             has_verdict = bool(field.makes_position) or field.name in flags_with_known_verdict
             if is_flag and field.name and not has_verdict:
@@ -363,7 +363,7 @@ def check_flag_sums(spec: WrittenSpec, report: DocumentReport) -> None:
                     report.add("undefined-reference", (*field.path_of("sums_up"), index), problem, cause=name)
 
 
-def _yield_fields(field_list: FieldList, spec: WrittenSpec) -> Iterator[WrittenField]:
+def _fields_with_groups(field_list: FieldList, spec: WrittenSpec) -> Iterator[WrittenField]:
     """Yield the fields of a layout, with the fields of a group instead of the field that includes the group.
 
     The path of each field from a group is the path inside the group.

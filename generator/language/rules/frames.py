@@ -86,7 +86,7 @@ def _report_uncovered_fields(
         covered_or_noted_names.update(re.findall(r"\w+", parity_field.note))
     uncovered_names: list[str] = []
     for field in layout.fields:
-        if _can_change_parity(field) and covered_or_noted_names.isdisjoint(_names_of(field)):
+        if _can_change_parity(field) and covered_or_noted_names.isdisjoint(_name_and_printed_words(field)):
             uncovered_names.append(field.name)
     if uncovered_names:
         parity_field = parity_fields[0]
@@ -98,7 +98,7 @@ def _report_uncovered_fields(
         report.add("parity-coverage", parity_field.path_of("parity_of"), message)
 
 
-def _names_of(field: WrittenField) -> set[str]:
+def _name_and_printed_words(field: WrittenField) -> set[str]:
     """Return the name of a field and the words of its printed name."""
     return {field.name, *re.findall(r"\w+", field.printed_name)}
 
@@ -126,15 +126,15 @@ def check_layouts_by_data_id(spec: WrittenSpec, report: DocumentReport) -> None:
         return
     requests = [layout for layout in rs485.layouts if layout.from_ == "master"]
     replies = [layout for layout in rs485.layouts if layout.from_ == "encoder"]
-    requested_ids = set(_selected_ids(requests))
-    replied_ids = set(_selected_ids(replies))
+    requested_ids = set(_data_ids_of_layouts(requests))
+    replied_ids = set(_data_ids_of_layouts(replies))
     all_list_data_ids = all(layout.has("when") for layout in rs485.layouts)
     if requested_ids and replied_ids and all_list_data_ids:
         for data_id in rs485.data_ids:
             _report_missing_frame(data_id, requested_ids, replied_ids, report)
 
 
-def _selected_ids(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
+def _data_ids_of_layouts(sent_layouts: Sequence[WrittenLayout]) -> Iterator[int]:
     """Yield the numbers of the data IDs for which these layouts are sent, as listed in their ``when``."""
     for layout in sent_layouts:
         for numbers in layout.when.values():
@@ -173,7 +173,7 @@ def check_purposes(spec: WrittenSpec, report: DocumentReport) -> None:
         accesses_memory = data_id.part.purpose in _PURPOSES_WITH_ADDRESS
         if request is None or not accesses_memory:
             continue
-        has_data = any(_carries_data(field) for field in _fields_of(request, groups))
+        has_data = any(_carries_data(field) for field in _fields_with_groups(request, groups))
         if not has_data:
             message = (
                 f"{quoted(data_id.part.name)} has the purpose {quoted(data_id.part.purpose)}, but its request"
@@ -185,12 +185,12 @@ def check_purposes(spec: WrittenSpec, report: DocumentReport) -> None:
 def _find_request(data_id: LocatedPart[DataId], rs485: WrittenRs485) -> WrittenLayout | None:
     """Return the layout of the request that the master sends for a data ID, or None if no layout lists the data ID."""
     for layout in rs485.layouts:
-        if layout.from_ == "master" and data_id.part.id in _selected_ids([layout]):
+        if layout.from_ == "master" and data_id.part.id in _data_ids_of_layouts([layout]):
             return layout
     return None
 
 
-def _fields_of(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
+def _fields_with_groups(layout: WrittenLayout, groups: Groups) -> Iterator[WrittenField]:
     """Yield the fields of a layout, including the fields of its groups."""
     field_list = FieldList(FieldOwner.LAYOUT, layout, interface=Rs485.name)
     for _, field in with_groups_expanded(field_list, groups):
@@ -344,11 +344,13 @@ def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
         unit_key, total_key, foreign_keys = "counts_per_turn", "turns", _KEYS_OF_LENGTH
     else:
         unit_key, total_key, foreign_keys = "step_um", "modulus", _KEYS_OF_ANGLE
-    raw_measurements = {measurement.path: measurement for measurement in measurements(spec.with_invalid_parts)}
+    measurements_with_invalid_keys = {
+        measurement.path: measurement for measurement in measurements(spec.with_invalid_parts)
+    }
     for measurement in measurements(spec):
-        raw_measurement = raw_measurements[measurement.path]
+        measurement_with_invalid_keys = measurements_with_invalid_keys[measurement.path]
         # A key rejected by the schema was removed. It must not be reported as missing, too.
-        is_complete = measurement.data.keys() == raw_measurement.data.keys()
+        is_complete = measurement.data.keys() == measurement_with_invalid_keys.data.keys()
         has_unit = measurement.has(unit_key) or measurement.part.step_nm is not None
         if is_complete and not has_unit:
             unit_text = "'step_um', or 'step_nm' with 'per_counts'," if movement == "linear" else quoted(unit_key)
@@ -359,8 +361,8 @@ def check_measurement_shape(spec: WrittenSpec, report: DocumentReport) -> None:
                 message = f"{quoted(key)} does not apply to a {movement} encoder"
                 report.add("measurement-shape", (*measurement.path, key), message, at_key=True)
         if movement == "linear":
-            _check_step(measurement, report)
-        if measurement.has("highest") and not raw_measurement.has(total_key):
+            _check_length_of_count(measurement, report)
+        if measurement.has("highest") and not measurement_with_invalid_keys.has(total_key):
             problem = f"'highest' has no effect without {quoted(total_key)}; add it, or remove 'highest'"
             report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
 
@@ -371,30 +373,34 @@ def check_position_range_shape(spec: WrittenSpec, report: DocumentReport) -> Non
     The position is the field or joined number that the measurement of the interface or of the device names.
     """
     groups = by_name(spec.with_invalid_parts.field_groups)
-    own_measurements = {name: interface.measurement for name, interface in interfaces(spec.with_invalid_parts)}
-    raw_frames = {frame.owner.path: frame for frame in layouts_of_interfaces(spec.with_invalid_parts)}
+    measurement_by_interface = {name: interface.measurement for name, interface in interfaces(spec.with_invalid_parts)}
+    frames_with_invalid_keys = {frame.owner.path: frame for frame in layouts_of_interfaces(spec.with_invalid_parts)}
     for frame in layouts_of_interfaces(spec):
-        own_range = frame.layout.position_range if frame.layout is not None else None
-        if own_range is None or not own_range.is_given:
+        position_range = frame.layout.position_range if frame.layout is not None else None
+        if position_range is None or not position_range.is_given:
             continue
-        own_measurement = own_measurements[frame.interface]
+        own_measurement = measurement_by_interface[frame.interface]
         has_own_measurement = own_measurement is not None and own_measurement.is_given
         measurement = own_measurement if has_own_measurement else spec.with_invalid_parts.measurement
         # The path in the file differs if invalid layouts before this one were removed.
-        raw_frame = raw_frames[report.document.original(frame.owner.path)]
+        frame_with_invalid_keys = frames_with_invalid_keys[report.document.path_in_file(frame.owner.path)]
         if measurement is None or not measurement.is_given:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"
             message = f"{problem}; add it to the interface or the encoder"
-            report.add("measurement-shape", own_range.path, message, at_key=True)
-        elif not raw_frame.is_from_encoder or measurement.part.of not in readable_names(raw_frame, groups):
+            report.add("measurement-shape", position_range.path, message, at_key=True)
+        elif not frame_with_invalid_keys.is_from_encoder or measurement.part.of not in readable_names(
+            frame_with_invalid_keys, groups
+        ):
             position_name = quoted(measurement.part.of)
-            problem = f"{quoted(raw_frame.name)} does not carry the position, {position_name}, to the master"
-            report.add("measurement-shape", own_range.path, f"{problem}; remove 'position_range'", at_key=True)
-        _check_range_keys(own_range, measurement, spec.movement, report)
+            problem = (
+                f"{quoted(frame_with_invalid_keys.name)} does not carry the position, {position_name}, to the master"
+            )
+            report.add("measurement-shape", position_range.path, f"{problem}; remove 'position_range'", at_key=True)
+        _check_range_keys(position_range, measurement, spec.movement, report)
 
 
 def _check_range_keys(
-    own_range: LocatedPart[LayoutRange],
+    position_range: LocatedPart[LayoutRange],
     measurement: LocatedPart[Measurement] | None,
     movement: str,
     report: DocumentReport,
@@ -403,28 +409,28 @@ def _check_range_keys(
 
     ``highest`` needs a number of turns or a modulus, in the range or in the measurement.
     """
-    path = own_range.path
+    path = position_range.path
     total_key = "turns" if movement == "rotary" else "modulus"
     foreign_key = "modulus" if movement == "rotary" else "turns"
-    if own_range.has(foreign_key) and movement in ("rotary", "linear"):
+    if position_range.has(foreign_key) and movement in ("rotary", "linear"):
         problem = f"{quoted(foreign_key)} does not apply to a {movement} encoder; write {quoted(total_key)}"
         report.add("measurement-shape", (*path, foreign_key), problem, at_key=True)
-    if not own_range.part.wraps:
-        contradicting_keys = [key for key in ("turns", "modulus", "highest") if own_range.has(key)]
+    if not position_range.part.wraps:
+        contradicting_keys = [key for key in ("turns", "modulus", "highest") if position_range.has(key)]
         if contradicting_keys:
             key = contradicting_keys[0]
             problem = f"{quoted(key)} contradicts 'wraps: false'; remove one of the two"
             report.add("measurement-shape", (*path, key), problem, at_key=True)
         return
-    has_total = own_range.has(total_key) or own_range.has("modulus")
+    has_total = position_range.has(total_key) or position_range.has("modulus")
     if measurement is not None and not has_total:
         has_total = measurement.has(total_key) or measurement.has("modulus")
-    if own_range.has("highest") and not has_total:
+    if position_range.has("highest") and not has_total:
         problem = f"'highest' has no effect without {quoted(total_key)}; add it, or remove 'highest'"
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 
-def _check_step(located_measurement: LocatedPart[Measurement], report: DocumentReport) -> None:
+def _check_length_of_count(located_measurement: LocatedPart[Measurement], report: DocumentReport) -> None:
     """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
     measurement = located_measurement.part
     path = located_measurement.path

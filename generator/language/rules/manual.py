@@ -36,17 +36,12 @@ def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
     A source has one or more places, separated by semicolons, each with an optional document: ``6.4 p.35; errata: 2``.
     """
     editions = [edition.part.language for edition in spec.with_invalid_parts.manual.editions if edition.part.language]
-    documents = document_names(spec)
+    documents = spec.with_invalid_parts.names_in("documents")
     language = spec.with_invalid_parts.manual.language
     known_sources = _KnownSources(language, editions, documents)
     for path, source_text in sources(leaves_of(spec.data, report)):
         for citation in source_text.split(";"):
             _check_form_of_citation(citation.strip(), path, known_sources, report)
-
-
-def document_names(spec: WrittenSpec) -> list[str]:
-    """Return the keys of the documents, even of documents with a wrong shape."""
-    return spec.with_invalid_parts.names_in("documents")
 
 
 class _KnownSources(NamedTuple):
@@ -135,7 +130,9 @@ def check_cited_place(spec: WrittenSpec, report: DocumentReport) -> None:
         citations = _find_citations(source)
         for citation in citations:
             section, page_text = citation.group("section", "page")
-            is_in_section = _check_citation(section, page_text, page_ranges, enclosing_names, path=path, report=report)
+            is_in_section = _check_cited_page(
+                section, page_text, page_ranges, enclosing_names, path=path, report=report
+            )
             if not is_in_section:
                 continue
             page = int(page_text)
@@ -221,24 +218,35 @@ def _find_page_ranges(contents: Mapping[str, WrittenSection]) -> dict[str, dict[
     page_ranges: dict[str, dict[str, tuple[int, int]]] = {}
     latest_page = _FIRST_POSSIBLE_PAGE
     for index, (name, section) in enumerate(sections):
-        prefix = f"{name}."  # The subsections of 4 are 4.1, 4.2 and so on.
+        following_sections = sections[index + 1 :]
+        prefix_of_subsections = f"{name}."  # The subsections of 4 are 4.1, 4.2 and so on.
         subsections: list[WrittenSection] = []
-        later_sections: list[WrittenSection] = []
-        for later_name, later_section in sections[index + 1 :]:
-            if later_name.startswith(prefix):
-                subsections.append(later_section)
+        sections_after_it: list[WrittenSection] = []
+        for following_name, following_section in following_sections:
+            if following_name.startswith(prefix_of_subsections):
+                subsections.append(following_section)
             else:
-                later_sections.append(later_section)
+                sections_after_it.append(following_section)
         first_page = latest_page if section.page is None else section.page
-        last_page = max(first_page, _first_printed_page(later_sections, default=_LAST_POSSIBLE_PAGE))
+        last_page = max(first_page, _first_printed_page(sections_after_it, default=_LAST_POSSIBLE_PAGE))
         page_ranges[name] = {_WHOLE_SECTION: (first_page, last_page)}
         # The entries of a section come before its subsections.
         last_page_of_entries = _first_printed_page(subsections, default=last_page)
-        entries = list(section.entries.items())
-        next_pages = [*(page for _, page in entries[1:]), last_page_of_entries]
-        for (title, entry_page), next_page in zip(entries, next_pages, strict=False):
-            page_ranges[name][title.casefold()] = (entry_page, max(entry_page, next_page))
+        page_ranges[name] |= _page_ranges_of_entries(section, last_page_of_entries)
         latest_page = max([first_page, *section.entries.values()])
+    return page_ranges
+
+
+def _page_ranges_of_entries(section: WrittenSection, last_page: int) -> dict[str, tuple[int, int]]:
+    """Return the first and the last page of each entry of a section, by its title in lower case.
+
+    An entry ends on the page on which the next one begins. The last entry ends on ``last_page``.
+    """
+    first_pages = list(section.entries.values())
+    next_pages = [*first_pages[1:], last_page]
+    page_ranges: dict[str, tuple[int, int]] = {}
+    for title, first_page, next_page in zip(section.entries, first_pages, next_pages, strict=False):
+        page_ranges[title.casefold()] = (first_page, max(first_page, next_page))
     return page_ranges
 
 
@@ -271,7 +279,7 @@ def _printed_names(spec_data: object, path: Path) -> tuple[list[str], list[str]]
     return own_names, enclosing_names
 
 
-def _check_citation(
+def _check_cited_page(
     section: str, page_text: str | None, page_ranges: _PageRanges, names: list[str], path: Path, report: DocumentReport
 ) -> bool:
     """Return True if a citation has a page, and the page is in the cited section. Report one that cannot be correct.
@@ -300,11 +308,11 @@ def _problem_of_citation(section: str, page_text: str | None, page_ranges: _Page
     if first_page <= int(page_text) <= last_page:
         return ""
     cited_part = f"the entry {quoted(innermost_title)} of section {section}" if titles else f"section {section}"
-    pages = _pages_text(first_page, last_page)
+    pages = _pages_in_words(first_page, last_page)
     return f"{cited_part} is {pages} according to the table of contents, not on page {page_text}"
 
 
-def _pages_text(first_page: int, last_page: int) -> str:
+def _pages_in_words(first_page: int, last_page: int) -> str:
     """Return a range of pages as text, such as ``on pages 3 to 5``, or ``on page 3 or later`` if its end is unknown."""
     if last_page == _LAST_POSSIBLE_PAGE:
         return f"on page {first_page} or later"
@@ -323,7 +331,7 @@ def check_editions_in_other_languages(spec: WrittenSpec, report: DocumentReport)
     for edition in manual.editions:
         for path, source in sources(leaves_of(spec.data, report)):
             for citation in _find_citations(source, edition.part.language):
-                problem = _problem_of_citation(citation.group("section"), citation.group("page"), sections, [])
+                problem = _problem_of_citation(citation.group("section"), citation.group("page"), sections, names=[])
                 if problem:
                     report.add("cited-place", path, problem)
 
@@ -335,7 +343,7 @@ def problems_of_other_manual(source: str, document: str, contents: Mapping[str, 
         return
     page_ranges = _find_page_ranges(contents)
     for citation in citations:
-        problem = _problem_of_citation(citation.group("section"), citation.group("page"), page_ranges, [])
+        problem = _problem_of_citation(citation.group("section"), citation.group("page"), page_ranges, names=[])
         if problem:
             yield problem
 

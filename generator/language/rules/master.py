@@ -57,7 +57,7 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
     Sources, conditions and places can occur at any depth, so every map is searched for them.
     """
     master = WrittenMaster(master_data)
-    _check_name(master, report)
+    _check_name_of_master(master, report)
     for path, node in _yield_maps(master_data, ()):
         # The keys of a map decide what it is. Keys that it lacks have empty values.
         cited_part = _CitedPart(node, path)
@@ -68,9 +68,9 @@ def check_master(master_data: dict[str, object], report: DocumentReport) -> None
         if is_condition_or_limit:
             _check_condition(condition, report)
         for place in cited_part.places:
-            _check_place(place, master, report)
+            _check_place_of_setting(place, master, report)
     for note in master.notes:
-        _check_braces(note.text, _ITEM_NAMES, note.path_of("text"), report)
+        _check_items_in_braces(note.text, known_names=_ITEM_NAMES, path=note.path_of("text"), report=report)
     for index, setting in enumerate(master.settings):
         _check_setting(setting, _with_invalid_keys(index, report), report)
     _check_writing(master, report)
@@ -98,7 +98,7 @@ def _with_invalid_keys(index: int, report: DocumentReport) -> WrittenSetting:
     return WrittenSetting(all_settings[index_in_file])
 
 
-def _check_name(master: WrittenMaster, report: DocumentReport) -> None:
+def _check_name_of_master(master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a master has the name of its file, without the suffix. An empty name is not checked."""
     stem = PurePath(report.document.file).stem
     if master.master not in ("", stem):
@@ -165,7 +165,7 @@ def _check_condition(condition: WrittenCondition, report: DocumentReport) -> Non
         report.add("missing-key", path, f"no condition for '{item_name}'; add {allowed_text}")
     if is_word:
         for index, word in enumerate(condition.is_ or ()):
-            _check_word(word, item_name, (*path, "is", index), report)
+            _check_word_of_item(word, item_name, (*path, "is", index), report)
     lowest = _Bound("at_least", condition.at_least)
     highest = _Bound("at_most", condition.at_most)
     _check_bounds(lowest, highest, path, report)
@@ -186,7 +186,7 @@ def _check_bounds(lowest: _Bound, highest: _Bound, path: Path, report: DocumentR
         report.add("value-clash", (*path, highest.key), message)
 
 
-def _check_word(word: int | str, item_name: str, path: Path, report: DocumentReport) -> bool:
+def _check_word_of_item(word: int | str, item_name: str, path: Path, report: DocumentReport) -> bool:
     """Return True if this item of a record can be this word, and report the word otherwise."""
     possible_words = WORDS[item_name]
     if word in possible_words:
@@ -201,8 +201,8 @@ def _check_setting(setting: WrittenSetting, with_invalid_keys: WrittenSetting, r
 
     ``with_invalid_keys`` is the same setting with its invalid keys, so that an invalid value does not count as missing.
     """
-    _check_braces(setting.name, _ITEM_NAMES, setting.path_of("name"), report)
-    _check_braces(setting.at, _ITEM_NAMES, setting.path_of("at"), report)
+    _check_items_in_braces(setting.name, known_names=_ITEM_NAMES, path=setting.path_of("name"), report=report)
+    _check_items_in_braces(setting.at, known_names=_ITEM_NAMES, path=setting.path_of("at"), report=report)
     value_keys = [key for key in _VALUE_KEYS_OF_SETTINGS if with_invalid_keys.has(key)]
     if len(value_keys) > 1:
         message = f"{quoted(setting.name)} has {join_words(map(quoted, value_keys))}; keep one of them"
@@ -228,9 +228,9 @@ def _check_setting_value(setting: WrittenSetting, value_key: str, report: Docume
         _check_expression(setting.value, setting.path_of("value"), report)
     if setting.choice is not None:
         _check_choice(setting.choice, report)
-    _check_braces(setting.text, _ITEM_NAMES, setting.path_of("text"), report)
+    _check_items_in_braces(setting.text, known_names=_ITEM_NAMES, path=setting.path_of("text"), report=report)
     if setting.string is not None:
-        _check_string(setting.string, report)
+        _check_text_of_fields(setting.string, report)
     if setting.any_clock is not None:
         _check_clocks(setting.any_clock, report)
 
@@ -242,7 +242,7 @@ def _check_clocks(clocks: WrittenAnyClock, report: DocumentReport) -> None:
     _check_bounds(lowest, highest, clocks.path, report)
 
 
-def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
+def _check_place_of_setting(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a place of a setting in a master is given, such as an address, and that its devices exist.
 
     A place with ``where``, which says that no place is known, must have no other key for a place.
@@ -259,7 +259,7 @@ def _check_place(place: WrittenPlace, master: WrittenMaster, report: DocumentRep
     _check_channels(place, master, report)
     symbols = place.symbol if isinstance(place.symbol, list) else [place.symbol]
     for symbol in symbols:
-        _check_braces(str(symbol), _ITEM_NAMES, (*path, "symbol"), report)
+        _check_items_in_braces(str(symbol), known_names=_ITEM_NAMES, path=(*path, "symbol"), report=report)
 
 
 def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
@@ -274,7 +274,9 @@ def _check_object_and_bits(place: WrittenPlace, report: DocumentReport) -> None:
         report.add("setting-shape", place.path, "use the type 'bits' and the key 'at' together or not at all")
     if has_bit_range and not _BIT_RANGE.fullmatch(str(place.at)):
         report.add("setting-shape", place.path_of("at"), "'at' is a bit number, or a range such as 7:6")
-    _check_bounds(_Bound("min", place.min), _Bound("max", place.max), place.path, report)
+    lowest = _Bound("min", place.min)
+    highest = _Bound("max", place.max)
+    _check_bounds(lowest, highest, place.path, report)
 
 
 def _check_channels(place: WrittenPlace, master: WrittenMaster, report: DocumentReport) -> None:
@@ -284,7 +286,7 @@ def _check_channels(place: WrittenPlace, master: WrittenMaster, report: Document
         channel_counts[device.name] = 1 if device.channels is None else len(device.channels)
     if not channel_counts:  # A master without devices counts as a device.
         channel_counts = {master.title: 1}
-    _check_devices(place.on or (), place.path_of("on"), list(channel_counts), report)
+    _check_devices(place.on or (), place.path_of("on"), known_devices=list(channel_counts), report=report)
     devices_of_place = [name for name in channel_counts if place.on is None or name in place.on]
     for key in _PER_CHANNEL:
         values_by_channel = place.data.get(key)
@@ -309,7 +311,7 @@ def _check_devices(names: Sequence[str], path: Path, known_devices: Sequence[str
 def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: DocumentReport) -> None:
     """Check that a file names existing devices and settings, and that it has ``names`` if its format needs them."""
     known_devices = [device.name for device in master.devices] or [master.title]  # A master without devices is one.
-    _check_devices(file.on, file.path_of("on"), known_devices, report)
+    _check_devices(file.on, file.path_of("on"), known_devices=known_devices, report=report)
     for key, keyed_by_setting in (("names", file.names), ("words", file.words)):
         for setting_name in keyed_by_setting:
             _check_setting_name(setting_name, (*file.path, key, setting_name), master, report, at_key=True)
@@ -321,7 +323,7 @@ def _check_file(file: WrittenMasterFile, master: WrittenMaster, report: Document
         message = f"the format {quoted(file.format)} has no names of its own; remove 'names'"
         report.add("setting-shape", file.path, message)
     names_in_file = tuple(file.names.values())
-    _check_braces(file.line, names_in_file, file.path_of("line"), report)
+    _check_items_in_braces(file.line, known_names=names_in_file, path=file.path_of("line"), report=report)
 
 
 def _check_setting_name(
@@ -401,20 +403,20 @@ def _check_choice(choice: WrittenChoice, report: DocumentReport) -> None:
 def _check_case_value(item_name: str, case_value: int | str, path: Path, report: DocumentReport) -> bool:
     """Return True if an item of a record can have this value, and report the value otherwise."""
     if item_name in WORDS:
-        return _check_word(case_value, item_name, path, report)
+        return _check_word_of_item(case_value, item_name, path, report)
     if not isinstance(case_value, int):
         report.add("wrong-type", path, f"'{item_name}' must be a number; {quoted(case_value)} is not one")
         return False
     return True
 
 
-def _check_string(string_rule: WrittenString, report: DocumentReport) -> None:
+def _check_text_of_fields(string_rule: WrittenString, report: DocumentReport) -> None:
     """Check the rule for a text that describes the fields of a frame to a master.
 
     It must contain the position, as one field or as the fields multiturn and singleturn, and only known names in
     braces.
     """
-    _check_braces(string_rule.start, _ITEM_NAMES, string_rule.path_of("start"), report)
+    _check_items_in_braces(string_rule.start, known_names=_ITEM_NAMES, path=string_rule.path_of("start"), report=report)
     described_fields = {field.of for field in string_rule.fields}
     has_both_parts = {"multiturn", "singleturn"} <= described_fields
     if "position" not in described_fields and not has_both_parts:
@@ -422,10 +424,12 @@ def _check_string(string_rule: WrittenString, report: DocumentReport) -> None:
         report.add("missing-key", string_rule.path_of("fields"), message)
     names_of_fields = ("bits", "name", *_ITEM_NAMES)
     for field in string_rule.fields:
-        _check_braces(field.text, names_of_fields, field.path_of("text"), report)
+        _check_items_in_braces(field.text, known_names=names_of_fields, path=field.path_of("text"), report=report)
 
 
-def _check_braces(text_with_items: str, known_names: tuple[str, ...], path: Path, report: DocumentReport) -> None:
+def _check_items_in_braces(
+    text_with_items: str, known_names: tuple[str, ...], path: Path, report: DocumentReport
+) -> None:
     """Report each name in braces in a text, such as ``{bits}``, that is not among the known names."""
     for name in _ITEM_IN_BRACES.findall(text_with_items):
         if name not in known_names:

@@ -13,7 +13,7 @@ from ..problems import DocumentReport, is_typo, quoted, suggest_word
 from ..written_fields import WrittenField
 from ..written_parts import WrittenSpec, WrittenStep
 from .parts import by_name, constant_width, field_lists, owner_of_alarm, register_of_step, value_names_of_register
-from .walk import KEYS_OF_TEXTS, SECTIONS_ON_OTHER_DOCUMENTS, is_derived, leaves_of, yield_texts
+from .walk import KEYS_OF_TEXTS, SECTIONS_ON_OTHER_DOCUMENTS, is_derived, leaves_of, texts_about_encoder
 
 #: Words of a name, with the patterns of their opposites.
 _OPPOSITE_WORDS = {
@@ -133,15 +133,15 @@ def check_numbers_in_printed_names(spec: WrittenSpec, report: DocumentReport) ->
     Only names with the same words are compared.
     """
     for register in spec.registers:
-        _compare_numbers(register.name, register.printed_name, register.path_of("printed_name"), report)
+        _compare_with_printed_name(register.name, register.printed_name, register.path_of("printed_name"), report)
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            _compare_numbers(field.name, field.printed_name, field.path_of("printed_name"), report)
+            _compare_with_printed_name(field.name, field.printed_name, field.path_of("printed_name"), report)
             for name, value in field.values.items():
-                _compare_numbers(name, value.printed_name, value.path_of("printed_name"), report)
+                _compare_with_printed_name(name, value.printed_name, value.path_of("printed_name"), report)
 
 
-def _compare_numbers(name: str, printed_name: str, path: Path, report: DocumentReport) -> None:
+def _compare_with_printed_name(name: str, printed_name: str, path: Path, report: DocumentReport) -> None:
     """Report a printed name that differs from a name only in a number."""
     printed_as_name = re.sub(r"\W+", "_", printed_name.lower()).strip("_")
     has_same_words = _DIGITS.sub("0", printed_as_name) == _DIGITS.sub("0", name)
@@ -322,10 +322,10 @@ def _compare_with_contents(spec: WrittenSpec, report: DocumentReport) -> None:
     searched.
     """
     manual = spec.with_invalid_parts.manual
-    titles: dict[str, str] = {}  # Titles as printed, by their lower case.
+    printed_titles: dict[str, str] = {}  # By their lower case.
     for section in manual.contents.values():
-        titles |= {title.casefold(): title for title in section.names_in("entries")}
-    if len(titles) > _MOST_ENTRIES:
+        printed_titles |= {title.casefold(): title for title in section.names_in("entries")}
+    if len(printed_titles) > _MOST_ENTRIES:
         return
     texts_of_errata = "\n".join(erratum.used.casefold() for erratum in spec.errata)
     for path, name in leaves_of(spec.data, report):
@@ -333,11 +333,12 @@ def _compare_with_contents(spec: WrittenSpec, report: DocumentReport) -> None:
         is_name = path[-1] == "printed_name" or path[-2:] == ("names", manual.language)
         if not is_name or not isinstance(name, str):
             continue
-        similar_titles = [title for title in titles if _misspells(name, title)]
-        is_known = name.casefold() in titles or name.casefold() in texts_of_errata
+        similar_titles = [title for title in printed_titles if _misspells(name, title)]
+        is_known = name.casefold() in printed_titles or name.casefold() in texts_of_errata
         if similar_titles and not is_known:
+            printed_title = printed_titles[similar_titles[0]]
             message = (
-                f"the table of contents has {quoted(titles[similar_titles[0]])}; correct one of the two, "
+                f"the table of contents has {quoted(printed_title)}; correct one of the two, "
                 "or add an erratum whose 'used' has this name"
             )
             report.add("misspelt-name", path, message)
@@ -409,7 +410,7 @@ def check_alarm_names(spec: WrittenSpec, report: DocumentReport) -> None:
         if path[-1] in ("printed_name", "title", "signal"):
             known_words.update(re.findall(r"[A-Z]{2,}", str(text)))
     checked_keys = KEYS_OF_TEXTS | {"when_active", "when_inactive"}
-    for path, text in yield_texts(spec, checked_keys, report):
+    for path, text in texts_about_encoder(spec, checked_keys, report):
         for match in _NAMED_ERROR.finditer(text):
             name, word_in_capitals = match[0], match[1]  # ``ST error`` and ``ST``
             if word_in_capitals not in known_words:

@@ -123,8 +123,9 @@ def check_number_in_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     for field_list in field_lists(spec):
         for field in field_list.fields:
-            fixed_numbers = _fixed_numbers(field)
-            if not fixed_numbers or _WORDS_BEFORE_A_PLACE.search(field.meaning):
+            fixed_numbers = _fixed_numbers_by_key(field)
+            names_a_place = _WORDS_BEFORE_A_PLACE.search(field.meaning) is not None
+            if not fixed_numbers or names_a_place:
                 continue
             key, fixed_number = fixed_numbers[0]
             printed_numbers = set()
@@ -138,7 +139,7 @@ def check_number_in_meaning(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("printed-number", field.path_of(key), message)
 
 
-def _fixed_numbers(field: WrittenField) -> list[tuple[str, int]]:
+def _fixed_numbers_by_key(field: WrittenField) -> list[tuple[str, int]]:
     """Return the numbers that a field always has according to its keys, each with its key: ``("constant", 5)``."""
     numbers_by_key = {"constant": field.constant, "equals": field.equals, "unused": field.unused}
     return [(key, number) for key, number in numbers_by_key.items() if isinstance(number, int)]
@@ -209,7 +210,7 @@ def check_crc_numbers(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("crc-impossible", (*path, key), message)
 
 
-def _numbers_in(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
+def _numbers_of_field(field: WrittenField) -> Iterator[tuple[Path, str, int]]:
     """Yield each number that must fit in a field, with its path and the start of a message, such as ``'constant' is``.
 
     These are the numbers of its named values, and its fixed, default and expected numbers.
@@ -232,7 +233,7 @@ def check_value_widths(spec: WrittenSpec, report: DocumentReport) -> None:
             width = constant_width(field)
             if width is None:
                 continue
-            for path, subject, number in _numbers_in(field):
+            for path, subject, number in _numbers_of_field(field):
                 is_too_wide = number < 0 or number >> width > 0
                 # The number for which a stored 0 stands is sent as 0. A constant is sent as it is.
                 is_sent_as_zero = number == field.zero_means and path != field.path_of("constant")
@@ -311,39 +312,49 @@ def check_xor_of_bytes(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _texts_about_crcs(spec: WrittenSpec) -> Iterator[tuple[Path, str, Crc]]:
-    """Yield the note of each CRC, and the texts of errata that affect only one CRC, with their paths."""
-    crcs = by_part_name(spec.crcs)
+    """Yield the path, the text and the CRC of each note of a CRC, and of each text of an erratum about one CRC."""
+    crc_by_name = by_part_name(spec.crcs)
     for located_crc in spec.crcs:
         yield (*located_crc.path, "note"), located_crc.part.note, located_crc.part
     for erratum in spec.errata:
-        affected_names = {path.split(".")[1] for path in erratum.affects if path.startswith("crcs.")}
-        affected_crcs = [crcs[name].part for name in affected_names if name in crcs]
+        affected_names: set[str] = set()
+        for affected_path in erratum.affects:
+            section, *names = affected_path.split(".")  # As in crcs.word.poly.
+            if section == "crcs" and names:
+                affected_names.add(names[0])
+        affected_crcs = [crc_by_name[name].part for name in affected_names if name in crc_by_name]
         if len(affected_crcs) == 1:
             for key in ("used", "why"):
                 yield erratum.path_of(key), str(erratum.data.get(key, "")), affected_crcs[0]
 
 
 def check_bits_of_fields(spec: WrittenSpec, report: DocumentReport) -> None:
-    """Check that the bit in ``used`` of an erratum, such as "Counting direction is bit 6.", is that of the field."""
+    """Check that the bit in ``used`` of an erratum, such as "Counting direction is bit 6.", is that of the field.
+
+    The key ``used`` is the text about what applies instead of the manual.
+    """
     if is_derived(report.document):
         return
     targets = ErratumTargets(spec.data)
     for erratum in spec.errata:
-        match = _IS_BIT.fullmatch(erratum.used)
-        if match is None:
+        statement = _IS_BIT.fullmatch(erratum.used)
+        if statement is None:
             continue
+        stated_name = statement.group("name").casefold()
+        stated_bit = int(statement.group("bit"))
         for field in _affected_fields(erratum, targets):
-            names = (str(field.get("printed_name", "")), str(field.get("name", "")).replace("_", " "))
-            is_named = match.group("name").casefold() in map(str.casefold, names)
-            if is_named and field["at"] != int(match.group("bit")):
-                message = f"the text says bit {match['bit']}, but 'at' of the field is {field['at']}"
-                report.add("left-behind", erratum.path_of("used"), f"{message}; correct one of the two")
+            printed_name = str(field.get("printed_name", ""))
+            name_in_words = str(field.get("name", "")).replace("_", " ")
+            is_named = stated_name in (printed_name.casefold(), name_in_words.casefold())
+            if is_named and field["at"] != stated_bit:
+                problem = f"the text says bit {statement['bit']}, but 'at' of the field is {field['at']}"
+                report.add("left-behind", erratum.path_of("used"), f"{problem}; correct one of the two")
 
 
 def _affected_fields(erratum: WrittenErratum, targets: ErratumTargets) -> Iterator[dict[str, object]]:
     """Yield the fields of one bit that an erratum affects."""
     for affected_path in erratum.affects:
-        for part in targets.at(affected_path):
+        for part in targets.values_at(affected_path):
             if isinstance(part, dict) and isinstance(part.get("at"), int):
                 yield part
 
@@ -352,20 +363,24 @@ def check_bytes_in_notes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that a field of a layout has the bytes that its note counts, as in "Some models omit these three bytes"."""
     for field_list in layouts_of_interfaces(spec):
         layout = field_list.owner
+        widths: set[int | str | None] = set()
+        for field in field_list.fields:
+            widths |= {field.bits, field.padded_to}
         note = str(layout.data.get("note", ""))
-        widths = {width for field in field_list.fields for width in (field.bits, field.padded_to)}
         for match in _THESE_BYTES.finditer(note):
-            bits = 8 * (2 + _NUMBER_WORDS.index(match.group("count")))
-            if bits not in widths:
-                message = f"the text says {quoted(match[0])}, but no field of the layout has {bits} bits"
-                report.add("left-behind", layout.path_of("note"), f"{message}; correct one of the two")
+            byte_count = _NUMBER_WORDS.index(match.group("count")) + 2  # The first word is "two".
+            bit_count = 8 * byte_count
+            if bit_count not in widths:
+                problem = f"the text says {quoted(match[0])}, but no field of the layout has {bit_count} bits"
+                report.add("left-behind", layout.path_of("note"), f"{problem}; correct one of the two")
 
 
 def check_bits_in_notes(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the note of an example has the bits of its bytes, as in "The value is 01100000 in binary"."""
     for example in spec.examples:
-        bits = "".join(f"{int(byte, 16):08b}" for byte in example.bytes.split())
-        for bits_in_text in _BITS_IN_TEXT.findall(example.note):
-            if len(bits_in_text) == len(bits) and bits_in_text != bits:
-                message = f"the text has {bits_in_text}, but the bytes of the example are {bits} in binary"
-                report.add("left-behind", example.path_of("note"), f"{message}; correct one of the two")
+        bits_of_bytes = [f"{int(byte_text, 16):08b}" for byte_text in example.bytes.split()]  # 01100000 for 60.
+        bits = "".join(bits_of_bytes)
+        for stated_bits in _BITS_IN_TEXT.findall(example.note):
+            if len(stated_bits) == len(bits) and stated_bits != bits:
+                problem = f"the text has {stated_bits}, but the bytes of the example are {bits} in binary"
+                report.add("left-behind", example.path_of("note"), f"{problem}; correct one of the two")

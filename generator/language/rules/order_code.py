@@ -69,7 +69,7 @@ def check_order_code_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
         return  # Something invalid was removed, which is reported already.
     problems_before = len(report)
     _check_pattern(spec, report)
-    _check_values(spec, report)
+    _check_set_parameters(spec, report)
     if len(report) > problems_before:
         return
     codes = _compose_codes(spec)
@@ -80,7 +80,7 @@ def check_order_code_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
         message = "'only_with' excludes every combination, so no order code remains"
         report.add("order-code-pattern", _PATH_OF_PARTS, message, at_key=True)
     else:
-        _check_codes(spec, codes, report)
+        _check_selections_of_codes(spec, codes, report)
 
 
 def check_ambiguous_order_codes(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -102,26 +102,27 @@ def check_ambiguous_order_codes(spec: WrittenSpec, report: DocumentReport) -> No
 def _find_ambiguity(spec: WrittenSpec) -> str:
     """Return a message about the first order code that occurs twice or can be read in two ways, or an empty string."""
     parts = spec.order_code.parts
-    # The pieces of ``X-{bits}{output}`` are ``X-``, ``bits``, an empty text, ``output`` and an empty text: literal text
-    # at even indices, and names of parts at odd indices. Blanks on a label are ignored.
+    # In turn, literal text and the name of a part: "X-", "bits", "", "output" and "" for ``X-{bits}{output}``.
     pieces = _PART_IN_BRACES.split(spec.order_code.pattern)
     names_of_parts = pieces[1::2]
-    pieces[::2] = map(_without_blanks, pieces[::2])
+    for index_of_literal in range(0, len(pieces), 2):
+        pieces[index_of_literal] = _capitals_without_blanks(pieces[index_of_literal])  # Blanks on a label are ignored.
     # With parts of fixed length, each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
     # For each part, a function that tells whether a text is one of its labels.
     label_tests = {part.name: _label_test(part) for part in parts}
     first_codes: dict[str, _Code] = {}  # The first code with each text.
     for code in _compose_codes(spec) or ():
-        code_text = _without_blanks(code.text)
+        code_text = _capitals_without_blanks(code.text)
         first_code = first_codes.setdefault(code_text, code)
         if first_code is not code:
             choices_text = f"as {_choices_text(first_code)}, and as {_choices_text(code)}"
             return f"the code {quoted(code.text)} occurs twice: {choices_text}"
         if not has_fixed_lengths:
-            first_readings = list(itertools.islice(_yield_readings(code_text, pieces, label_tests), 2))
-            if len(first_readings) == 2:
-                reading, other_reading = [_reading_text(names_of_parts, labels) for labels in first_readings]
+            all_readings = _yield_readings(code_text, pieces, label_tests)
+            first_two_readings = list(itertools.islice(all_readings, 2))
+            if len(first_two_readings) == 2:
+                reading, other_reading = [_reading_text(names_of_parts, labels) for labels in first_two_readings]
                 return f"the code {quoted(code.text)} can be read as {reading}, and as {other_reading}"
     return ""
 
@@ -181,7 +182,7 @@ def _check_spelling(
         report.add("also-written", spelling.path_of("then"), message)
 
 
-def _without_blanks(label: str) -> str:
+def _capitals_without_blanks(label: str) -> str:
     """Return a label in capitals and without blanks, as labels are compared."""
     return "".join(label.split()).upper()
 
@@ -237,7 +238,7 @@ def _check_pattern(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("order-code-pattern", part.path_of("name"), message)
 
 
-def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
+def _check_set_parameters(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that order codes set only parameters that are not calculated, read or set by an answer of the user.
 
     Also check that the regular expressions of open parts are valid. They describe labels that the spec does not list.
@@ -247,7 +248,7 @@ def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
             for name in value.sets:
                 if name not in spec.parameters:
                     continue  # Another rule reports it.
-                other_origin = _other_origin(spec, spec.parameters[name])
+                other_origin = _key_of_other_origin(spec, spec.parameters[name])
                 if other_origin is not None:
                     message = f"{quoted(name)} {_OTHER_ORIGINS[other_origin]}, so an order code cannot set it too"
                     report.add("order-code-pattern", (*value.path, "sets", name), message)
@@ -257,7 +258,7 @@ def _check_values(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("order-code-pattern", part.path_of("open"), message)
 
 
-def _other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
+def _key_of_other_origin(spec: WrittenSpec, parameter: WrittenParameter) -> str | None:
     """Return the key that prevents an order code from setting a parameter, such as ``equals``, or None without one.
 
     An order code can set a parameter that is read from a register if the register has no default.
@@ -287,7 +288,7 @@ def _problem_of_expression(regular_expression: str) -> str:
     return "more than three repetitions" if len(repetitions) > 3 else ""
 
 
-def _check_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentReport) -> None:
+def _check_selections_of_codes(spec: WrittenSpec, codes: Sequence[_Code], report: DocumentReport) -> None:
     """Report order codes that do not select exactly one interface, or do not set each required parameter exactly once.
 
     The interface and each parameter are reported only for the first such code.
@@ -378,13 +379,13 @@ def _compose_codes(spec: WrittenSpec) -> list[_Code] | None:
     codes = []
     for choices in itertools.product(*choices_by_part):
         label_by_part = {choice.part_name: choice.label for choice in choices}
-        if _is_allowed(choices, label_by_part):
+        if _can_be_combined(choices, label_by_part):
             code_text = _fill_pattern(spec.order_code.pattern, label_by_part)
             codes.append(_Code(code_text, choices))
     return codes
 
 
-def _is_allowed(choices: Sequence[_Choice], label_by_part: Mapping[str, str]) -> bool:
+def _can_be_combined(choices: Sequence[_Choice], label_by_part: Mapping[str, str]) -> bool:
     """Return True if the ``only_with`` of each chosen value allows the labels of the other parts."""
     for choice in choices:
         for part_name, allowed_labels in choice.value.only_with.items():
@@ -419,9 +420,9 @@ def _yield_readings(
 ) -> Iterator[tuple[str, ...]]:
     """Yield every way to split an order code into a label for each part: ``("24", "S")`` for ``X-24S``.
 
-    ``pieces`` are literal text and the name of a part in turn, such as ``["X-", "bits", "", "output", ""]``.
-    ``label_tests`` contains a function for each part that returns True for its labels. The text is split from ``start``
-    on, and the pieces are used from ``index`` on.
+    ``pieces`` are literal text and the name of a part in turn: "X-", "bits", "", "output" and "". ``label_tests``
+    contains a function for each part that returns True for its labels. The text is split from ``start`` on, and the
+    pieces are used from ``index`` on, which is the index of a literal.
     """
     literal = pieces[index].upper()
     if not code_text.startswith(literal, start):
@@ -429,10 +430,12 @@ def _yield_readings(
     label_start = start + len(literal)
     is_last_piece = index == len(pieces) - 1
     if is_last_piece:
-        if label_start == len(code_text):
+        is_whole_text_read = label_start == len(code_text)
+        if is_whole_text_read:
             yield ()
         return
-    is_label = label_tests[pieces[index + 1]]
+    part_name = pieces[index + 1]
+    is_label = label_tests[part_name]
     for label_end in range(label_start, len(code_text) + 1):
         label = code_text[label_start:label_end]
         if is_label(label):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from decimal import Decimal
 from itertools import takewhile
 from typing import NamedTuple
@@ -15,7 +14,7 @@ from ..schemas import PROSE
 from ..written_codes import WrittenCodePart, WrittenOrderCode
 from ..written_parts import WrittenSpec
 from .parts import by_name
-from .walk import KEYS_OF_TEXTS, is_derived, leaves_of, yield_texts
+from .walk import KEYS_OF_TEXTS, is_derived, leaves_of, texts_about_encoder
 
 #: Parts of an order code that a text leaves open, such as ``xxx`` or ``...``, and its tail.
 _LEFT_OPEN = re.compile(r"x+|\.{2,3}|…|_+|\*")
@@ -31,11 +30,11 @@ def check_order_codes_in_texts(spec: WrittenSpec, report: DocumentReport) -> Non
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
     """
     pattern = spec.order_code.pattern
-    starts = _list_starts(spec.order_code)
+    starts = _expressions_for_start(spec.order_code)
     # An older edition is derived with its own order codes and with today's texts, so the two need not agree.
     if not starts or report.document.family:
         return
-    pieces = _split_pattern(spec.order_code)
+    pieces = _pieces_of_pattern(spec.order_code)
     if pattern.startswith("{"):  # The start is a label of the first part, so it is already matched.
         pieces = pieces[1:]
     any_start = "|".join(starts)
@@ -52,12 +51,11 @@ def check_order_codes_in_texts(spec: WrittenSpec, report: DocumentReport) -> Non
                 break
 
 
-def _list_starts(order_code: WrittenOrderCode) -> list[str]:
+def _expressions_for_start(order_code: WrittenOrderCode) -> list[str]:
     """Return regular expressions for the beginning of an order code, such as ``TV62``, to find order codes in texts.
 
-    It is the text before the first part of the pattern or, without such text, a label of the first part. If all labels
-    begin and end with the same letters, an x may replace the letters between them: ENx10 for ENA10 and ENB10. The list
-    is empty if a beginning is too short, or begins with a digit, because it would also match other words.
+    It is the text before the first part of the pattern or, without such text, a label of the first part. The list is
+    empty if a beginning is too short, or begins with a digit, because it would also match other words.
     """
     # Of the pattern ``X-{bits}{output}``, these are ``X-`` and ``bits}{output}``.
     fixed_start, _, text_from_first_name = order_code.pattern.partition("{")
@@ -70,12 +68,20 @@ def _list_starts(order_code: WrittenOrderCode) -> list[str]:
     if not labels or too_general_labels:
         return []
     expressions = {re.escape(label) for label in labels}
+    expressions.update(_start_with_open_letters(labels))
+    return sorted(expressions, key=len, reverse=True)  # A label comes before another one with which it begins.
+
+
+def _start_with_open_letters(labels: Sequence[str]) -> Iterator[str]:
+    """Yield the expression for a text that leaves the letters open in which labels differ: ENx10 for ENA10 and ENB10.
+
+    Nothing is yielded unless all labels begin and end with the same letters.
+    """
     common_start = _common_start(labels)
     reversed_labels = [label[::-1] for label in labels]
     common_end = _common_start(reversed_labels)[::-1]
     if len(labels) > 1 and common_start and common_end:
-        expressions.add(f"{re.escape(common_start)}x{re.escape(common_end)}")
-    return sorted(expressions, key=len, reverse=True)  # A label comes before another one with which it begins.
+        yield f"{re.escape(common_start)}x{re.escape(common_end)}"
 
 
 def _common_start(texts: Sequence[str]) -> str:
@@ -108,54 +114,66 @@ class _PatternPiece(NamedTuple):
     label_expression: re.Pattern[str] | None
 
 
-def _split_pattern(order_code: WrittenOrderCode) -> list[_PatternPiece]:
+def _pieces_of_pattern(order_code: WrittenOrderCode) -> list[_PatternPiece]:
     """Return the literal text before each part of the pattern, and the expression that matches a label of the part.
 
     For ``X-{bits}-{output}`` these are ``("", <bits>)`` and ``("-", <output>)``: the text before the first part is
-    empty, because the start of the order code is matched separately. The expression is None if the part is unknown, has
-    no labels or an empty label, or is open with an invalid expression. The text is not checked from there on.
+    empty, because the start of the order code is matched separately.
     """
     parts = by_name(order_code.parts)
-    # Literals are at even indices, names at odd indices.
+    # In turn, beginning and ending with literal text: "X-", "bits", "-", "output" and "".
     literals_and_names = _NAME_IN_BRACES.split(order_code.pattern)
+    names_of_parts = literals_and_names[1::2]
+    literals_before_parts = ("", *literals_and_names[2:-1:2])
     pieces: list[_PatternPiece] = []
-    for index in range(1, len(literals_and_names), 2):
-        part = parts.get(literals_and_names[index])
-        alternatives: list[str] = []
-        if part is not None:
-            # The longest label first, because a regular expression takes the first alternative that matches.
-            alternatives = sorted(map(re.escape, part.values), key=len, reverse=True)
-            alternatives += [part.open] if part.open else []
-        expression = None
-        has_empty_label = not all(alternatives)
-        if alternatives and not has_empty_label:
-            with suppress(re.error, OverflowError):  # An invalid expression is reported elsewhere.
-                expression = re.compile("|".join(alternatives))
-        literal_before = "" if index == 1 else literals_and_names[index - 1]
-        pieces.append(_PatternPiece(literal_before, expression))
+    for literal_before, part_name in zip(literals_before_parts, names_of_parts, strict=True):
+        pieces.append(_PatternPiece(literal_before, _label_expression(parts.get(part_name))))
     return pieces
+
+
+def _label_expression(part: WrittenCodePart | None) -> re.Pattern[str] | None:
+    """Return an expression that matches a label of a part of the order code, or None if no label can be recognized.
+
+    That is the case if the part is unknown, has no labels or an empty label, or is open with an invalid expression.
+    """
+    if part is None:
+        return None
+    # The longest label first, because a regular expression takes the first alternative that matches.
+    alternatives = sorted(map(re.escape, part.values), key=len, reverse=True)
+    if part.open:
+        alternatives.append(part.open)
+    has_empty_label = "" in alternatives
+    if not alternatives or has_empty_label:
+        return None
+    try:
+        return re.compile("|".join(alternatives))
+    except (re.error, OverflowError):  # An invalid expression is reported elsewhere.
+        return None
 
 
 def _unknown_label(order_code_text: str, pieces: Sequence[_PatternPiece]) -> str:
     """Return the first word of a text where a label is expected and none of the part's labels matches.
 
-    ``order_code_text`` is the rest of an order code after its start. The result is empty if all labels match, or if the
-    text ends or departs from the pattern before. An open place, such as ``xxx`` or ``...``, matches a part and may also
-    replace the next ones: after it, a part whose literal does not follow is skipped.
+    ``order_code_text`` is the remainder of an order code after its start. The result is empty if all labels match, or
+    if the text ends or departs from the pattern before, or reaches a part without an expression. An open place, such as
+    ``xxx`` or ``...``, matches a part and may also replace the next ones: after it, a part whose literal does not
+    follow is skipped.
     """
+    remaining_text = order_code_text
     is_left_open = False
-    for literal, expression in pieces:
-        if _TAIL_OF_LABEL.fullmatch(order_code_text) or expression is None:
+    for literal, label_expression in pieces:
+        is_end_of_code = _TAIL_OF_LABEL.fullmatch(remaining_text) is not None
+        if is_end_of_code or label_expression is None:
             return ""
-        if not order_code_text.startswith(literal):
+        if not remaining_text.startswith(literal):
             if is_left_open:
                 continue
             return ""
-        text_from_label = order_code_text.removeprefix(literal)
-        match = expression.match(text_from_label) or _LEFT_OPEN.match(text_from_label)
+        text_from_label = remaining_text.removeprefix(literal)
+        match = label_expression.match(text_from_label) or _LEFT_OPEN.match(text_from_label)
         if match is not None:
             is_left_open = text_from_label[0] in "x.…_*"  # the characters of _LEFT_OPEN
-            order_code_text = text_from_label[match.end() :]
+            remaining_text = text_from_label[match.end() :]
         elif literal or not is_left_open:
             return _first_word(text_from_label)
     return ""
@@ -182,7 +200,7 @@ def check_resolutions_in_texts(spec: WrittenSpec, report: DocumentReport) -> Non
         return
     for unit, resolutions in _resolutions_by_unit(spec):
         length_in_text = re.compile(rf"(?<![\w.,±/])(?<!± )(\d+(?:\.\d+)?) {unit}(?![\w/])")
-        for path, text in yield_texts(spec, _KEYS, report):
+        for path, text in texts_about_encoder(spec, _KEYS, report):
             lengths = [Decimal(number) for number in length_in_text.findall(text)]
             other_lengths = [length for length in lengths if length not in resolutions]
             lists_resolutions = len(other_lengths) < len(lengths)

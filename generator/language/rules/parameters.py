@@ -282,22 +282,22 @@ def check_alternative_use(spec: WrittenSpec, report: DocumentReport) -> None:
     expression may contain their parameters.
     """
     alternatives = by_name(spec.with_invalid_parts.alternatives)
-    parameters_set_by_answers: dict[str, WrittenParameter] = {}
+    alternative_by_parameter: dict[str, str] = {}  # The names of the questions by the parameters that answers set.
     for name, parameter in spec.with_invalid_parts.parameters.items():
         if parameter.alternative:
-            parameters_set_by_answers[name] = parameter
+            alternative_by_parameter[name] = parameter.alternative
     used_texts = list(expressions(spec))
     # The parameter under 'when', which turns Gray code on, is not an expression.
     used_texts += [(use.path, use.text) for use in parameter_uses(spec) if use.path[-1] == "when"]
     for path, text in used_texts:
         used_names = [factor.parameter for factor in list_factors(text)]
-        names_set_by_answers = [name for name in used_names if name in parameters_set_by_answers]
+        names_set_by_answers = [name for name in used_names if name in alternative_by_parameter]
         if not names_set_by_answers:
             continue
-        first_name = names_set_by_answers[0]
-        alternative_name = parameters_set_by_answers[first_name].alternative
+        parameter_name = names_set_by_answers[0]
+        alternative_name = alternative_by_parameter[parameter_name]
         alternative = alternatives.get(alternative_name)
-        problem = f"{quoted(first_name)} is set by the alternative {quoted(alternative_name)}"
+        problem = f"{quoted(parameter_name)} is set by the alternative {quoted(alternative_name)}"
         if path[-1] not in KEYS_IN_BITS:
             remedy = "use it only in 'bits' or 'low_bit' of a field"
             message = f"{problem}, so only frames and registers can depend on it; {remedy}"
@@ -326,18 +326,17 @@ def check_parameter_cycle(spec: WrittenSpec, report: DocumentReport) -> None:
 def _find_cycle(start: str, definitions: Mapping[str, list[str]], searched_names: set[str]) -> list[str]:
     """Return a circular definition that is reached from the parameter ``start``, or an empty list.
 
-    If a needs b, b needs c and c needs b, the cycle reached from a is ``["b", "c", "b"]``. Parameters in
-    ``searched_names`` are skipped, and every visited parameter is added there, so that each cycle is reported once.
+    If a needs b, b needs c and c needs b, the cycle reached from a is ``["b", "c", "b"]``. ``definitions`` contains the
+    names in the definition of each parameter. Parameters in ``searched_names`` are skipped, and every visited parameter
+    is added there, so that each cycle is reported once.
     """
     # Depth first, without recursion: a long chain of parameters must not exhaust the stack.
-    # ``trail`` contains the parameters from ``start`` to the current one, and ``pending`` the names that each of them,
-    # and the start, has yet to visit.
-    trail: list[str] = []
-    pending = [iter((start,))]
-    while pending:
-        name = next(pending[-1], None)
-        if name is None:
-            pending.pop()
+    trail: list[str] = []  # The parameters from the start to the current one.
+    names_to_visit = [iter((start,))]  # First the start, then for each parameter of the trail the names in it.
+    while names_to_visit:
+        name = next(names_to_visit[-1], None)
+        if name is None:  # All names in a definition have been visited.
+            names_to_visit.pop()
             if trail:
                 searched_names.add(trail.pop())
         elif name in trail:
@@ -345,7 +344,7 @@ def _find_cycle(start: str, definitions: Mapping[str, list[str]], searched_names
             return [*trail[trail.index(name) :], name]
         elif name in definitions and name not in searched_names:
             trail.append(name)
-            pending.append(iter(definitions[name]))
+            names_to_visit.append(iter(definitions[name]))
     return []
 
 
@@ -399,7 +398,7 @@ def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     size_by_name: dict[str, _SumSize] = {}
     for name, parameter in spec.parameters.items():
-        size = _find_size(name, spec.parameters, size_by_name)
+        size = _size_of_parameter(name, spec.parameters, size_by_name)
         used_names = [factor.parameter for term in list_terms(parameter.equals) for factor in term.factors]
         uses_reported = any(size_by_name[used_name].is_too_large for used_name in used_names)
         if not size.is_too_large or uses_reported:
@@ -413,7 +412,9 @@ def check_long_sums(spec: WrittenSpec, report: DocumentReport) -> None:
         report.add("bad-expression", parameter.path_of("equals"), f"{quoted(name)} {problem}; the limit is {limit}")
 
 
-def _find_size(name: str, parameters: Mapping[str, WrittenParameter], size_by_name: dict[str, _SumSize]) -> _SumSize:
+def _size_of_parameter(
+    name: str, parameters: Mapping[str, WrittenParameter], size_by_name: dict[str, _SumSize]
+) -> _SumSize:
     """Return the size of a parameter when all parameters in it are replaced by their definitions.
 
     Each factor of a product counts as a term. A parameter without a definition has one term. ``size_by_name`` caches
@@ -421,14 +422,15 @@ def _find_size(name: str, parameters: Mapping[str, WrittenParameter], size_by_na
     """
     if name in size_by_name:
         return size_by_name[name]
-    size_by_name[name] = _SumSize(1, 1)  # This ends the recursion for a circular definition, another rule reports it.
+    # This ends the recursion for a circular definition, which another rule reports.
+    size_by_name[name] = _SumSize(terms=1, multiple=1)
     terms = list_terms(parameters[name].equals) if name in parameters else ()
     term_count, largest_multiple = 0, 1
     for term in terms:
-        sizes = [_find_size(factor.parameter, parameters, size_by_name) for factor in term.factors]
-        term_count += sum(size.terms for size in sizes)
-        multiple = abs(term.multiple) * math.prod(size.multiple for size in sizes)
+        sizes_of_factors = [_size_of_parameter(factor.parameter, parameters, size_by_name) for factor in term.factors]
+        term_count += sum(size.terms for size in sizes_of_factors)
+        multiple = abs(term.multiple) * math.prod(size.multiple for size in sizes_of_factors)
         largest_multiple = max(largest_multiple, multiple)
     if terms:
-        size_by_name[name] = _SumSize(term_count, largest_multiple)
+        size_by_name[name] = _SumSize(terms=term_count, multiple=largest_multiple)
     return size_by_name[name]

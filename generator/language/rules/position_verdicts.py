@@ -52,7 +52,7 @@ def check_value_verdicts(spec: WrittenSpec, report: DocumentReport) -> None:
         else:
             frame_has_position = field_list.owner.path in paths_with_position
         for field in field_list.fields:
-            _check_verdicts_of_values(field_list, field, frame_has_position, report)
+            _check_verdicts_of_values(field_list, field, frame_has_position=frame_has_position, report=report)
 
 
 def _check_verdicts_of_values(
@@ -152,7 +152,7 @@ def check_report_names(spec: WrittenSpec, report: DocumentReport) -> None:
     groups = by_name(spec.with_invalid_parts.field_groups)
     for frame in layouts_of_interfaces(spec):
         used_names = set(readable_names(frame, groups))
-        for path, name in _report_names(frame, groups):
+        for path, name in _names_of_reports(frame, groups):
             if name in used_names:
                 problem = (
                     f"this frame already has {quoted(name)}, which is also the name of this report; rename one of them"
@@ -161,7 +161,7 @@ def check_report_names(spec: WrittenSpec, report: DocumentReport) -> None:
             used_names.add(name)
 
 
-def _report_names(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, str]]:
+def _names_of_reports(field_list: FieldList, groups: Groups) -> Iterator[tuple[Path, str]]:
     """Yield the name under which decoders report each value with a verdict and each combination, with its path.
 
     The value ``low`` of the field ``battery`` is reported as ``battery_low``.
@@ -332,7 +332,7 @@ def check_default_answers(spec: WrittenSpec, report: DocumentReport) -> None:
             problem = f"the default {quoted(default)} is not the first answer of {quoted(alternative.name)}"
             report.add("alternative-default", default_path, f"{problem}; write {quoted(first_answer)}")
             continue
-        _check_settings(alternative, report)
+        _check_numbers_of_answers(alternative, report)
         # If there are several parameters, which are already reported, only the first one is checked.
         parameter, *_ = alternative.values[first_answer].sets
         if parameter not in parameters_of_verdicts:
@@ -340,7 +340,7 @@ def check_default_answers(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("alternative-default", default_path, f"{problem}; add it to a flag, or remove 'default'")
 
 
-def _check_settings(alternative: WrittenAlternative, report: DocumentReport) -> None:
+def _check_numbers_of_answers(alternative: WrittenAlternative, report: DocumentReport) -> None:
     """Check that the answers to a question set one parameter: the first answer to 0, and all other answers to 1.
 
     The first answer is the default.

@@ -130,7 +130,7 @@ def check_saves_before_writes(spec: WrittenSpec, report: DocumentReport) -> None
         last_save = writes[index_of_last_save]
         later_writes = writes[index_of_last_save + 1 :]
         writes_to_other_registers = [step for step in later_writes if step.register != last_save.register]
-        unsaved_register = _first_unsaved(writes_to_other_registers, argument_names, registers)
+        unsaved_register = _first_unsaved_register(writes_to_other_registers, argument_names, registers)
         if unsaved_register:
             problem = f"this step saves before {quoted(unsaved_register)} is written"
             remedy = "move this step after the write, or explain the order in a 'note' of the procedure"
@@ -143,7 +143,7 @@ def _is_save(step: WrittenStep) -> bool:
     return _SAVE_WORDS.fullmatch(step.value) is not None
 
 
-def _first_unsaved(later_writes: Iterable[WrittenStep], argument_names: set[str], registers: Registers) -> str:
+def _first_unsaved_register(later_writes: Iterable[WrittenStep], argument_names: set[str], registers: Registers) -> str:
     """Return the first non-volatile register to which one of the later steps writes an argument of the procedure.
 
     The result is empty if there is none.
@@ -258,7 +258,7 @@ def _compare_writes(
     ``writes`` contains the write that each of the ``write_steps`` carries out.
     """
     for index, printed_text in enumerate(procedure.printed_writes):
-        printed_write = _parse_write(printed_text)
+        printed_write = _parse_printed_write(printed_text)
         printed_path = (*procedure.path, "printed_writes", index)
         if index >= len(write_steps):
             report.add("writes-mismatch", printed_path, f"{printed_write} is printed, but no step writes it")
@@ -271,7 +271,7 @@ def _compare_writes(
         report.add("writes-mismatch", step.path, "this write is not among the 'printed_writes'")
 
 
-def _parse_write(write_text: str) -> _Write:
+def _parse_printed_write(write_text: str) -> _Write:
     """Return the write that a text of ``printed_writes`` describes, such as ``0x49 bit 2 = 0`` or ``0x50-0x54``."""
     match = _PRINTED_WRITE.fullmatch(write_text)
     assert match is not None  # The schema uses the same pattern.
@@ -310,7 +310,8 @@ def _write_of_step(step: WrittenStep, registers: Mapping[str, WrittenRegister], 
         return None
     if step.field:
         return replace(write_of_register, bit=bit_range.lowest)
-    return replace(write_of_register, value=(number or 0) << bit_range.lowest)
+    number_at_its_bits = (number or 0) << bit_range.lowest
+    return replace(write_of_register, value=number_at_its_bits)
 
 
 _NUMBER_WORDS = ("two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")

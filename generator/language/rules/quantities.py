@@ -13,7 +13,7 @@ from ..problems import DocumentReport, Path, join_words, quoted
 from ..written import LocatedPart
 from ..written_fields import WrittenField
 from ..written_parts import WrittenSpec
-from .code_meanings import supply_named
+from .code_meanings import supply_in_text
 from .parameters import KEYS_IN_BITS, KIND_OF_UNIT_BY_KEY, expressions, list_factors
 from .parts import field_lists
 from .walk import leaves_of
@@ -59,9 +59,9 @@ def check_quantity_text(spec: WrittenSpec, report: DocumentReport) -> None:
             if bounds:
                 bounds_by_unit.setdefault(quantity.unit, set()).update(bounds)
         for unit, bounds_in_unit in sorted(bounds_by_unit.items()):
-            if not bounds_in_unit.issubset(_possible_numbers(printed_text, unit)):
+            if not bounds_in_unit.issubset(_numbers_with_tolerances(printed_text, unit)):
                 continue  # The same difference is reported at the bound.
-            for number in _plain_numbers(printed_text, unit):
+            for number in _numbers_without_tolerances(printed_text, unit):
                 if number not in bounds_in_unit:
                     message = f"'values' does not give {number} {unit}; one of the two is wrong"
                     report.add("quantity-text", (*characteristic.path, "value"), message)
@@ -86,7 +86,7 @@ def _check_quantity(quantity: Quantity, characteristic_text: str, path: Path, re
     if not bounds or not are_finite or bounds != sorted(bounds):
         report.add("quantity-text", path, "give 'min', 'typical' or 'max', in ascending order")
         return []
-    possible_numbers = set(_possible_numbers(characteristic_text, unit))
+    possible_numbers = set(_numbers_with_tolerances(characteristic_text, unit))
     for key, number in bounds_by_key.items():
         if number not in possible_numbers:
             message = f"the text does not give {number} {unit}; one of the two is wrong"
@@ -100,7 +100,7 @@ def bounds_of(quantity: Quantity) -> dict[str, float]:
     return {key: number for key, number in bounds.items() if number is not None}
 
 
-def _signed_numbers(characteristic_text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
+def _numbers_with_sign(characteristic_text: str, unit: str) -> Iterator[tuple[str, Decimal]]:
     """Yield the sign and the size of each number with this unit in a text, such as ``("±", 5)`` and ``("-", 20)``."""
     unit_pattern = _UNITS_IN_TEXTS.get(unit, re.escape(unit))
     # The number of ``-20 °C``, but not of a quantity per another, such as ``20 m/s`` for the unit m.
@@ -111,23 +111,23 @@ def _signed_numbers(characteristic_text: str, unit: str) -> Iterator[tuple[str, 
         yield sign.replace("−", "-"), number
 
 
-def _plain_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
+def _numbers_without_tolerances(characteristic_text: str, unit: str) -> Iterator[Decimal]:
     """Yield each number with this unit in a text, except tolerances such as ``±5``."""
-    for sign, number in _signed_numbers(characteristic_text, unit):
+    for sign, number in _numbers_with_sign(characteristic_text, unit):
         if sign != "±":
             yield -number if sign == "-" else number
 
 
-def _possible_numbers(characteristic_text: str, unit: str) -> Iterator[Decimal]:
+def _numbers_with_tolerances(characteristic_text: str, unit: str) -> Iterator[Decimal]:
     """Yield each number with this unit in a text, and each number plus and minus its tolerances.
 
     A tolerance, such as ``±5``, is in the same unit or in percent.
     """
-    plain_numbers = list(_plain_numbers(characteristic_text, unit))
-    yield from plain_numbers
-    tolerances = [number for sign, number in _signed_numbers(characteristic_text, unit) if sign == "±"]
-    percentages = [number for sign, number in _signed_numbers(characteristic_text, "%") if sign == "±"]
-    nominal_numbers = plain_numbers or [Decimal(0)]  # A tolerance alone is about 0.
+    numbers_in_text = list(_numbers_without_tolerances(characteristic_text, unit))
+    yield from numbers_in_text
+    tolerances = [number for sign, number in _numbers_with_sign(characteristic_text, unit) if sign == "±"]
+    percentages = [number for sign, number in _numbers_with_sign(characteristic_text, "%") if sign == "±"]
+    nominal_numbers = numbers_in_text or [Decimal(0)]  # A tolerance alone is about 0.
     for nominal in nominal_numbers:
         relative_tolerances = [nominal * (percentage / 100) for percentage in percentages]
         for tolerance in (*tolerances, *relative_tolerances):
@@ -147,17 +147,17 @@ def check_repeated_quantities(spec: WrittenSpec, report: DocumentReport) -> None
                 continue
             stated_range_mv = round(quantity.min * 1000), round(quantity.max * 1000)
             path: Path = (*characteristic.path, "values", index)
-            _compare_supply(stated_range_mv, supply_ranges, path, report)
+            _compare_supply(stated_range_mv, supply_ranges, path=path, report=report)
     for connector in spec.connectors:
         for index, contact in enumerate(connector.part.contacts):
-            stated_supply = supply_named(contact.signal)
+            stated_supply = supply_in_text(contact.signal)
             if stated_supply is None:
                 continue
             lowest_mv, highest_mv = stated_supply
             is_range = lowest_mv != highest_mv
             if is_range:
                 path = (*connector.path, "contacts", index, "signal")
-                _compare_supply(stated_supply, supply_ranges, path, report)
+                _compare_supply(stated_supply, supply_ranges, path=path, report=report)
     for alarm in spec.alarms:
         _check_threshold(spec, alarm, report)
 
@@ -191,7 +191,7 @@ def _check_threshold(spec: WrittenSpec, alarm: LocatedPart[Alarm], report: Docum
     if threshold_mv is None:
         return
     located_texts = [((*alarm.path, "meaning"), alarm.part.meaning)]
-    for flag in _flags_of(spec, alarm.part):
+    for flag in _flags_of_alarm(spec, alarm.part):
         located_texts += [(flag.path_of("meaning"), flag.meaning), (flag.path_of("when_active"), flag.when_active)]
     for path, text in located_texts:
         for number, unit in _VOLTAGE_IN_TEXT.findall(text):
@@ -204,7 +204,7 @@ def _check_threshold(spec: WrittenSpec, alarm: LocatedPart[Alarm], report: Docum
                 report.add("quantity-repeated", path, message)
 
 
-def _flags_of(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
+def _flags_of_alarm(spec: WrittenSpec, alarm: Alarm) -> list[WrittenField]:
     """Return the flag of an alarm: the fields with its name in the group and the register that the alarm names."""
     fields_of_owner: list[WrittenField] = []
     for group in spec.field_groups:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from fractions import Fraction
 from itertools import combinations, pairwise
 from typing import NamedTuple
 
@@ -35,8 +36,7 @@ _HIGHEST_HZ = 10_000_000
 _RS_LINES = re.compile(r"\bRS-?(?:422|485)\b", re.IGNORECASE)
 #: Usual names of the times of an SSI encoder.
 _MONOFLOP, _PAUSE = "monoflop", "pause"
-NS_PER_S = 1_000_000_000
-_NS_PER_US = 1000
+_US_PER_S = 1_000_000
 #: No encoder has such a low limit in Hz. The highest limits in kHz, of SPI, are still below.
 _LOWEST_MAXIMUM_HZ = 50_000
 #: The lowest clock in Hz of an encoder whose highest clock is plausible.
@@ -89,7 +89,7 @@ def check_round_rates(spec: WrittenSpec, report: DocumentReport) -> None:
     if is_second_reading(report.document):  # Second readings have no notes.
         return
     for _, interface in interfaces(spec):
-        for path, rate, unit in _yield_rates(interface):
+        for path, rate, unit in _rates_of_interface(interface):
             digit_count = len(str(rate).rstrip("0"))  # 2 for 1,500,000.
             is_standard = unit == "baud" and rate % _STANDARD_BAUD == 0
             is_low = rate < _LOWEST_HZ
@@ -117,7 +117,7 @@ class _Rate(NamedTuple):
     unit: str
 
 
-def _yield_rates(interface: WrittenInterface) -> Iterator[_Rate]:
+def _rates_of_interface(interface: WrittenInterface) -> Iterator[_Rate]:
     """Yield the clock limits of an interface, including those for cable lengths, or its baud rate.
 
     ``port``, ``clock`` and each row of the cable lengths have their path in the spec, and their values as ``part``.
@@ -151,7 +151,7 @@ def check_rates_of_lines(spec: WrittenSpec, report: DocumentReport) -> None:
         has_rs_lines = isinstance(interface, WrittenRs485) or _RS_LINES.search(interface.signals) is not None
         if not has_rs_lines:
             continue
-        for path, rate, unit in _yield_rates(interface):
+        for path, rate, unit in _rates_of_interface(interface):
             is_for_cables = path[-1] in CABLE_LIMITS
             is_explained = _contains_rate(interface.note, rate)
             if rate > _HIGHEST_HZ and not is_for_cables and not is_explained:
@@ -176,8 +176,11 @@ def check_monoflop(spec: WrittenSpec, report: DocumentReport) -> None:
 
 
 def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: DocumentReport) -> None:
-    """Check that a monoflop time fits the clocks and the pauses that apply to the same order codes."""
-    time_us, key = _find_shortest(timing)
+    """Check that a monoflop time fits the clocks and the pauses that apply to the same order codes.
+
+    After this time without a clock edge, the encoder ends the word.
+    """
+    time_us, key = _guaranteed_or_typical_us(timing)
     # Errata refer to a part of a list by its name: interfaces.ssi.monoflop.at_least_us.
     path_of_timings = timing.path[:-1]
     names_in_path = map(str, (*path_of_timings, _MONOFLOP, key))
@@ -189,9 +192,8 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
         lowest_hz = clock.part.min_hz
         if not lowest_hz or not share_order_codes(clock.part, timing.part):
             continue
-        # Half a period of the clock lasts NS_PER_S / (2 * lowest_hz).
-        is_shorter_than_half_period = 2 * lowest_hz * time_us * _NS_PER_US < NS_PER_S
-        if is_shorter_than_half_period:
+        half_period_us = Fraction(_US_PER_S, 2 * lowest_hz)
+        if time_us < half_period_us:
             message = (
                 f"{time_us} µs is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it would"
                 f" end within a word; correct one of the two. {remedy}"
@@ -209,8 +211,8 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
             report.add("monoflop", (*pause.path, "at_least_us"), f"{message}. {remedy}")
 
 
-def _find_shortest(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
-    """Return the guaranteed shortest time of a timing or, without one, the typical time, with its key.
+def _guaranteed_or_typical_us(timing: LocatedPart[Timing]) -> tuple[int | None, str]:
+    """Return the guaranteed shortest time of a timing in µs or, without one, the typical time, with its key.
 
     The result is ``(None, "")`` if the timing has neither.
     """
@@ -252,7 +254,8 @@ def _check_kind_of_limit(row: LocatedPart[CableLength], key_of_first_row: str, r
 
 def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: DocumentReport) -> None:
     """Report a clock limit for cables that is outside the limits of a clock."""
-    limit_hz, limit_words = row.part.limit_hz, row.part.limit_words
+    limit_hz = row.part.limit_hz
+    limit_words = row.part.limit_words  # "below" or "at most"
     lowest_hz = clock.min_hz or 0
     highest_hz = clock.max_hz
     is_too_low = limit_hz < lowest_hz
@@ -283,12 +286,12 @@ def check_clock_range(spec: WrittenSpec, report: DocumentReport) -> None:
         for clock in clocks_of(interface):
             if not clock.is_given:
                 continue
-            _check_clock(clock, report)
+            _check_order_of_frequencies(clock, report)
             if not may_be_unknown:
                 _report_missing_limit(clock, raw_clocks_by_path.get(clock.path), report)
 
 
-def _check_clock(located_clock: LocatedPart[Clock], report: DocumentReport) -> None:
+def _check_order_of_frequencies(located_clock: LocatedPart[Clock], report: DocumentReport) -> None:
     """Check that the lowest limit of a clock, the frequencies in use and the highest limit are in ascending order."""
     clock = located_clock.part
     used_frequencies = list(clock.used_hz)
@@ -334,10 +337,11 @@ def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         if has_erratum_at(report.document, "interfaces", name, "cable_lengths"):
             continue
+        affected_path = f"interfaces.{name}.cable_lengths"
         shortest_first = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)
         for row, row_of_longer_cable in combinations(shortest_first, 2):
             if share_order_codes(row.part, row_of_longer_cable.part):
-                _check_cable_order(row.part, row_of_longer_cable, f"interfaces.{name}.cable_lengths", report)
+                _check_cable_order(row.part, row_of_longer_cable, affected_path=affected_path, report=report)
 
 
 def _check_cable_order(

@@ -52,23 +52,23 @@ def check_field_references(spec: WrittenSpec, report: DocumentReport) -> None:
     for field_list in field_lists(spec):
         names = list(fields_by_name(field_list, resolver.groups))
         is_group = field_list.owner_kind is FieldOwner.GROUP
-        may_use_data_ids = is_group or bool(_data_ids(spec, field_list.interface))
+        may_use_data_ids = is_group or bool(_table_of_data_ids(spec, field_list.interface))
         for field in field_list.fields:
-            _check_field(field, names, list(field_list.joins), resolver)
+            _check_references_of_field(field, names, list(field_list.joins), resolver)
             if field.values_of and not may_use_data_ids:
                 problem = f"the interface {quoted(field_list.interface)} has no table of data IDs"
                 message = f"{problem}; list the values with 'values'"
                 report.add("undefined-reference", field.path_of("values_of"), message)
-        _check_layout(field_list, names, resolver)
+        _check_references_of_layout(field_list, names, resolver)
 
 
-def _data_ids(spec: WrittenSpec, interface_name: str) -> object:
+def _table_of_data_ids(spec: WrittenSpec, interface_name: str) -> object:
     """Return the table of data IDs of an interface as the file has it, even if it is invalid. None without a table."""
     interface_data = spec.with_invalid_parts.interfaces.data.get(interface_name)
     return WrittenRs485(interface_data).data.get("data_ids")
 
 
-def _check_layout(field_list: FieldList, known_fields: Sequence[str], resolver: NameResolver) -> None:
+def _check_references_of_layout(field_list: FieldList, known_fields: Sequence[str], resolver: NameResolver) -> None:
     """Check that the fields exist that a layout or register sends in Gray code, joins to numbers, or is identified by.
 
     ``known_fields`` are the names of its fields, including fields of groups.
@@ -86,7 +86,7 @@ def _check_layout(field_list: FieldList, known_fields: Sequence[str], resolver: 
         resolver.check_each_name((*path, "join", joined_number), "field", names_of_parts, known_names=known_fields)
 
 
-def _check_field(
+def _check_references_of_field(
     field: WrittenField, names_in_layout: Sequence[str], joined_numbers: Sequence[str], resolver: NameResolver
 ) -> None:
     """Check that the group, CRC, covered fields and explaining bits that a field names exist.
@@ -121,7 +121,7 @@ def check_register_references(spec: WrittenSpec, report: DocumentReport) -> None
             message = f"registers belong to {Biss.name} by default, but this device has no {Biss.name}; add 'interface'"
             report.add("undefined-reference", register.path, message)
         if register.opened_by is not None:
-            _check_opener(register.opened_by, resolver)
+            _check_unlocking_register(register.opened_by, resolver)
         field_list = FieldList(FieldOwner.REGISTER, register, interface="")
         known_numbers = [*fields_by_name(field_list, resolver.groups), *register.join]
         limits_path = register.path_of("limits_of")
@@ -129,10 +129,10 @@ def check_register_references(spec: WrittenSpec, report: DocumentReport) -> None
         resolver.check_optional_name(limits_path, noun, register.limits_of, known_names=known_numbers)
         resolver.check_each_name(register.path_of("write_clears"), "register", register.write_clears)
         for meaning in register.meanings:
-            _check_meaning(meaning, resolver)
+            _check_selector_of_meaning(meaning, resolver)
 
 
-def _check_opener(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
+def _check_unlocking_register(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
     """Check that the register, its field and its value that unlock another register for writing exist.
 
     If the register has several fields, the spec must say which of them needs the value.
@@ -156,7 +156,7 @@ def _check_opener(opener: WrittenOpenedBy, resolver: NameResolver) -> None:
         resolver.report_problem(value_path, f"{problem} that must hold {quoted(opener.value)}")
 
 
-def _check_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> None:
+def _check_selector_of_meaning(meaning: WrittenRegisterMeaning, resolver: NameResolver) -> None:
     """Check that the field that selects a meaning of a register exists, and that it has the named value.
 
     The field is written as ``register.field``.
@@ -243,11 +243,11 @@ def check_alarm_references(spec: WrittenSpec, report: DocumentReport) -> None:
         if alarm.field and not alarm.group and not alarm.register:
             message = "'field' also needs the 'group' or 'register' of the flag"
             report.add("undefined-reference", (*path, "field"), message)
-        _check_flag(alarm, (*path, "field"), resolver)
+        _check_flag_of_alarm(alarm, (*path, "field"), resolver)
         resolver.check_each_name((*path, "cleared_by"), "procedure", alarm.cleared_by)
 
 
-def _check_flag(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
+def _check_flag_of_alarm(alarm: Alarm, path: Path, resolver: NameResolver) -> None:
     """Check that the register or group that an alarm names contains the flag of the alarm."""
     owner: WrittenRegister | WrittenFieldGroup | None
     if alarm.register:
@@ -304,7 +304,7 @@ def check_erratum_references(spec: WrittenSpec, report: DocumentReport) -> None:
                 problem = f"no output would find {quoted(affected_place)}; write {short_place}"
                 report.add("undefined-reference", path, problem)
                 continue
-            node: object = spec.with_invalid_parts.data
+            node: object = spec.with_invalid_parts.data  # The map or list that the steps so far lead to.
             for step in (*outer_steps, last_step):
                 if id(node) not in next_nodes_by_id:
                     next_nodes_by_id[id(node)] = dict(next_steps(node))
@@ -366,7 +366,8 @@ class NameResolver:
         self._misspelt_names = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
             # A part in a list has its name under 'name', one in a map is a key itself.
-            name = remaining_value_at(whole_spec.data, path) if path[-1] == "name" else path[-1]
+            last_step = path[-1]
+            name = remaining_value_at(whole_spec.data, path) if last_step == "name" else last_step
             if isinstance(name, str) and not _NAME_PATTERN.fullmatch(name):
                 self._misspelt_names.add(name)
         self.groups = by_name(whole_spec.field_groups)

@@ -36,14 +36,14 @@ def check_addresses(spec: WrittenSpec, report: DocumentReport) -> None:
         highest_address = last_address(register)
         if (printed_lowest, printed_highest) != (register.address, highest_address):
             message = (
-                f"{quoted(register.name)} is printed at {_address_text(printed_lowest, printed_highest)}; "
+                f"{quoted(register.name)} is printed at {_range_of_addresses(printed_lowest, printed_highest)}; "
                 f"'address' {register.address:#04x} and 'length' {register.length} "
-                f"result in {_address_text(register.address, highest_address)}"
+                f"result in {_range_of_addresses(register.address, highest_address)}"
             )
             report.add("addresses-mismatch", register.path_of("addresses"), message)
 
 
-def _address_text(lowest: int, highest: int) -> str:
+def _range_of_addresses(lowest: int, highest: int) -> str:
     return f"{lowest:#04x}" if lowest == highest else f"{lowest:#04x} to {highest:#04x}"
 
 
@@ -66,15 +66,17 @@ def check_default_lists(spec: WrittenSpec, report: DocumentReport) -> None:
             continue
         register = registers.get(row.register)
         if register is not None:
-            _check_row(row, register, report)
+            _check_row_of_defaults(row, register, report)
 
 
-def _check_row(row: WrittenPrintedDefault, register: WrittenRegister, report: DocumentReport) -> None:
+def _check_row_of_defaults(row: WrittenPrintedDefault, register: WrittenRegister, report: DocumentReport) -> None:
     """Check that a row of the manual's defaults matches its register, or names an erratum that explains the difference.
 
     Only the first difference is reported. An erratum that is named by a correct row is reported too.
     """
-    differences = list(_differences_of_bytes(row, register) if row.bytes else _differences_of_bits(row, register))
+    differences = list(
+        _differences_of_whole_register(row, register) if row.bytes else _differences_of_bits(row, register)
+    )
     if differences and not row.erratum:
         difference = differences[0]
         report.add("default-mismatch", row.path_of(difference.key), difference.message)
@@ -90,7 +92,7 @@ class _Difference(NamedTuple):
     message: str
 
 
-def _differences_of_bytes(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[_Difference]:
+def _differences_of_whole_register(row: WrittenPrintedDefault, register: WrittenRegister) -> Iterator[_Difference]:
     """Yield the difference between the printed bytes and the default of a register. Nothing if they are equal."""
     name = quoted(register.name)
     default = register.default
@@ -180,11 +182,11 @@ def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
     A constant, unused bits and a field that is always 0 carry no data, so they may be there.
     """
     for field_list in field_lists(spec):
-        unused_bits = set(_unused_bits_in(field_list.owner.note))
+        unused_bits = set(_bits_called_unused(field_list.owner.note))
         if field_list.owner_kind is not FieldOwner.REGISTER or not unused_bits:
             continue
         for field in field_list.fields:
-            contradicting_bits = unused_bits.intersection(_bits_at(field.at))
+            contradicting_bits = unused_bits.intersection(_bits_of_place(field.at))
             carries_data = field.constant is None and field.unused is None and field.equals != 0
             if contradicting_bits and carries_data:
                 message = (
@@ -194,7 +196,7 @@ def check_unused_bits(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("unused-bits", field.path_of("at"), message)
 
 
-def _bits_at(place: int | str | None) -> range:
+def _bits_of_place(place: int | str | None) -> range:
     """Return the bits of a place such as ``7:6`` or ``5``. Empty for None, and for text that is not a place."""
     match = _FIELD_BITS.fullmatch(str(place))
     if match is None:
@@ -205,7 +207,7 @@ def _bits_at(place: int | str | None) -> range:
     return range(lowest_bit, highest_bit + 1)
 
 
-def _unused_bits_in(note: str) -> Iterator[int]:
+def _bits_called_unused(note: str) -> Iterator[int]:
     """Yield the bits that a note calls unused, such as 6, 7 and 2 for ``bits 7:6 and 2 are not used``."""
     for match in _CALLED_UNUSED.finditer(note):
         listed_bits = match[1]  # ``7:6 and 2``
@@ -393,13 +395,13 @@ def check_addresses_and_commands(spec: WrittenSpec, report: DocumentReport) -> N
                 message = f"the text says {named_register}, but no register has this address; correct one of the two"
                 report.add("left-behind", path, message, cause=address)
         for code in _command_codes(text):
-            if known_codes.isdisjoint(_possible_numbers(code)):
+            if known_codes.isdisjoint(_numbers_of_code(code)):
                 named_command = quoted(f"command {code}")
                 problem = f"the text says {named_command}, but nothing here has this value"
                 report.add("left-behind", path, f"{problem}; correct one of the two", cause=code)
 
 
-def _possible_numbers(code: str) -> set[int]:
+def _numbers_of_code(code: str) -> set[int]:
     """Return the numbers that a code in a text can be, because manuals print codes in hexadecimal or in decimal."""
     return {int(code, 16), int(code)} if code.isdigit() else {int(code, 16)}
 

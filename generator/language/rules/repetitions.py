@@ -87,10 +87,10 @@ def check_repeated_text(spec: WrittenSpec, report: DocumentReport) -> None:
         data_fields = filter(_has_data, field_list.fields)
         _report_repeated("printed_name", map(_printed_name_of, data_fields), report)
         for field in field_list.fields:
-            _check_values(field, report)
+            _check_texts_of_values(field, report)
 
 
-def _check_values(field: WrittenField, report: DocumentReport) -> None:
+def _check_texts_of_values(field: WrittenField, report: DocumentReport) -> None:
     """Check that no two named values of a field have the same printed name, or the same meaning of several words."""
     printed_names = []
     long_meanings = []
@@ -141,7 +141,7 @@ _UNIQUE_KEYS_OF_DATA_IDS = (
 )
 
 #: Family names reserved by an output, with the reason.
-TAKEN = {
+RESERVED_FAMILY_NAMES = {
     "encoder": "the C header that all families share",
     "biss": "the BiSS part of the Python package",
     **dict.fromkeys(
@@ -167,27 +167,31 @@ def check_device_name(spec: WrittenSpec, report: DocumentReport) -> None:
     if name and name != stem:
         message = f"the device is called {quoted(name)}, but the file is called {quoted(stem)}"
         report.add("device-name", ("device",), f"{message}; use the same name for both")
-    if name in TAKEN:
-        report.add("device-name", ("device",), f"{quoted(name)} is the name of {TAKEN[name]}; rename the family")
+    if name in RESERVED_FAMILY_NAMES:
+        report.add(
+            "device-name",
+            ("device",),
+            f"{quoted(name)} is the name of {RESERVED_FAMILY_NAMES[name]}; rename the family",
+        )
 
 
 def check_duplicate_name(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that parts of one kind, such as registers or the arguments of a procedure, have different names."""
     for noun, parts in _named_parts(spec).items():
-        _check_unique_key(parts, "name", noun, report)
+        _check_unique_key(parts, key="name", noun=noun, report=report)
     _check_unique(_names_for_all_order_codes(spec.timings), "a timing", report)
     _check_unique(_names_for_all_order_codes(spec.characteristics), "a characteristic", report)
     for _, interface in interfaces(spec):
         _check_unique(_names_for_all_order_codes(interface.timings), "a timing", report)
         data_ids = interface.data_ids if isinstance(interface, WrittenRs485) else ()
         for key, noun in _UNIQUE_KEYS_OF_DATA_IDS:
-            _check_unique_key(data_ids, key, noun, report)
-    _check_unique_key(spec.manual.editions, "language", "a language", report)
-    _check_unique_key(spec.manual.history, "revision", "a revision", report)
+            _check_unique_key(data_ids, key=key, noun=noun, report=report)
+    _check_unique_key(spec.manual.editions, key="language", noun="a language", report=report)
+    _check_unique_key(spec.manual.history, key="revision", noun="a revision", report=report)
     for register in spec.registers:
-        _check_unique_key(register.meanings, "name", "a meaning", report)
+        _check_unique_key(register.meanings, key="name", noun="a meaning", report=report)
     for procedure in spec.procedures:
-        _check_unique_key(procedure.arguments, "name", "an argument", report)
+        _check_unique_key(procedure.arguments, key="name", noun="an argument", report=report)
     for connector in spec.connectors:
         located_contacts: list[LocatedValue] = []
         for index, contact in enumerate(connector.part.contacts):
@@ -273,6 +277,10 @@ def check_duplicate_selection(spec: WrittenSpec, report: DocumentReport) -> None
                 report.add("duplicate-name", (*frame.owner.path, "when", selector, index), message)
 
 
+#: Number of registers with lower addresses that are compared with a register.
+_MOST_COMPARED_REGISTERS = 128
+
+
 def check_duplicate_address(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two registers of an interface and bank share a byte.
 
@@ -281,7 +289,8 @@ def check_duplicate_address(spec: WrittenSpec, report: DocumentReport) -> None:
     registers_by_address = sorted(spec.registers, key=attrgetter("address"))
     for index, register in enumerate(registers_by_address):
         # Registers are short, so only the nearest ones can overlap. The limit bounds the time for long lists.
-        nearest_lower_registers = registers_by_address[max(0, index - 128) : index]
+        first_compared = max(0, index - _MOST_COMPARED_REGISTERS)
+        nearest_lower_registers = registers_by_address[first_compared:index]
         for lower_register in reversed(nearest_lower_registers):
             if not _share_a_byte(lower_register, register):
                 continue

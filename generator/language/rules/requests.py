@@ -32,7 +32,7 @@ _WIDEST_WORD = 64
 
 def check_exchanges(
     interface: WrittenRs485 | WrittenSpi,
-    raw_interface: WrittenRs485 | WrittenSpi,
+    interface_with_invalid_parts: WrittenRs485 | WrittenSpi,
     spec: WrittenSpec,
     rule: str,
     report: DocumentReport,
@@ -40,10 +40,10 @@ def check_exchanges(
     """Check that the frames of exchanges exist, and that no two exchanges have the same request.
 
     A request for the position needs a measurement, because without one no output has a position. Problems are reported
-    under ``rule``. ``raw_interface`` is the same interface together with its invalid parts.
+    under ``rule``. ``interface_with_invalid_parts`` is the same interface together with its invalid parts.
     """
-    _check_frames_of_exchanges(interface.exchanges, by_name(raw_interface.layouts), report)
-    has_measurement = spec.with_invalid_parts.has("measurement") or raw_interface.has("measurement")
+    _check_frames_of_exchanges(interface.exchanges, by_name(interface_with_invalid_parts.layouts), report)
+    has_measurement = spec.with_invalid_parts.has("measurement") or interface_with_invalid_parts.has("measurement")
     earlier_requests = set()
     for exchange in interface.exchanges:
         request = exchange.request
@@ -72,7 +72,9 @@ def _check_frames_of_exchanges(exchanges: Exchanges, layouts: LayoutsByName, rep
                 report.add("undefined-reference", exchange.path_of(key), message)
 
 
-def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
+def _report_frame_without_exchange(
+    layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport
+) -> None:
     """Report a frame that is in no exchange, as the request of the master or as the reply of the encoder."""
     if layout.from_ not in KEYS:
         return
@@ -94,8 +96,8 @@ def check_requests(spec: WrittenSpec, report: DocumentReport) -> None:
     An exchange is a request with its reply.
     """
     interface = spec.interfaces.rs485
-    raw_interface = spec.with_invalid_parts.interfaces.rs485
-    if interface is None or raw_interface is None or not interface.is_given:
+    interface_with_invalid_parts = spec.with_invalid_parts.interfaces.rs485
+    if interface is None or interface_with_invalid_parts is None or not interface.is_given:
         return
     port = interface.port
     has_other_length = port.has("data_bits") and port.part.data_bits != 8
@@ -103,7 +105,7 @@ def check_requests(spec: WrittenSpec, report: DocumentReport) -> None:
         message = "frames over RS-485 consist of bytes, so a character has 8 data bits, and its parity bit is 'parity'"
         report.add(_EXCHANGE_RULE, (*port.path, "data_bits"), message)
     if not interface.has("exchanges"):
-        if not raw_interface.has("data_ids"):
+        if not interface_with_invalid_parts.has("data_ids"):
             message = "no request is described; add 'data_ids' (for frames as in the T-format) or 'exchanges'"
             report.add(_EXCHANGE_RULE, interface.path, message)
         return
@@ -111,7 +113,7 @@ def check_requests(spec: WrittenSpec, report: DocumentReport) -> None:
         if interface.has(key):
             message = f"{quoted(key)} belongs to frames as in the T-format; keep either it or 'exchanges'"
             report.add(_EXCHANGE_RULE, interface.path_of(key), message, at_key=True)
-    check_exchanges(interface, raw_interface, spec, _EXCHANGE_RULE, report)
+    check_exchanges(interface, interface_with_invalid_parts, spec, rule=_EXCHANGE_RULE, report=report)
     _check_frames_of_rs485(interface, report)
 
 
@@ -132,7 +134,7 @@ def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> N
         message = f"a second request asks for the position, but {reason}; use 'other'"
         report.add(_EXCHANGE_RULE, exchange.path_of("purpose"), message)
     for layout in interface.layouts:
-        report_unused(layout, interface.exchanges, _EXCHANGE_RULE, report)
+        _report_frame_without_exchange(layout, interface.exchanges, rule=_EXCHANGE_RULE, report=report)
         if layout.when:
             message = "the request decides which frame is the reply; remove 'when'"
             report.add(_EXCHANGE_RULE, layout.path_of("when"), message, at_key=True)
@@ -149,17 +151,17 @@ _NEEDED_IN_REPLY: Mapping[str, tuple[str, ...]] = {"read": ("data",), "write": (
 def check_spi_exchanges(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that each frame over SPI is a request or its reply, and that accesses to registers have their fields."""
     interface = spec.interfaces.spi
-    raw_interface = spec.with_invalid_parts.interfaces.spi
-    if interface is None or raw_interface is None or not interface.is_given:
+    interface_with_invalid_parts = spec.with_invalid_parts.interfaces.spi
+    if interface is None or interface_with_invalid_parts is None or not interface.is_given:
         return
-    check_exchanges(interface, raw_interface, spec, "spi-exchange", report)
-    _check_registers(spec, report)
+    check_exchanges(interface, interface_with_invalid_parts, spec, rule="spi-exchange", report=report)
+    _check_registers_over_spi(spec, report)
     _check_word_lengths(interface, report)
-    _check_frames(interface, report)
-    _check_accesses(interface, raw_interface, spec, report)
+    _check_frames_over_spi(interface, report)
+    _check_register_accesses(interface, interface_with_invalid_parts, spec, report)
 
 
-def _check_registers(spec: WrittenSpec, report: DocumentReport) -> None:
+def _check_registers_over_spi(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers over SPI have no byte order and no values that identify an encoder.
 
     Also check that no parameter is read from them.
@@ -218,13 +220,13 @@ def _check_word_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
 _KEYS_WITH_KNOWN_VALUES = ("constant", "unused", "parity_of", "crc", "use")
 
 
-def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
+def _check_frames_over_spi(interface: WrittenSpi, report: DocumentReport) -> None:
     """Check that each frame over SPI is in an exchange and carried as bits."""
     for index, layout in enumerate(interface.layouts):
         is_request = layout.from_ == "master"
         # Without exchanges, the first frame can be the only one: it is read with any word.
         if interface.exchanges or is_request or index > 0:
-            report_unused(layout, interface.exchanges, "spi-exchange", report)
+            _report_frame_without_exchange(layout, interface.exchanges, rule="spi-exchange", report=report)
         if layout.carried_as == "bytes":
             message = f"{quoted(layout.name)} is an SPI word, which is always carried as bits; remove 'carried_as'"
             report.add("spi-exchange", layout.path_of("carried_as"), message)
@@ -242,15 +244,15 @@ def _fields_to_choose(layout: WrittenLayout | None) -> Iterator[str]:
             yield field.name
 
 
-def _check_accesses(
-    interface: WrittenSpi, raw_interface: WrittenSpi, spec: WrittenSpec, report: DocumentReport
+def _check_register_accesses(
+    interface: WrittenSpi, interface_with_invalid_parts: WrittenSpi, spec: WrittenSpec, report: DocumentReport
 ) -> None:
     """Check that there is an exchange for reading registers and one for writing, if registers can be read or written.
 
     The frames of these exchanges must contain the address and the data. Only one exchange may read registers.
     """
     groups = by_name(spec.with_invalid_parts.field_groups)
-    layouts = by_name(raw_interface.layouts)
+    layouts = by_name(interface_with_invalid_parts.layouts)
     all_registers = spec.with_invalid_parts.registers
     spi_registers = [register for register in all_registers if interface_name_of(register) == Spi.name]
     for purpose, impossible_access in (("read", "write_only"), ("write", "read_only")):
@@ -289,7 +291,7 @@ def _check_requests_of_accesses(
         known_names |= _names_in_frame(exchange.request, layouts, groups)
     missing_names = [name for name in needed_names if name not in known_names]
     if missing_names:
-        _report_missing_field(accesses[0], "request", missing_names[0], report)
+        _report_missing_field(accesses[0], frame_key="request", missing_name=missing_names[0], report=report)
     else:
         _report_undecided_fields(accesses, needed_names, layouts, report)
 
@@ -307,7 +309,7 @@ def _check_replies_of_accesses(
         known_names |= _names_in_frame(exchange.reply, layouts, groups)
     missing_names = [name for name in _NEEDED_IN_REPLY[purpose] if name not in known_names]
     if missing_names:
-        _report_missing_field(accesses[0], "reply", missing_names[0], report)
+        _report_missing_field(accesses[0], frame_key="reply", missing_name=missing_names[0], report=report)
 
 
 def _names_in_frame(frame_name: str, layouts: LayoutsByName, groups: Groups) -> set[str]:
@@ -348,9 +350,7 @@ def _as_field_list(layout: WrittenLayout) -> FieldList:
 def check_requests_that_write(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that no SPI request can be the same word as a request that writes, unless a note of its layout explains it.
 
-    Two words can be the same if they have the same length and no constant bit differs. Only a write with constants and
-    an address that the user chooses is compared: a second word of a write has no address, and the encoder recognizes it
-    by the word before.
+    Two words can be the same if they have the same length and no constant bit differs.
     """
     interface = spec.interfaces.spi
     # A second reading repeats printed facts, without the notes that may explain them.
@@ -358,28 +358,38 @@ def check_requests_that_write(spec: WrittenSpec, report: DocumentReport) -> None
         return
     groups = by_name(spec.with_invalid_parts.field_groups)
     layouts = by_name(interface.layouts)
-    word_by_layout = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
     write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
-    compared_writes = []
-    for name in write_requests:
-        if name not in layouts:
-            continue
-        has_address_to_choose = "address" in _names_without_fixed_value(layouts[name], groups)
-        if has_address_to_choose and _has_constant(word_by_layout[name]):
-            compared_writes.append(name)
+    word_by_write = dict(_words_of_writes(write_requests, layouts, groups))
     for exchange in interface.exchanges:
         name = exchange.request
         if name not in layouts or name in write_requests:
             continue
-        word = word_by_layout[name]
+        word = _word_with_constant_bits(layouts[name], groups)
         is_explained = bool(layouts[name].note)
         if is_explained or not word:
             continue
-        equal_writes = [write for write in compared_writes if _may_be_equal(word, word_by_layout[write])]
+        equal_writes = [write for write, word_of_write in word_by_write.items() if _may_be_equal(word, word_of_write)]
         if equal_writes:
             problem = f"{quoted(name)} can be the same word as {quoted(equal_writes[0])}, so it would write a register"
             remedy = "correct a 'constant' in one of them, or explain it in a 'note' of this layout"
             report.add("spi-exchange", (*interface.path, "layouts", name), f"{problem}; {remedy}")
+
+
+def _words_of_writes(
+    write_requests: Sequence[str], layouts: LayoutsByName, groups: Groups
+) -> Iterator[tuple[str, str]]:
+    """Yield each request that writes a register and that a word can be compared with, with its word such as ``01??``.
+
+    Only a write with constants and an address that the user chooses is compared: a second word of a write has no
+    address, and the encoder recognizes it by the word before.
+    """
+    for name in write_requests:
+        if name not in layouts:
+            continue
+        word = _word_with_constant_bits(layouts[name], groups)
+        has_address_to_choose = "address" in _names_without_fixed_value(layouts[name], groups)
+        if has_address_to_choose and _has_constant(word):
+            yield name, word
 
 
 def _has_constant(word: str) -> bool:
@@ -395,7 +405,7 @@ def _may_be_equal(word: str, other_word: str) -> bool:
     return all(bit == other_bit or "?" in (bit, other_bit) for bit, other_bit in bit_pairs)
 
 
-def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
+def _word_with_constant_bits(layout: WrittenLayout, groups: Groups) -> str:
     """Return the bits of a word as text such as ``01??``, with a question mark for each bit that is not constant.
 
     The result is empty if the width of a field depends on the order code or is too large.

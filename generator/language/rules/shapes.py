@@ -47,16 +47,16 @@ def check_layout_keys(spec: WrittenSpec, report: DocumentReport) -> None:
     for field_list in field_lists(spec):
         for field in field_list.fields:
             if field.use:
-                _check_use(field_list, field, report)
+                _check_inclusion_of_group(field_list, field, report)
             else:
-                _check_field(field, report)
-                _check_others(field_list, field, report)
-        _check_placing(field_list, report)
+                _check_keys_of_field(field, report)
+                _check_unlisted_values(field_list, field, report)
+        _check_positions_of_fields(field_list, report)
         if field_list.layout is not None:
-            _check_carriage(field_list, field_list.layout, spec, report)
+            _check_form_on_line(field_list, field_list.layout, spec, report)
 
 
-def _check_use(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
+def _check_inclusion_of_group(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field that includes a group is in a layout or register, and has no keys of a field."""
     if field_list.owner_kind is FieldOwner.GROUP:
         message = "a field group cannot include another group; list the fields here"
@@ -71,16 +71,16 @@ def _check_use(field_list: FieldList, field: WrittenField, report: DocumentRepor
         report.add("layout-keys", field.path_of(key), message, at_key=True)
 
 
-def _check_field(field: WrittenField, report: DocumentReport) -> None:
+def _check_keys_of_field(field: WrittenField, report: DocumentReport) -> None:
     """Check that a field has a name, and then its kind and its width."""
     if not field.name:
         report.add("layout-keys", field.path, "a field needs 'name', or 'use' to include a group")
         return
-    _check_kind(field, report)
-    _check_width(field, report)
+    _check_keys_of_kind(field, report)
+    _check_width_and_place(field, report)
 
 
-def _check_kind(field: WrittenField, report: DocumentReport) -> None:
+def _check_keys_of_kind(field: WrittenField, report: DocumentReport) -> None:
     """Check that a field has at most one of ``KIND_KEYS`` (none makes it a number), and only keys of that kind."""
     name = quoted(field.name)
     kind_keys = [key for key in KIND_KEYS if field.has(key)]
@@ -162,7 +162,7 @@ def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
         report.add("layout-keys", field.path_of(key), problem, at_key=True)
 
 
-def _check_others(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
+def _check_unlisted_values(field_list: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field with ``others`` can have it: the meaning of all values that are not listed."""
     obstacle = _obstacle_to_others(field_list, field) if field.others else ""
     if obstacle:
@@ -194,7 +194,7 @@ def _obstacle_to_others(field_list: FieldList, field: WrittenField) -> str:
     return ""
 
 
-def _check_width(field: WrittenField, report: DocumentReport) -> None:
+def _check_width_and_place(field: WrittenField, report: DocumentReport) -> None:
     """Check that a field has a width, and that its width and place are given once.
 
     The width is given by ``bits``, by a range in ``at``, or by the kind of field.
@@ -227,7 +227,7 @@ def _is_always_zero(bits: int | str) -> bool:
     return width.is_constant and width.constant <= 0
 
 
-def _check_placing(field_list: FieldList, report: DocumentReport) -> None:
+def _check_positions_of_fields(field_list: FieldList, report: DocumentReport) -> None:
     """Check that either all fields of a layout, register or group have a bit position, or none. Skip control data."""
     fields_with_position = [field for field in field_list.fields if field.has(*PLACES)]
     fields_without_position = [field for field in field_list.fields if not field.has(*PLACES)]
@@ -244,7 +244,9 @@ def _check_placing(field_list: FieldList, report: DocumentReport) -> None:
     report.add("layout-keys", field.path, message)
 
 
-def _check_carriage(field_list: FieldList, layout: WrittenLayout, spec: WrittenSpec, report: DocumentReport) -> None:
+def _check_form_on_line(
+    field_list: FieldList, layout: WrittenLayout, spec: WrittenSpec, report: DocumentReport
+) -> None:
     """Check that a layout has only keys for the form in which it is sent: as bits or as bytes.
 
     Without ``carried_as``, the form is the usual one of its interface.
@@ -339,10 +341,10 @@ def check_example_shape(spec: WrittenSpec, report: DocumentReport) -> None:
         subject = f"a {example.kind} example"
         check_keys(example, example.kind, rule="example-shape", subject=subject, report=report)
         if example.kind == "frame":
-            _check_frame(example, report)
+            _check_example_of_frame(example, report)
 
 
-def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
+def _check_example_of_frame(example: WrittenExample, report: DocumentReport) -> None:
     """Check that an example of a frame has bits or bytes, its layout, and the expected result of decoding it.
 
     The result is ``values``, or ``refused`` with an explanation if decoders reject the frame. A rejected frame of bytes

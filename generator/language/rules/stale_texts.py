@@ -14,7 +14,15 @@ from ..written import located
 from ..written_fields import WrittenRegister
 from ..written_parts import WrittenErratum, WrittenExample, WrittenSpec
 from .parts import by_name
-from .walk import KEYS_OF_TEXTS, SECTIONS_NOT_ABOUT_ENCODER, ErratumTargets, is_derived, leaves, leaves_of, yield_texts
+from .walk import (
+    KEYS_OF_TEXTS,
+    SECTIONS_NOT_ABOUT_ENCODER,
+    ErratumTargets,
+    is_derived,
+    leaves,
+    leaves_of,
+    texts_about_encoder,
+)
 
 #: Factors to the smallest unit of a quantity, by the units of texts and by the ends of keys.
 _UNIT_FACTORS: Mapping[str, Mapping[str, int]] = {
@@ -44,39 +52,48 @@ _KEYS_OF_NAMES = frozenset(("printed_name", "title", "signal", "name"))
 def check_erratum_quantities(spec: WrittenSpec, report: DocumentReport) -> None:
     """Check that the quantities in ``used``, an erratum's text about what applies, are in the facts that it affects.
 
-    Without quantities in ``used``, those in ``printed`` are compared. Quantities are compared only with quantities of
-    the same kind. Overlays and older editions change facts without changing every text, so they are not checked.
+    Without quantities in ``used``, those in ``printed``, the text of the manual, are compared. Quantities are compared
+    only with quantities of the same kind. Overlays and older editions change facts without changing every text, so they
+    are not checked.
     """
     if is_derived(report.document):
         return
     erratum_targets = ErratumTargets(spec.data)
     for erratum in spec.errata:
-        key, quantities = "used", list(_QUANTITY_IN_TEXT.finditer(erratum.used))
+        key = "used"
+        quantities = list(_QUANTITY_IN_TEXT.finditer(erratum.used))
         if not quantities:
-            key, quantities = "printed", list(_QUANTITY_IN_TEXT.finditer(erratum.printed))
+            key = "printed"
+            quantities = list(_QUANTITY_IN_TEXT.finditer(erratum.printed))
         # An erratum with readings is about two printed values, and the facts have only one of them.
         if not quantities or erratum.readings:
             continue
         affected_facts: list[object] = []
         for affected_path in erratum.affects:
-            affected_facts += erratum_targets.at(affected_path)
-        stated_by_kind: dict[str, dict[Decimal, str]] = {}
-        for stated in _stated_quantities(affected_facts):
-            stated_by_kind.setdefault(stated.kind, {})[stated.number] = stated.text
-        messages = [_message_on_quantity(quantity, stated_by_kind) for quantity in quantities]
+            affected_facts += erratum_targets.values_at(affected_path)
+        texts_by_kind = _texts_of_quantities(affected_facts)
+        messages = [_message_on_quantity(quantity, texts_by_kind) for quantity in quantities]
         first_message = next(filter(None, messages), "")
         if first_message:
             report.add("left-behind", erratum.path_of(key), first_message, cause=first_message)
 
 
-def _message_on_quantity(quantity: re.Match[str], stated_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
+def _texts_of_quantities(facts: Iterable[object]) -> dict[str, dict[Decimal, str]]:
+    """Return the quantities in facts, by their kind and number: ``{"voltage": {Decimal(4500): "'min_mv: 4500'"}}``."""
+    texts_by_kind: dict[str, dict[Decimal, str]] = {}
+    for stated in _stated_quantities(facts):
+        texts_by_kind.setdefault(stated.kind, {})[stated.number] = stated.text
+    return texts_by_kind
+
+
+def _message_on_quantity(quantity: re.Match[str], texts_by_kind: Mapping[str, Mapping[Decimal, str]]) -> str:
     """Return the message about a quantity in a text that differs from all quantities of its kind in the facts.
 
-    ``stated_by_kind`` contains, for each kind such as voltage, the numbers in the facts in the smallest unit, with
+    ``texts_by_kind`` contains, for each kind such as voltage, the numbers in the facts in the smallest unit, with
     their texts. The result is empty if the quantity is one of them, or if there are none.
     """
     number_text, unit = quantity.group("number", "unit")
-    text_by_number = stated_by_kind.get(_KIND_OF_UNIT[unit], {})
+    text_by_number = texts_by_kind.get(_KIND_OF_UNIT[unit], {})
     if not text_by_number or _in_smallest_unit(number_text, unit) in text_by_number:
         return ""
     stated_texts = join_words(list(filter(None, text_by_number.values())), "or")
@@ -104,25 +121,31 @@ def _stated_quantities(facts: Iterable[object]) -> Iterator[_StatedQuantity]:
             _, _, unit = key.rpartition("_")  # ``mv`` of ``min_mv``.
             if unit in _KIND_OF_UNIT and isinstance(value, int):
                 yield _StatedQuantity(_KIND_OF_UNIT[unit], Decimal(value), f"'{key}: {value}'")
-        if not isinstance(fact, dict):
-            continue
-        characteristic = located(Characteristic, fact, ()).part
-        for quantity in characteristic.values:
-            unit = quantity.unit
-            for bound in (quantity.min, quantity.typical, quantity.max):
-                if unit in _KIND_OF_UNIT and bound is not None:
-                    number = _in_smallest_unit(str(bound), unit)
-                    yield _StatedQuantity(_KIND_OF_UNIT[unit], number, f"{bound} {unit}")
+        if isinstance(fact, dict):
+            yield from _quantities_of_characteristic(located(Characteristic, fact, ()).part)
+
+
+def _quantities_of_characteristic(characteristic: Characteristic) -> Iterator[_StatedQuantity]:
+    """Yield each bound of the quantities of a characteristic: ``("voltage", Decimal(4500), "4.5 V")``."""
+    for quantity in characteristic.values:
+        unit = quantity.unit
+        for bound in (quantity.min, quantity.typical, quantity.max):
+            if unit in _KIND_OF_UNIT and bound is not None:
+                number = _in_smallest_unit(str(bound), unit)
+                yield _StatedQuantity(_KIND_OF_UNIT[unit], number, f"{bound} {unit}")
 
 
 def _nominal_quantities(fact: object) -> Iterator[_StatedQuantity]:
-    """Yield the mean of each pair of bounds in a fact, such as ``min_mv`` and ``max_mv``."""
+    """Yield the mean of each pair of bounds in a fact, such as ``min_mv`` and ``max_mv``. The mean has no text."""
     values_by_path = {path: value for path, value in leaves(fact) if path}
     for path, maximum in values_by_path.items():
-        bound, _, unit = str(path[-1]).partition("_")
+        prefix, _, unit = str(path[-1]).partition("_")  # ``max`` and ``mv`` of ``max_mv``.
+        if prefix != "max" or unit not in _KIND_OF_UNIT:
+            continue
         minimum = values_by_path.get((*path[:-1], f"min_{unit}"))
-        if bound == "max" and unit in _KIND_OF_UNIT and isinstance(minimum, int) and isinstance(maximum, int):
-            yield _StatedQuantity(_KIND_OF_UNIT[unit], Decimal(minimum + maximum) / 2, "")
+        if isinstance(minimum, int) and isinstance(maximum, int):
+            mean = Decimal(minimum + maximum) / 2
+            yield _StatedQuantity(_KIND_OF_UNIT[unit], mean, text="")
 
 
 def _in_smallest_unit(number_text: str, unit: str) -> Decimal:
@@ -140,14 +163,14 @@ def check_quoted_names(spec: WrittenSpec, report: DocumentReport) -> None:
     """
     if is_derived(report.document):
         return
-    names_in_spec = _printed_names(spec, report)
-    folded_names = {_fold_name(name) for name in names_in_spec}
-    for path, text in yield_texts(spec, KEYS_OF_TEXTS, report):
+    names_in_spec = _names_of_all_parts(spec, report)
+    folded_names = {_name_for_comparison(name) for name in names_in_spec}
+    for path, text in texts_about_encoder(spec, KEYS_OF_TEXTS, report):
         for match in _QUOTED_NAME.finditer(text):
             # The name is before the word for its kind, as in "Preset" register, or after it.
             name_before, name_after = match.group("before", "after")
             name = name_before or name_after
-            if _fold_name(name) not in folded_names:
+            if _name_for_comparison(name) not in folded_names:
                 hint = suggest_word(name, names_in_spec)
                 message = f"nothing here is called {quoted(name)}{hint}; correct the text"
                 report.add("left-behind", path, message, cause=name)
@@ -163,35 +186,39 @@ def check_renamed_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     A phrase that differs from the name in one word in the middle, such as ``Preset setting enable`` for
     ``Preset write enable``, is the old name of a renamed register, unless something else has this name.
     """
-    if report.document.family or report.document.other_files:
+    if is_derived(report.document):
         return
-    known_names = {_fold_name(name) for name in _printed_names(spec, report)}
-    long_names = {register.printed_name: register.printed_name.split() for register in by_name(spec.registers).values()}
-    long_names = {name: words for name, words in long_names.items() if len(words) >= _WORDS_OF_LONG_NAME}
-    for path, text in leaves_of(spec.data, report) if long_names else ():
-        is_text = path[-1] in KEYS_OF_TEXTS or path[-1] in ("printed", "title")
-        if not isinstance(text, str) or path[0] in SECTIONS_NOT_ABOUT_ENCODER or not is_text:
-            continue
-        for name, words in long_names.items():
+    known_names = {_name_for_comparison(name) for name in _names_of_all_parts(spec, report)}
+    words_by_name: dict[str, list[str]] = {}  # The words of each long printed name.
+    for register in by_name(spec.registers).values():
+        words = register.printed_name.split()
+        if len(words) >= _WORDS_OF_LONG_NAME:
+            words_by_name[register.printed_name] = words
+    if not words_by_name:
+        return
+    for path, text in texts_about_encoder(spec, KEYS_OF_TEXTS | {"printed", "title"}, report):
+        for name, words in words_by_name.items():
             similar_phrase = _similar_phrase(text, words)
-            if similar_phrase and _fold_name(similar_phrase) not in known_names:
-                message = f"nothing here is called {quoted(similar_phrase)}; did you mean {quoted(name)}?"
-                report.add("left-behind", path, f"{message} Correct the text", cause=similar_phrase)
+            if similar_phrase and _name_for_comparison(similar_phrase) not in known_names:
+                problem = f"nothing here is called {quoted(similar_phrase)}; did you mean {quoted(name)}?"
+                report.add("left-behind", path, f"{problem} Correct the text", cause=similar_phrase)
 
 
-def _similar_phrase(text: str, words: Sequence[str]) -> str:
-    """Return the first words of a text that differ from ``words`` in exactly one word in the middle, or ""."""
+def _similar_phrase(text: str, words_of_name: Sequence[str]) -> str:
+    """Return the first words of a text that differ from a name in exactly one word in the middle, or ""."""
     words_of_text = re.findall(r"[\w-]+", text)
-    for index in range(len(words_of_text) - len(words) + 1):
-        phrase = words_of_text[index : index + len(words)]
-        different_words = [word for word, other in zip(phrase, words, strict=True) if word != other]
-        has_same_ends = (phrase[0], phrase[-1]) == (words[0], words[-1])
+    last_start = len(words_of_text) - len(words_of_name)
+    for start in range(last_start + 1):
+        phrase = words_of_text[start : start + len(words_of_name)]
+        word_pairs = zip(phrase, words_of_name, strict=True)
+        different_words = [word for word, word_of_name in word_pairs if word != word_of_name]
+        has_same_ends = (phrase[0], phrase[-1]) == (words_of_name[0], words_of_name[-1])
         if has_same_ends and len(different_words) == 1:
             return " ".join(phrase)
     return ""
 
 
-def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
+def _names_of_all_parts(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     """Return the names of all parts of a spec, each once: names in the manual, in other languages and in the spec."""
     names: dict[str, None] = {}  # In the order of the spec, each once.
     for path, text in leaves_of(spec.data, report):
@@ -204,7 +231,7 @@ def _printed_names(spec: WrittenSpec, report: DocumentReport) -> list[str]:
     return list(names)
 
 
-def _fold_name(printed_name: str) -> str:
+def _name_for_comparison(printed_name: str) -> str:
     """Return a name in lower case, with one space for all other characters between letters and digits."""
     return re.sub(r"[\W_]+", " ", printed_name).strip().casefold()
 
@@ -227,7 +254,7 @@ def check_led_states(spec: WrittenSpec, report: DocumentReport) -> None:
     words_of_states = set(re.findall(r"\w+", " ".join(states)))
     if not states or is_derived(report.document):
         return
-    for path, text in yield_texts(spec, _TEXTS_ON_LEDS, report):
+    for path, text in texts_about_encoder(spec, _TEXTS_ON_LEDS, report):
         for match in _LED_IS.finditer(text):
             state = match.group("state")
             if state.casefold() not in words_of_states:
@@ -328,18 +355,18 @@ def _check_shown_default(example: WrittenExample, register: WrittenRegister, rep
 
 
 def _check_number_in_erratum(
-    erratum: WrittenErratum, key: _KeyWithText, numbers: _NumberByName, report: DocumentReport
+    erratum: WrittenErratum, key: _KeyWithText, number_by_name: _NumberByName, report: DocumentReport
 ) -> None:
     """Check that the number in ``used``, an erratum's text about what applies, is that of the part that it affects.
 
-    ``numbers`` contains the number under the key for each part of the section, by name.
+    ``number_by_name`` contains the number under the key for each part of the section.
     """
-    affected_numbers = _numbers_affected_by(erratum, key, numbers)
+    affected_numbers = _numbers_affected_by(erratum, key, number_by_name)
     _check_number_in_text(erratum.used, key, affected_numbers, path=erratum.path_of("used"), report=report)
 
 
-def _numbers_affected_by(erratum: WrittenErratum, key: _KeyWithText, numbers: _NumberByName) -> _NumberByName:
-    """Return those of ``numbers`` that an erratum affects. They are the values of a key in the parts of a section.
+def _numbers_affected_by(erratum: WrittenErratum, key: _KeyWithText, number_by_name: _NumberByName) -> _NumberByName:
+    """Return those of ``number_by_name`` that an erratum affects: the values of a key in the parts of a section.
 
     For the section ``crcs`` and the key ``init``, an erratum affects the number of the CRC ``word`` if it affects
     ``crcs.word`` or ``crcs.word.init``.
@@ -351,15 +378,15 @@ def _numbers_affected_by(erratum: WrittenErratum, key: _KeyWithText, numbers: _N
             continue
         part_name, *keys = names
         affects_number = keys in ([], [key.key])
-        if affects_number and part_name in numbers:
-            affected_numbers[part_name] = numbers[part_name]
+        if affects_number and part_name in number_by_name:
+            affected_numbers[part_name] = number_by_name[part_name]
     return affected_numbers
 
 
 def _check_number_in_text(
-    text: str, key: _KeyWithText, numbers: _NumberByName, *, path: Path, report: DocumentReport
+    text: str, key: _KeyWithText, number_by_name: _NumberByName, *, path: Path, report: DocumentReport
 ) -> None:
-    """Report a text whose number, found with the pattern of ``key``, differs from one of ``numbers``.
+    """Report a text whose number, found with the pattern of ``key``, differs from one of ``number_by_name``.
 
     Only the first difference is reported. Numbers that are None are not compared.
     """
@@ -367,7 +394,7 @@ def _check_number_in_text(
     if match is None:
         return
     possible_numbers = _possible_numbers(match["number"])
-    for name, number in numbers.items():
+    for name, number in number_by_name.items():
         if number is not None and number not in possible_numbers:
             message = (
                 f"the text says {quoted(match[0])}, but {quoted(key.key)} of {quoted(name)} is {number:#x}; "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import takewhile
+from typing import NamedTuple
 
 from ...model import Biss
 from ..document import Path
@@ -59,7 +60,7 @@ def check_polled_values(spec: WrittenSpec, report: DocumentReport) -> None:
             register = registers.get(step.register)
             if step.do != "poll" or register is None or step.until is None:
                 continue
-            width = _width_of(register, step.field, groups)
+            width = _width_of_field(register, step.field, groups)
             if width is None:
                 continue
             bits_above_width = step.until >> width
@@ -69,7 +70,7 @@ def check_polled_values(spec: WrittenSpec, report: DocumentReport) -> None:
                 report.add("value-too-wide", step.path_of("until"), message)
 
 
-def _width_of(register: WrittenRegister, field_name: str, groups: Groups) -> int | None:
+def _width_of_field(register: WrittenRegister, field_name: str, groups: Groups) -> int | None:
     """Return the width of a field of a register, or None if the width is not constant or the field does not exist."""
     for field in fields_of(register, groups):
         if field.name == field_name:
@@ -88,7 +89,7 @@ def check_waits_of_registers(spec: WrittenSpec, report: DocumentReport) -> None:
     for procedure in spec.procedures:
         explained_ms = set(_milliseconds_in_texts(procedure))
         for write, waits in _waits_after_writes(procedure):
-            needed_ms = _needed_wait(write, registers)
+            needed_ms = _needed_wait_ms(write, registers)
             waited_ms = sum(wait.at_least_ms or 0 for wait in waits)
             if needed_ms is None or waited_ms in explained_ms:
                 continue
@@ -129,8 +130,8 @@ def check_wait_at_end(spec: WrittenSpec, report: DocumentReport) -> None:
         if [step.do for step in procedure.steps[-2:]] != ["wait", "write"]:
             continue
         *earlier_steps, wait, last_write = procedure.steps
-        needed_ms = _needed_wait(last_write, registers)
-        is_for_step_before = bool(earlier_steps) and _needed_wait(earlier_steps[-1], registers) is not None
+        needed_ms = _needed_wait_ms(last_write, registers)
+        is_for_step_before = bool(earlier_steps) and _needed_wait_ms(earlier_steps[-1], registers) is not None
         if needed_ms is None or is_for_step_before:
             continue
         if wait.at_least_ms == needed_ms:
@@ -141,7 +142,7 @@ def check_wait_at_end(spec: WrittenSpec, report: DocumentReport) -> None:
             report.add("wait-too-short", last_write.path, message, cause=last_write.register)
 
 
-def _needed_wait(step: WrittenStep, registers: Mapping[str, WrittenRegister]) -> int | None:
+def _needed_wait_ms(step: WrittenStep, registers: Mapping[str, WrittenRegister]) -> int | None:
     """Return the wait in ms that the register of a step needs after a write, or None if none is known."""
     register = registers.get(step.register)
     return register.wait_at_least_ms if register is not None else None
@@ -266,16 +267,23 @@ def check_step_waits(spec: WrittenSpec, report: DocumentReport) -> None:
             later_steps = procedure.steps[index + 1 :]
             short_wait = _find_short_wait(step, later_steps, needed_ms)
             if short_wait is not None:
-                wait_path, wait_text = short_wait
                 problem = f"{quoted(step.register)} needs a wait of {needed_ms} ms after a write"
-                report.add("wait-too-short", wait_path, f"{problem}, but {wait_text}", cause=step.register)
+                message = f"{problem}, but {short_wait.text}"
+                report.add("wait-too-short", short_wait.path, message, cause=step.register)
 
 
-def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> tuple[Path, str] | None:
-    """Return the place of a wait that is too short or missing after a write, and a text that describes it.
+class _ShortWait(NamedTuple):
+    """The path of a wait that is too short, or of a write without a wait, and a text that says so."""
 
-    The text is ``there is no wait here`` or ``the wait here is 5 ms``. The result is None if the waits before the next
-    write are long enough together, if a step polls a register before it, or if the procedure ends without a wait.
+    path: Path
+    text: str
+
+
+def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> _ShortWait | None:
+    """Return the wait after a write that is too short or missing. Its text is such as ``the wait here is 5 ms``.
+
+    The result is None if the waits before the next write are long enough together, if a step polls a register before
+    it, or if the procedure ends without a wait.
     """
     steps_before_next_write = list(takewhile(lambda step: step.do != "write", later_steps))
     waits = [step for step in steps_before_next_write if step.do == "wait"]
@@ -287,8 +295,8 @@ def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], nee
     if is_polled or total_ms >= needed_ms or ends_without_wait:
         return None
     if not waits_ms:
-        return write.path, "there is no wait here"
-    return waits[0].path_of("at_least_ms"), f"the wait here is {total_ms} ms"
+        return _ShortWait(write.path, "there is no wait here")
+    return _ShortWait(waits[0].path_of("at_least_ms"), f"the wait here is {total_ms} ms")
 
 
 def check_opening_steps(spec: WrittenSpec, report: DocumentReport) -> None:

@@ -94,10 +94,10 @@ def check_order_codes_in_rows(spec: WrittenSpec, report: DocumentReport) -> None
             has_unit = column < len(table.part.units)
             if has_unit:
                 meaning_by_label = {label: value.meaning for label, value in part.values.items()}
-                _compare_rows(table, column, meaning_by_label, report)
+                _compare_rows_with_meanings(table, column, meaning_by_label, report)
 
 
-def _compare_rows(
+def _compare_rows_with_meanings(
     table: LocatedPart[Table], column: int, meaning_by_label: dict[str, str], report: DocumentReport
 ) -> None:
     """Report each row of a table whose number in a column differs from the meaning of the label in its other cells.
@@ -164,7 +164,7 @@ def check_lengths_of_errata(spec: WrittenSpec, report: DocumentReport) -> None:
         lengths_in_tables: set[Decimal] = set()
         for affected_path in erratum.affects:
             if affected_path in table_by_path:
-                lengths_in_tables.update(_yield_lengths(table_by_path[affected_path]))
+                lengths_in_tables.update(_lengths_in_table(table_by_path[affected_path]))
         if not lengths_in_tables:
             continue
         for number_text, unit in re.findall(r"(\d[\d,]*(?:\.\d+)?) (nm|µm|mm)\b", erratum.used):
@@ -175,7 +175,7 @@ def check_lengths_of_errata(spec: WrittenSpec, report: DocumentReport) -> None:
                 break
 
 
-def _yield_lengths(table: Table) -> Iterator[Decimal]:
+def _lengths_in_table(table: Table) -> Iterator[Decimal]:
     """Yield the numbers in the columns of lengths of a table, in nanometres."""
     for row in table.rows:
         for column, unit in enumerate(table.units):
@@ -289,16 +289,17 @@ def _only_difference(table: Table, earlier_table: Table) -> _CellPair | None:
 
 def _number_pairs(table: Table, earlier_table: Table, key_column: str, column: str) -> list[_CellPair]:
     """Return the pairs of cells with numbers in a column, from the rows with the same cell in ``key_column``."""
-    earlier_cells: dict[str, str] = {}  # The cells in the column by the cells in the key column.
+    earlier_cell_by_key: dict[str, str] = {}  # The cells in the column by the cells in the key column.
     for row in earlier_table.rows:
         key_cell = _text_of_cell(earlier_table, row, key_column)
-        earlier_cells[key_cell] = _text_of_cell(earlier_table, row, column)
-    cell_pairs = []
-    for row_number, row in enumerate(table.rows):
+        earlier_cell_by_key[key_cell] = _text_of_cell(earlier_table, row, column)
+    cell_pairs: list[_CellPair] = []
+    for row_index, row in enumerate(table.rows):
         key_cell = _text_of_cell(table, row, key_column)
-        if key_cell in earlier_cells:
+        if key_cell in earlier_cell_by_key:
             cell = _text_of_cell(table, row, column)
-            cell_pairs.append(_CellPair(row_number, column, cell, earlier_cell=earlier_cells[key_cell]))
+            earlier_cell = earlier_cell_by_key[key_cell]
+            cell_pairs.append(_CellPair(row=row_index, column=column, cell=cell, earlier_cell=earlier_cell))
     return [pair for pair in cell_pairs if pair.is_numeric]
 
 

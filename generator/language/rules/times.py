@@ -20,9 +20,9 @@ from ..written_codes import WrittenBiss
 from ..written_fields import WrittenRegister
 from ..written_parts import WrittenSpec
 from .parts import PlacedPart, by_name, has_erratum_at, interfaces, share_order_codes, timings
-from .rates import NS_PER_S
-from .walk import ErratumTargets, leaves
+from .walk import ErratumTargets, is_derived, leaves
 
+_NS_PER_S = 1_000_000_000
 #: Nanoseconds by the ends of keys and by the units in texts.
 _NANOSECONDS_PER_UNIT = {"ns": 1, "us": 1000, "µs": 1000, "ms": 1_000_000, "s": 1_000_000_000}
 #: A time such as ``20 µs``, but not a rate such as ``1 ms/m``.
@@ -40,30 +40,33 @@ def check_repeated_times(spec: WrittenSpec, report: DocumentReport) -> None:
     An erratum is compared with the facts that it affects. Both may also repeat one of the ``timings``, or a time of
     another part. Overlays and older editions change times without changing every text, so their specs are not checked.
     """
-    if report.document.other_files or report.document.family:
+    if is_derived(report.document):
         return
-    named_times: set[int] = set()  # In nanoseconds, as all times here.
+    named_times: set[int] = set()  # The times under ``timings``, in nanoseconds as all times here.
     for timing in timings(spec):
         named_times |= set(_nanoseconds_in(dict(timing.data)))
     timed_parts: list[PlacedPart] = [*spec.registers, *spec.procedures, *spec.timings, *spec.inputs]
     times_of_parts = [set(_nanoseconds_in(part.data)) for part in timed_parts]
-    part_counts: Counter[int | Decimal] = Counter()
+    # The number of parts in which a time occurs, so that a time of another part can be told from the part's own.
+    part_count_by_time: Counter[int | Decimal] = Counter()
     for own_times in times_of_parts:
-        part_counts.update(own_times)
+        part_count_by_time.update(own_times)
     for part, own_times in zip(timed_parts, times_of_parts, strict=True):
-        other_times = _TimesElsewhere(named_times, part_counts, own_times)
-        for path, text, nearby_times in _yield_texts(part.data, part.path):
+        other_times = _TimesElsewhere(
+            named_times=named_times, part_count_by_time=part_count_by_time, own_times=own_times
+        )
+        for path, text, nearby_times in _texts_with_nearby_times(part.data, part.path):
             expected_times = nearby_times or own_times
-            _compare_times(text, expected_times, other_times, path, report)
+            _compare_times(text, expected_times, other_times, path=path, report=report)
     for _, interface in interfaces(spec):
-        other_times = _TimesElsewhere(named_times, part_counts, own_times=set())
-        for path, text, nearby_times in _yield_texts(interface.data, interface.path):
-            _compare_times(text, nearby_times, other_times, path, report)
-    _compare_errata(spec, named_times, report)
-    _compare_symbols(spec, report)
+        other_times = _TimesElsewhere(named_times=named_times, part_count_by_time=part_count_by_time, own_times=set())
+        for path, text, nearby_times in _texts_with_nearby_times(interface.data, interface.path):
+            _compare_times(text, nearby_times, other_times, path=path, report=report)
+    _compare_times_of_errata(spec, named_times, report)
+    _compare_times_of_symbols(spec, report)
 
 
-def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
+def _compare_times_of_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
     """Report each timing whose meaning gives its symbol another time, as in ``tw > 20 µs``, than its own bounds."""
     for timing in timings(spec):
         if not timing.part.symbol:
@@ -73,10 +76,10 @@ def _compare_symbols(spec: WrittenSpec, report: DocumentReport) -> None:
         time_matches = list(re.finditer(symbol_with_time, timing.part.meaning))
         times_in_meaning = set(map(_to_nanoseconds, time_matches))
         if time_matches and bounds.isdisjoint(times_in_meaning):
-            _report_time(time_matches[0], bounds, (*timing.path, "meaning"), report)
+            _report_time(time_matches[0], bounds, path=(*timing.path, "meaning"), report=report)
 
 
-def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentReport) -> None:
+def _compare_times_of_errata(spec: WrittenSpec, named_times: set[int], report: DocumentReport) -> None:
     """Report each erratum with times in ``used``, its text about what applies, if none of them is in an affected fact.
 
     One of the ``named_times`` is accepted too, unless the erratum affects exactly one timing.
@@ -90,16 +93,16 @@ def _compare_errata(spec: WrittenSpec, named_times: set[int], report: DocumentRe
         used_times = set(map(_to_nanoseconds, time_matches))
         affected_facts: list[object] = []
         for affected_path in dict.fromkeys(erratum.affects):
-            affected_facts += erratum_targets.at(affected_path)
+            affected_facts += erratum_targets.values_at(affected_path)
         affected_times: set[int] = set()
         for fact in affected_facts:
             affected_times |= cached_times.times_in(fact)
         affected_timings = [fact for fact in affected_facts if _is_timing(fact)]
         times_of_only_timing = cached_times.times_in(affected_timings[0]) if len(affected_timings) == 1 else set()
         if affected_times and used_times.isdisjoint(affected_times | named_times):
-            _report_time(time_matches[0], affected_times, erratum.path_of("used"), report)
+            _report_time(time_matches[0], affected_times, path=erratum.path_of("used"), report=report)
         elif times_of_only_timing and used_times.isdisjoint(times_of_only_timing):
-            _report_time(time_matches[0], times_of_only_timing, erratum.path_of("used"), report)
+            _report_time(time_matches[0], times_of_only_timing, path=erratum.path_of("used"), report=report)
 
 
 class _CachedTimes:
@@ -127,23 +130,23 @@ def _is_timing(fact: object) -> bool:
 class _TimesElsewhere:
     """The times of a spec outside one part: the named times in ``timings``, and the times of other parts.
 
-    ``part_counts`` contains the number of parts with each time, and ``own_times`` the times of the one part.
+    ``part_count_by_time`` contains the number of parts with each time, and ``own_times`` the times of the one part.
     """
 
     named_times: Set[int]
-    part_counts: Mapping[int | Decimal, int]
+    part_count_by_time: Mapping[int | Decimal, int]
     own_times: Set[int]
 
     def contains(self, time: Decimal) -> bool:
         """Return True if a time is one of the named times, or occurs in another part."""
-        other_part_count = self.part_counts.get(time, 0)
+        other_part_count = self.part_count_by_time.get(time, 0)
         if time in self.own_times:
             other_part_count -= 1
         return time in self.named_times or other_part_count > 0
 
 
 def _compare_times(
-    text: str, expected_times: set[int], other_times: _TimesElsewhere, path: Path, report: DocumentReport
+    text: str, expected_times: set[int], other_times: _TimesElsewhere, *, path: Path, report: DocumentReport
 ) -> None:
     """Report the first time in a text that is neither one of the expected times nor elsewhere in the spec.
 
@@ -152,9 +155,9 @@ def _compare_times(
     if not expected_times:
         return
     for match in _KEPT_TIME.finditer(text):
-        time = _to_nanoseconds(match)
-        if time not in expected_times and not other_times.contains(time):
-            _report_time(match, expected_times, path, report)
+        stated_time = _to_nanoseconds(match)
+        if stated_time not in expected_times and not other_times.contains(stated_time):
+            _report_time(match, expected_times, path=path, report=report)
             return
 
 
@@ -186,7 +189,7 @@ def _nanoseconds_in(node: object) -> Iterator[int]:
             yield value * _NANOSECONDS_PER_UNIT[unit]
 
 
-def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
+def _texts_with_nearby_times(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
     """Yield every text in a part of a spec, with its path and the times in the same map."""
     if isinstance(node, dict):
         numbers_by_key = {key: value for key, value in node.items() if isinstance(value, int)}
@@ -195,10 +198,10 @@ def _yield_texts(node: object, path: Path) -> Iterator[tuple[Path, str, set[int]
             if isinstance(value, str) and key not in _NO_TEXTS:
                 yield (*path, key), value, nearby_times
             else:
-                yield from _yield_texts(value, (*path, key))
+                yield from _texts_with_nearby_times(value, (*path, key))
     elif isinstance(node, list):
         for index, value in enumerate(node):
-            yield from _yield_texts(value, (*path, index))
+            yield from _texts_with_nearby_times(value, (*path, index))
 
 
 def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -213,10 +216,10 @@ def check_repeated_waits(spec: WrittenSpec, report: DocumentReport) -> None:
             waiting_registers[register.printed_name] = register
     for _, interface in interfaces(spec):
         for timing in interface.timings:
-            _check_wait(timing, waiting_registers, report)
+            _compare_wait_with_register(timing, waiting_registers, report)
 
 
-def _check_wait(
+def _compare_wait_with_register(
     timing: LocatedPart[Timing], waiting_registers: Mapping[str, WrittenRegister], report: DocumentReport
 ) -> None:
     """Check that a timing whose meaning says ``write to the … register`` has the wait of this register.
@@ -310,8 +313,9 @@ def check_timeouts_and_clocks(spec: WrittenSpec, report: DocumentReport) -> None
 def _check_half_periods(timeout: LocatedPart[Timeout], remedy: str, report: DocumentReport) -> None:
     """Report each timeout in the manual that is not a whole number of half clock periods."""
     for index, printed in enumerate(timeout.part.printed):
-        half_periods = 2 * printed.clock_hz * printed.timeout_ns / NS_PER_S
-        rounding = printed.clock_hz / NS_PER_S  # Half a nanosecond, in half periods.
+        half_periods_per_ns = 2 * printed.clock_hz / _NS_PER_S
+        half_periods = 2 * printed.clock_hz * printed.timeout_ns / _NS_PER_S
+        rounding = 0.5 * half_periods_per_ns  # A printed time is rounded by at most half a nanosecond.
         nearest_whole = round(half_periods)
         is_whole = abs(half_periods - nearest_whole) <= rounding
         if not is_whole or nearest_whole < 1:
@@ -332,9 +336,8 @@ def _check_longest_timeout(
         lowest_hz = clock.min_hz
         if not longest_ns or not lowest_hz:
             continue
-        # Half a period of the clock lasts NS_PER_S / (2 * lowest_hz).
-        is_shorter_than_half_period = 2 * lowest_hz * longest_ns < NS_PER_S
-        if is_shorter_than_half_period:
+        half_period_ns = Fraction(_NS_PER_S, 2 * lowest_hz)
+        if longest_ns < half_period_ns:
             message = (
                 f"{longest_ns} ns is shorter than half a period of the slowest clock, 'min_hz: {lowest_hz}', so it"
                 f" would end within a frame; {remedy}"
@@ -404,8 +407,8 @@ def _check_calculated_timeouts(timeout: LocatedPart[Timeout], half_periods: int,
     for index, printed in enumerate(timeout.part.printed):
         clock_hz = printed.clock_hz
         printed_ns = printed.timeout_ns
-        # Half a period of the clock is 10**9 / (2 * clock_hz) ns.
-        exact_ns = Fraction(half_periods * 10**9, 2 * clock_hz)
+        # Half a period of the clock is _NS_PER_S / (2 * clock_hz) ns.
+        exact_ns = Fraction(half_periods * _NS_PER_S, 2 * clock_hz)
         if abs(exact_ns - printed_ns) > Fraction(1, 2):
             rounded_ns = math.floor(exact_ns + Fraction(1, 2))
             message = f"{half_periods} half periods at {clock_hz} Hz are {rounded_ns} ns, not {printed_ns}"

@@ -148,7 +148,7 @@ def is_derived(document: Document) -> bool:
     return bool(document.family or document.other_files)
 
 
-def yield_texts(spec: WrittenSpec, keys: Collection[str], report: DocumentReport) -> Iterator[tuple[Path, str]]:
+def texts_about_encoder(spec: WrittenSpec, keys: Collection[str], report: DocumentReport) -> Iterator[tuple[Path, str]]:
     """Yield each text under one of these keys with its path, except texts about other documents."""
     for path, text in leaves_of(spec.data, report):
         is_about_encoder = path[0] not in SECTIONS_NOT_ABOUT_ENCODER
@@ -224,7 +224,7 @@ class ErratumTargets:
         #: Items by name, for each list that was searched.
         self._items: dict[int, dict[object, list[object]]] = {}
 
-    def at(self, affected: str) -> list[object]:
+    def values_at(self, affected: str) -> list[object]:
         """Return every value in the data to which a path such as ``registers.preset`` refers."""
         nodes = [self._data]  # Everything to which the steps so far refer.
         for step in affected.split("."):
@@ -237,19 +237,19 @@ class ErratumTargets:
         The step can be a key of the map, or the name of an element of the list, or of a list in the map.
         """
         if isinstance(node, list):
-            return self._items_of(node).get(step, [])
+            return self._items_by_name(node).get(step, [])
         if not isinstance(node, dict):
             return []
         matches = [node[step]] if step in node else []
         # Paths of errata omit the lists of fields, layouts and steps, and the map of values.
         for key, child in node.items():
             if isinstance(child, list):
-                matches += self._items_of(child).get(step, [])
+                matches += self._items_by_name(child).get(step, [])
             elif key == "values" and isinstance(child, dict) and step in child:
                 matches.append(child[step])
         return matches
 
-    def _items_of(self, items: list[object]) -> dict[object, list[object]]:
+    def _items_by_name(self, items: list[object]) -> dict[object, list[object]]:
         """Return the items of a list by their names, each with all items of this name."""
         if id(items) not in self._items:
             named_items: dict[object, list[object]] = {}
@@ -314,7 +314,7 @@ def _erratum_without_removed_paths(
     affects = erratum.get("affects")
     if not isinstance(affects, list):
         return erratum
-    removed_paths = {path for path in affects if original_targets.at(path) and not targets.at(path)}
+    removed_paths = {path for path in affects if original_targets.values_at(path) and not targets.values_at(path)}
     if not removed_paths:
         return erratum
     return {**erratum, "affects": [path for path in affects if path not in removed_paths]}

@@ -183,19 +183,18 @@ def _compare_signals(
         signal_of_wire = signal_by_wire.get(wire)
         if signal_of_wire is None or _plain_signal(signal_of_wire) == _plain_signal(contact.signal):
             continue
-        is_explained = any(
-            has_erratum_at(report.document, "connectors", name, "contacts")
-            for name in (connector.part.name, cable.part.name)
+        has_erratum_at_connector = has_erratum_at(report.document, "connectors", connector.part.name, "contacts")
+        has_erratum_at_cable = has_erratum_at(report.document, "connectors", cable.part.name, "contacts")
+        if has_erratum_at_connector or has_erratum_at_cable:
+            return
+        message = (
+            f"contact {quoted(contact.contact)} and wire {quoted(wire)} carry the same signal on another"
+            f" interface, but {quoted(contact.signal)} and {quoted(signal_of_wire)} here; correct one of the tables"
         )
-        if not is_explained:
-            message = (
-                f"contact {quoted(contact.contact)} and wire {quoted(wire)} carry the same signal on another"
-                f" interface, but {quoted(contact.signal)} and {quoted(signal_of_wire)} here; correct one of the tables"
-            )
-            wire_of_signal = wire_by_signal.get(_plain_signal(contact.signal), "")
-            exchanged_wires = " and ".join(sorted((wire, wire_of_signal)))
-            path = (*connector.path, "contacts", index, "signal")
-            report.add("contact-wire", path, message, cause=exchanged_wires)
+        wire_with_signal_of_contact = wire_by_signal.get(_plain_signal(contact.signal), "")
+        exchanged_wires = " and ".join(sorted((wire, wire_with_signal_of_contact)))
+        path = (*connector.path, "contacts", index, "signal")
+        report.add("contact-wire", path, message, cause=exchanged_wires)
 
 
 def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
@@ -208,9 +207,9 @@ def check_order_of_pairs(spec: WrittenSpec, report: DocumentReport) -> None:
     if is_second_reading(report.document):  # Second readings have no notes.
         return
     for connector in spec.connectors:
-        index_by_line = _index_lines(connector.part)
+        index_by_line = _contact_index_by_line(connector.part)
         explained_pairs = _check_statements_of_note(connector, index_by_line, report)
-        pairs = list(_yield_pairs(index_by_line))
+        pairs = list(_differential_pairs(index_by_line))
         for pair in pairs:
             problem = _describe_unusual_order(pair, pairs)
             indices = {pair.plain_index, pair.inverted_index}
@@ -239,7 +238,7 @@ def _describe_unusual_order(pair: _Pair, pairs: Sequence[_Pair]) -> str:
     return ""
 
 
-def _index_lines(connector: Connector) -> dict[str, int]:
+def _contact_index_by_line(connector: Connector) -> dict[str, int]:
     """Return the index of the contact of each line. Lines on several contacts are left out."""
     lines_with_index: list[tuple[str, int]] = []
     for index, contact in enumerate(connector.contacts):
@@ -248,7 +247,7 @@ def _index_lines(connector: Connector) -> dict[str, int]:
     return {line: index for line, index in lines_with_index if contact_counts[line] == 1}
 
 
-def _yield_pairs(index_by_line: Mapping[str, int]) -> Iterator[_Pair]:
+def _differential_pairs(index_by_line: Mapping[str, int]) -> Iterator[_Pair]:
     """Yield the differential pairs among lines, in the order of their contacts.
 
     Two contacts are yielded once, even if their lines have several names.
@@ -278,8 +277,8 @@ def _check_statements_of_note(
     stated_pairs: list[set[int]] = []
     for match in _PAIR_ORDER_NOTE.finditer(connector.part.note):
         lower_text, higher_text = match.groups()
-        lower_line = _find_line(lower_text, index_by_line)
-        higher_line = _find_line(higher_text, index_by_line)
+        lower_line = _line_in_text(lower_text, index_by_line)
+        higher_line = _line_in_text(higher_text, index_by_line)
         if not lower_line or not higher_line:
             continue
         lower_index, higher_index = index_by_line[lower_line], index_by_line[higher_line]
@@ -291,7 +290,7 @@ def _check_statements_of_note(
     return stated_pairs
 
 
-def _find_line(line_text: str, known_lines: Iterable[str]) -> str:
+def _line_in_text(line_text: str, known_lines: Iterable[str]) -> str:
     """Return the line that a text names, perhaps after "but" or "and". Empty if it names none of the lines."""
     plain_text = re.sub(r"\s+(?=[+-])", "", line_text.strip()).casefold()  # ``ma+`` for ``MA +``
     for line in known_lines:
@@ -314,7 +313,7 @@ def check_named_wires(spec: WrittenSpec, report: DocumentReport) -> None:
     signals_by_color = _signals_by_wire(spec)
     if not signals_by_color:
         return
-    for path, text in _all_texts(spec):
+    for path, text in _texts_that_name_wires(spec):
         for first_wire, second_wire in _TWO_WIRES.findall(text):
             first_signals = signals_by_color.get(first_wire.casefold())
             second_signals = signals_by_color.get(second_wire.casefold())
@@ -355,7 +354,7 @@ def _belong_together(signal: str, other_signal: str) -> bool:
     return letters_and_digits == other_letters_and_digits
 
 
-def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:
+def _texts_that_name_wires(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:
     """Yield the texts of procedures, characteristics and alarms, each with its path."""
     for procedure in spec.procedures:
         yield from texts_of(procedure, KEYS_OF_EXPLANATIONS)
