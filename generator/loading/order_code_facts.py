@@ -184,7 +184,7 @@ def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> No
 
 def _is_reported(path: Path, report: DocumentReport) -> bool:
     """Return whether a problem at this place of the spec has been reported."""
-    return report.document.original(path) in report.faults()
+    return report.document.path_in_file(path) in report.faults()
 
 
 def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
