@@ -20,7 +20,7 @@ from ..model import (
     Ssi,
     Timing,
 )
-from ..model.order_codes import Restricted, fits, repeated_names
+from ..model.order_codes import Restricted, applies_to_code, repeated_names
 from ..say.names_and_places import bits
 from .channels import channel_facts
 from .frame_bits import word_bits
@@ -253,7 +253,7 @@ def _value_by_code(
     values: dict[CodeAndState, str] = {}
     for case in reading.cases(interface):
         for row, row_text in rows_with_texts:
-            if fits(row.only, case.code):
+            if applies_to_code(row.only, case.code):
                 values[case] = row_text
     return values
 
