@@ -23,7 +23,7 @@ RESTRICTED = {
 
 #: Modules that read them, by the reason why no order code gets the fact of another.
 READERS = {
-    "keeps those of the order code, with applying or fits": {
+    "keeps those of the order code, with facts_for_code or applies_to_code": {
         "model/interfaces.py",
         "targets/c/code_facts.py",
         "masters/encoder_facts.py",

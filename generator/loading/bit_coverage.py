@@ -25,7 +25,7 @@ def bits_text(high: int, low: int) -> str:
     return f"bits {high}:{low}" if high != low else f"bit {low}"
 
 
-def values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
+def condition_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
     """Return the values of the parameters in some expressions as text: `` with singleturn_bits = 17``, or ""."""
     names: dict[str, None] = {}
     for expression in expressions:
@@ -34,7 +34,7 @@ def values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
     return f" with {values}" if values else ""
 
 
-def with_places(fields: Sequence[Field], spec_place: SpecPlace) -> list[Field]:
+def sort_by_place(fields: Sequence[Field], spec_place: SpecPlace) -> list[Field]:
     """Return the fields sorted by their place in the layout, lowest first.
 
     Places differ between order codes, so the fields are sorted by the sum of their lowest bits over all order codes. If
@@ -132,12 +132,12 @@ def _first_gap_text(fields: Sequence[Field], layout_width: Expression, parameter
         first_uncovered = end_below.value(parameters)
         next_covered = start.value(parameters)
         if next_covered > first_uncovered:
-            return bits_text(next_covered - 1, first_uncovered) + values_text(parameters, start, end_below)
+            return bits_text(next_covered - 1, first_uncovered) + condition_text(parameters, start, end_below)
         end_below = end
     return ""
 
 
-def in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], Expression]:
+def fill_first_byte(fields: list[Field], bits: Expression) -> tuple[list[Field], Expression]:
     """Return the fields of a bit frame with zeros above them that fill the first byte, and the width of the result.
 
     If the width of the frame depends on the order code, the fields are returned as they are.
@@ -168,7 +168,7 @@ def _name_of_zeros(below: Field | None, above: Field | None) -> str:
     return f"zero_above_{below.name}" if below is not None else "zero"
 
 
-def with_zeros(fields: Sequence[Field], bits: Expression, spec_place: SpecPlace) -> list[Field] | None:
+def fill_gaps_with_zeros(fields: Sequence[Field], bits: Expression, spec_place: SpecPlace) -> list[Field] | None:
     """Return the fields of a layout with a field of zeros in every gap.
 
     If the order of the fields differs between order codes, this is reported, and the result is None.
@@ -179,7 +179,7 @@ def with_zeros(fields: Sequence[Field], bits: Expression, spec_place: SpecPlace)
         for parameters in spec_place.parameter_sets:
             is_reversed = gap.width.value(parameters) < 0
             if is_reversed and gap.below is not None and gap.above is not None:
-                condition = values_text(parameters, gap.low, gap.width)
+                condition = condition_text(parameters, gap.low, gap.width)
                 problem = f"'{gap.above.name}' is not above '{gap.below.name}'{condition}"
                 spec_place.report(
                     "bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change"
@@ -195,7 +195,7 @@ def with_zeros(fields: Sequence[Field], bits: Expression, spec_place: SpecPlace)
             source=neighbor.source,
         )
         zero_fields.append(zeros)
-    return with_places([*fields, *zero_fields], spec_place)
+    return sort_by_place([*fields, *zero_fields], spec_place)
 
 
 #: More bits than any frame has. Without this limit, a typo could take hours to process.
@@ -237,7 +237,9 @@ def check_items_fit(items: Sequence[UnplacedItem], bits: Expression, spec_place:
     for parameters in spec_place.parameter_sets:  # The parameters of each order code, such as {"position_bits": 24}.
         layout_bits = bits.value(parameters)
         if layout_bits > _MAX_BITS:
-            message = f"the fields have {layout_bits} bits{values_text(parameters, bits)}; the maximum is {_MAX_BITS}"
+            message = (
+                f"the fields have {layout_bits} bits{condition_text(parameters, bits)}; the maximum is {_MAX_BITS}"
+            )
             spec_place.report("too-long", message)
             return False
         if not _check_fit(field_items, layout_bits, parameters, spec_place):
@@ -258,7 +260,7 @@ def _check_fit(
         width = field_item.width.value(parameters)
         low = field_item.low.value(parameters)
         bits = range(low, low + field_item.span.value(parameters))
-        condition = values_text(parameters, field_item.width, field_item.low)
+        condition = condition_text(parameters, field_item.width, field_item.low)
         problem = _range_problem(
             field_item, width=width, occupied_bits=bits, layout_bits=layout_bits, condition=condition
         )

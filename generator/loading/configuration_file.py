@@ -179,7 +179,7 @@ def read_configuration(file: Path) -> Configuration | None:
     # If there is an error, ``errors_in`` reads the file again, with the places of errors.
     document = _read_settings(file, report, has_places=False)
     configuration = None if document is None else _build_configuration(file, document, report)
-    if report:
+    if report.problems:
         raise Faulty(file)
     return configuration
 

@@ -40,7 +40,7 @@ from .examples import build_examples, check_examples
 from .fields import LayoutContext, SpecPlace
 from .frame_kinds import check_errata, check_frame_kinds
 from .frame_rules import check_control_bytes, check_requests, check_settings_of_crcs
-from .history import editions
+from .history import build_editions
 from .interfaces import build_interfaces, build_measurement, check_spi_registers
 from .layouts import build_layout
 from .order_code_facts import (
@@ -70,9 +70,9 @@ from .spec_parts import (
     build_table,
     check_alarms,
     check_only,
+    names_set_by_order_codes,
     only_while,
     records,
-    set_parameters,
     sources,
 )
 
@@ -117,7 +117,7 @@ def build_device(raw_spec: Raw, manufacturer: Manufacturer, report: DocumentRepo
     check_position_widths(device, report)
     check_named_widths(raw_spec, device, report)
     check_unused_parameters(raw_spec, variants, report)
-    device = replace(device, editions=editions(raw_spec), content_hash=_content_hash(raw_spec))
+    device = replace(device, editions=build_editions(raw_spec), content_hash=_content_hash(raw_spec))
     device = with_placeholders(raw_spec, device, report)
     check_agreement(raw_spec, device, report)
     check_stated_lengths(device, report)
@@ -150,7 +150,7 @@ def _build_context(
         parameter_sets=parameter_sets(raw_spec, definitions, variants, alternatives),
         crcs={crc["name"]: build_part(Crc, crc) for crc in raw_spec.get("crcs", ())},
         data_ids={name: records(DataId, interface, "data_ids") for name, interface in raw_spec["interfaces"].items()},
-        only_while=lambda only: only_while(only, variants, set_parameters(raw_spec)),
+        only_while=lambda only: only_while(only, variants, names_set_by_order_codes(raw_spec)),
     )
 
 

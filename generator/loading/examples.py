@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import get_args
+from typing import NamedTuple, get_args
 
 from ..language.document import Path
 from ..language.problems import DocumentReport
@@ -30,9 +30,15 @@ from ..reference.findings import DecodedFrame
 from ..reference.registers import register_writes
 from .spec_parts import Raw, build_part, valid_parts_so_far
 
-#: Key in an example that is wrong, such as ``("values", "position")``, and the message.
-ExampleError = tuple[Path, str]
 
+class ExampleError(NamedTuple):
+    """An error in an example: the path of the wrong key in it, such as ``("values", "position")``, and the message."""
+
+    path: Path
+    message: str
+
+
+#: The class of each kind of example, by the word for the kind in specs.
 _EXAMPLES: Mapping[str, Callable[..., Example]] = {kind.kind: kind for kind in get_args(Example)}
 
 
@@ -57,9 +63,9 @@ def check_examples(device: Device, report: DocumentReport) -> None:
     for example in device.examples:
         if not valid_parts.holds(example) or not _is_built(device, example):
             continue
-        for path_in_example, problem in _errors_of_example(device, example):
-            message = f"example '{example.name}' does not match: {problem}"
-            path = ("examples", example.name, *path_in_example)
+        for error in _errors_of_example(device, example):
+            message = f"example '{example.name}' does not match: {error.message}"
+            path = ("examples", example.name, *error.path)
             # A CRC with a wrong start value contradicts all its examples, which is one problem.
             report.add("example-contradicts", path, message, cause=_name_of_wrong_crc(device, example))
 
@@ -108,9 +114,9 @@ def _errors_of_example(device: Device, example: Example) -> list[ExampleError]:
     try:
         return list(_yield_errors(device, example))
     except UnknownOrderCode as reason:
-        return [(("order_code",), str(reason))]
+        return [ExampleError(("order_code",), str(reason))]
     except EncodeError as reason:
-        return [(_data_path(example), str(reason))]
+        return [ExampleError(_data_path(example), str(reason))]
 
 
 def example_variant(device: Device, example: Example) -> Variant:
@@ -146,7 +152,7 @@ def _yield_errors(device: Device, example: Example) -> Iterator[ExampleError]:
             computed_crc = compute_bytes(device.crc(example.crc), example.bytes)
             if computed_crc != example.check:
                 suggestion = _suggest_start(device, example.crc)
-                yield ("check",), f"the CRC over these bytes is {computed_crc:#04x}{suggestion}"
+                yield ExampleError(("check",), f"the CRC over these bytes is {computed_crc:#04x}{suggestion}")
         case ProcedureExample():
             yield from _check_procedure(device, example)
         case MeasureExample():
@@ -162,7 +168,7 @@ def _check_procedure(device: Device, example: ProcedureExample) -> Iterator[Exam
     computed_writes = register_writes(device, procedure, variant, example.arguments)
     if computed_writes != example.writes:
         computed_text = ", ".join(f"{write.address:02X}h = {write.value:02X}h" for write in computed_writes)
-        yield ("writes",), f"the writes are {computed_text}"
+        yield ExampleError(("writes",), f"the writes are {computed_text}")
 
 
 def _check_measure(device: Device, example: MeasureExample) -> Iterator[ExampleError]:
@@ -170,11 +176,11 @@ def _check_measure(device: Device, example: MeasureExample) -> Iterator[ExampleE
     variant = example_variant(device, example)
     measurement = device.measurement_of(variant.interface)
     if measurement is None or measurement.step_um is None:
-        yield (), "the device does not measure a length in micrometers"
+        yield ExampleError((), "the device does not measure a length in micrometers")
         return
     micrometers = measurement.step_um.value(variant.parameters) * example.counts
     if micrometers != example.micrometres:
-        yield ("micrometres",), f"{example.counts} counts are {micrometers} micrometers"
+        yield ExampleError(("micrometres",), f"{example.counts} counts are {micrometers} micrometers")
 
 
 def _check_register(device: Device, example: RegisterExample) -> Iterator[ExampleError]:
@@ -187,7 +193,7 @@ def _check_register(device: Device, example: RegisterExample) -> Iterator[Exampl
     variant = example_variant(device, example)
     if len(example.bytes) != register.length:
         message = f"register '{register.name}' has {register.length} bytes, but the example has {len(example.bytes)}"
-        yield ("bytes",), message
+        yield ExampleError(("bytes",), message)
         return
     register_number = number_from_bytes(register.layout, example.bytes)
     decoded = decode(device, register.layout.place(variant.parameters), register_number)
@@ -206,7 +212,7 @@ def _check_identity(register: Register, decoded: DecodedFrame, variant: Variant)
         # A number is only compared with a number, and a text with a text. Without 'equals', ``expected`` is None.
         has_same_type = type(expected) is type(value)
         if has_same_type and value != expected:
-            yield ("bytes",), f"'{field.name}' is {value}, but 'equals' is {expected} for {variant.code}"
+            yield ExampleError(("bytes",), f"'{field.name}' is {value}, but 'equals' is {expected} for {variant.code}")
 
 
 def _check_frame(device: Device, example: FrameExample) -> Iterator[ExampleError]:
@@ -216,18 +222,20 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[ExampleError
     """
     sender = device.layout(example.layout).sender if example.layout else example.sender
     if sender != example.sender:
-        yield ("from",), f"'{example.layout}' is sent by the {sender}; write 'from: {sender}'"
+        yield ExampleError(("from",), f"'{example.layout}' is sent by the {sender}; write 'from: {sender}'")
         return
     decoded = decode_example(device, example, example_variant(device, example))
     if example.refused:
-        reported_kinds = sorted({problem.fault.value for problem in decoded.problems})
-        if example.refused not in reported_kinds:
+        reported_faults = sorted({problem.fault.value for problem in decoded.problems})
+        if example.refused not in reported_faults:
             expected = f"it should be rejected because of its {example.refused}"
-            yield ("refused",), f"{expected}, but the decoder reports {', '.join(reported_kinds) or 'no error'}"
+            yield ExampleError(
+                ("refused",), f"{expected}, but the decoder reports {', '.join(reported_faults) or 'no error'}"
+            )
         return
     decoded_layout = decoded.layout.name if decoded.layout is not None else example.layout
     if example.layout and decoded_layout != example.layout and not decoded.problems:
-        yield ("layout",), f"it is a {decoded_layout}, not a {example.layout}"
+        yield ExampleError(("layout",), f"it is a {decoded_layout}, not a {example.layout}")
     else:
         yield from _check_decoded(device, decoded, example)
 
@@ -250,7 +258,7 @@ def _check_decoded(
             hint = _suggest_byte_order(device, decoded) if decoded.crc.has_exchanged_bytes else ""
             hint = hint or _suggest_start(device, decoded.crc.name)
         for problem in problems:
-            yield _data_path(example), problem.message + hint
+            yield ExampleError(_data_path(example), problem.message + hint)
         return
     differences = list(_compare_values(decoded, example))
     yield from differences or _check_encoding(device, decoded, example)
@@ -295,7 +303,8 @@ def _needed_start_values(device: Device, crc: Crc, example: Example) -> Iterator
     if not result_determines_start:
         return
     if isinstance(example, CrcExample) and example.crc == crc.name:
-        yield init_for_result(crc, *bits_in_crc_order(crc, example.bytes), example.check)
+        number, bit_count = bits_in_crc_order(crc, example.bytes)
+        yield init_for_result(crc, number, bit_count, result=example.check)
     elif isinstance(example, FrameExample) and not example.refused:
         layout_names = {layout.name for _, layout in device.layouts()}
         if example.layout and example.layout not in layout_names:
@@ -306,7 +315,8 @@ def _needed_start_values(device: Device, crc: Crc, example: Example) -> Iterator
             return
         decoded = decode_example(device, example, variant)
         if decoded.layout is not None and decoded.crc is not None and decoded.crc.name == crc.name:
-            yield init_for_result(crc, *covered_bits(crc, decoded.layout, decoded.number), decoded.crc.received)
+            number, bit_count = covered_bits(crc, decoded.layout, decoded.number)
+            yield init_for_result(crc, number, bit_count, result=decoded.crc.received)
 
 
 def _data_path(example: Example) -> Path:
@@ -323,7 +333,7 @@ def decode_example(device: Device, example: FrameExample, variant: Variant) -> D
     if example.bits:
         placed_layout = device.layout(example.layout).place(variant.parameters)
         number = int(example.bits, 2)
-        return decode_bits(device, placed_layout, number, len(example.bits))
+        return decode_bits(device, placed_layout, number, bits=len(example.bits))
     bytes_select_layout = not example.layout or example.layout in _selected_layouts(device, example.sender)
     if bytes_select_layout:
         return decode_bytes(device, variant, example.sender, example.bytes)
@@ -348,9 +358,9 @@ def _compare_values(decoded: DecodedFrame, example: FrameExample | RegisterExamp
     decoded_values = decoded.values
     for name, value in example.values.items():
         if name not in decoded_values:
-            yield ("values", name), f"there is no field '{name}'"
+            yield ExampleError(("values", name), f"there is no field '{name}'")
         elif decoded_values[name] != value:
-            yield ("values", name), f"{name} is {decoded_values[name]}, not {value}"
+            yield ExampleError(("values", name), f"{name} is {decoded_values[name]}, not {value}")
 
 
 def _check_encoding(
@@ -378,4 +388,6 @@ def _check_encoding(
             described_bits |= ((1 << placed_field.width) - 1) << placed_field.low
         encoded |= decoded.number & ~described_bits
     if encoded != decoded.number:
-        yield _data_path(example), f"encoding its fields again gives {encoded:#x}, not {decoded.number:#x}"
+        yield ExampleError(
+            _data_path(example), f"encoding its fields again gives {encoded:#x}, not {decoded.number:#x}"
+        )

@@ -175,7 +175,7 @@ def zero_field(
     )
 
 
-def kind_of(raw_field: Raw, context: LayoutContext, interface: str, width: Expression) -> Kind:
+def build_kind(raw_field: Raw, context: LayoutContext, interface: str, width: Expression) -> Kind:
     """Return the kind of a field, such as a flag or a CRC, which its keys determine. By default, it is a number."""
     if "constant" in raw_field:
         return Constant(raw_field["constant"])
@@ -337,7 +337,7 @@ def bit_slices_of(field: Field, length: int, low_byte_first: bool) -> tuple[BitS
     return tuple(bit_slices)
 
 
-def with_joins_covered(raw_layout: Raw, fields: Sequence[Field], spec_place: SpecPlace) -> list[Field]:
+def resolve_parity_bits(raw_layout: Raw, fields: Sequence[Field], spec_place: SpecPlace) -> list[Field]:
     """Return the fields of a layout, with parity bits that cover individual fields.
 
     In the spec, a parity bit can also cover a joined number, which consists of several fields, and constants.
@@ -382,7 +382,7 @@ def _resolve_parity(
     return replace(field, kind=resolved_parity)
 
 
-def with_byte_orders(fields: Sequence[Field], byte_order: str) -> list[Field]:
+def without_needless_byte_orders(fields: Sequence[Field], byte_order: str) -> list[Field]:
     """Return the fields of a layout. The key ``byte_order`` of a field is removed if the layout has the same order."""
     return [replace(field, byte_order="") if field.byte_order == byte_order else field for field in fields]
 

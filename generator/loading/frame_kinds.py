@@ -270,11 +270,11 @@ def _constants_by_name(layout: Layout) -> dict[str, int]:
     return {field.name: field.kind.value for field in layout.fields if isinstance(field.kind, Constant)}
 
 
-def _check_replies(interface: Interface, positions: frozenset[str], report: DocumentReport) -> None:
+def _check_replies(interface: Interface, position_names: frozenset[str], report: DocumentReport) -> None:
     """Report numbers in replies that should be constants, because they are constants in all requests for the reply.
 
-    A number would accept the reply to a different request. Fields in ``positions`` are not checked, because a request
-    for the position may give its command the same name.
+    A number would accept the reply to a different request. Fields in ``position_names`` are not checked, because a
+    request for the position may give its command the same name.
     """
     if not isinstance(interface, (Rs485, Spi)):
         return
@@ -284,7 +284,7 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
         requests = [layouts[name] for name in request_names if name in layouts]
         for field in reply.fields:
             constant = _common_constant(requests, field.name)
-            if isinstance(field.kind, Number) and constant is not None and field.name not in positions:
+            if isinstance(field.kind, Number) and constant is not None and field.name not in position_names:
                 message = f"'{field.name}' can be any number, but it is always {constant:#x} in '{requests[0].name}'"
                 place_of_fix = " in each layout, instead of in the group" if field.group else ""
                 remedy = (

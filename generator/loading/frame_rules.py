@@ -28,7 +28,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..reference.codec import EncodeError, encode
-from .bit_coverage import values_text
+from .bit_coverage import condition_text
 from .fields import SpecPlace
 from .spec_parts import valid_parts_so_far
 
@@ -42,7 +42,7 @@ def check_one_crc(layout: Layout, spec_place: SpecPlace) -> None:
         sent_fields = [field for field in layout.crc_fields if field.width.value(parameters)]
         if len(sent_fields) > 1:
             first, second, *_ = sent_fields
-            condition = values_text(parameters, first.width, second.width)
+            condition = condition_text(parameters, first.width, second.width)
             problem = f"'{layout.name}' ends with '{first.name}' and '{second.name}'{condition}"
             remedy = "give each CRC a 'bits' that is 0 for order codes that send the other CRC"
             spec_place.report("several-crcs", f"{problem}; {remedy}", "fields", second.name)
@@ -114,7 +114,7 @@ def _check_width(field: Field, crc: Crc, spec_place: SpecPlace) -> None:
     for parameters in spec_place.parameter_sets:
         width = field.width.value(parameters)
         if width not in (0, crc.width):
-            message = f"'{field.name}' has {width} bits{values_text(parameters, field.width)}"
+            message = f"'{field.name}' has {width} bits{condition_text(parameters, field.width)}"
             remedy = f"use a parameter that is 0 or {crc.width}"
             spec_place.report(
                 "width-mismatch", f"{message}, but the CRC '{crc.name}' has {crc.width} or none; {remedy}"
@@ -312,7 +312,7 @@ def _width_problems(device: Device, channels: DataChannels, layout: Layout, fiel
     width = member_named(layout.fields, field_name, "field").width
     for variant in device.variants_over(Biss.name):
         bits = channels.compared_bits.value(variant.parameters)
-        condition = values_text(variant.parameters, width, channels.compared_bits)
+        condition = condition_text(variant.parameters, width, channels.compared_bits)
         field_bits = width.value(variant.parameters)
         if not 1 <= bits <= field_bits:
             message = f"{bits} bits cannot be compared, because {quoted(field_name)} has {field_bits}{condition}"

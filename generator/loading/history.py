@@ -43,7 +43,7 @@ class UnknownEdition(ValueError):
     """There is no such edition. The message lists the existing editions."""
 
 
-def editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
+def build_editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
     """Return the editions of the manual that users can select, oldest first, or ``()`` if the spec lists no changes.
 
     These are all revisions in the manual's history, the revision that the spec transcribes, and later revisions.
@@ -59,37 +59,35 @@ def editions(raw_spec: Raw) -> tuple[ManualEdition, ...]:
     dates_by_revision[own_revision] = manual.get("date", date_in_history)
     for revision, edition in editions_by_revision.items():
         dates_by_revision.setdefault(revision, edition.get("date", ""))
-    return tuple(
-        _build_edition(editions_by_revision.get(revision, {}), revision, date)
-        for revision, date in dates_by_revision.items()
-    )
+    editions: list[ManualEdition] = []
+    for revision, date in dates_by_revision.items():
+        definition = editions_by_revision.get(revision, {})  # Empty for an edition without changes.
+        editions.append(build_part(ManualEdition, definition, revision=revision, date=date))
+    return tuple(editions)
 
 
-def _build_edition(definition: Raw, revision: str, date: str) -> ManualEdition:
-    """Return an edition. ``definition`` is its entry in the spec, or empty if it has none."""
-    return build_part(ManualEdition, definition, revision=revision, date=date)
-
-
-def revision_for(device: Device, wanted: str) -> str:
+def revision_for(device: Device, revision_or_date: str) -> str:
     """Return the revision that a user asked for, either by its name or by a date on which it was the latest.
 
     Raises:
         UnknownEdition: There is no such edition.
     """
     revisions = [edition.revision for edition in device.editions] or [device.manual.revision]
-    if wanted in revisions:
-        return wanted
+    if revision_or_date in revisions:
+        return revision_or_date
     # Editions that are only dated by a year do not show which edition was the latest on a given day.
     dated_editions = [edition for edition in device.editions if _ISO_DATE.fullmatch(edition.date)]
-    if not dated_editions or not _ISO_DATE.fullmatch(wanted):
-        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {join_words(revisions, 'or')}"
+    if not dated_editions or not _ISO_DATE.fullmatch(revision_or_date):
+        message = (
+            f"the spec of {device.name} has no edition {quoted(revision_or_date)}; use {join_words(revisions, 'or')}"
+        )
         raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
     # Dates such as 2020-03-31 can be compared as texts. The editions are oldest first, so the last one was the latest.
-    editions_so_far = [edition for edition in dated_editions if edition.date <= wanted]
+    editions_so_far = [edition for edition in dated_editions if edition.date <= revision_or_date]
     if not editions_so_far:
         first_edition = dated_editions[0]
-        message = f"the first edition, {first_edition.revision}, is dated {first_edition.date}, which is after {wanted}"
-        raise UnknownEdition(message)
+        problem = f"the first edition, {first_edition.revision}, is dated {first_edition.date}"
+        raise UnknownEdition(f"{problem}, which is after {revision_or_date}")
     return editions_so_far[-1].revision
 
 
@@ -99,7 +97,7 @@ def _name_of_edition(family: Family, revision: str) -> str:
     return f"{family.device.name}_{revision_in_name}"
 
 
-def edition_of(family: Family, revision: str, build: Build, report: ProblemReport) -> Family | None:
+def family_in_edition(family: Family, revision: str, build: Build, report: ProblemReport) -> Family | None:
     """Return a family as an edition of its manual describes it, or None if it cannot be built.
 
     Args:
@@ -138,7 +136,7 @@ def edition_of(family: Family, revision: str, build: Build, report: ProblemRepor
         edition=revision,
         times_read=None,
     )
-    return Family(device, document, family.files)
+    return Family(device=device, document=document, files=family.files)
 
 
 def _report_in_edition(inner_report: ProblemReport, revision: str, report: ProblemReport) -> None:
@@ -257,16 +255,17 @@ def _affected_path(raw_spec: Raw, path_in_change: str) -> str:
 
 def check_editions(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
     """Report too many editions, duplicate or misplaced editions, and references to parts that do not exist."""
-    count = len(device.editions)
+    edition_count = len(device.editions)
     value_count = len(leaves(raw_spec))
-    if count * value_count > MOST_VALUES:
-        work = f"each of {count} editions is checked against {value_count} values"
+    if edition_count * value_count > MOST_VALUES:
+        work = f"each of {edition_count} editions is checked against {value_count} values"
         message = f"{work}; the product must be at most {MOST_VALUES}"
         report.add("too-large", ("editions",), f"{message}; leave out early editions", at_key=True)
     known_labels = {spelling.pattern for spelling in device.order_code.also_written}
     for index, edition in enumerate(raw_spec.get("editions", ())):
         path: Path = ("editions", index)
-        if any(earlier["revision"] == edition["revision"] for earlier in raw_spec["editions"][:index]):
+        earlier_revisions = [earlier_edition["revision"] for earlier_edition in raw_spec["editions"][:index]]
+        if edition["revision"] in earlier_revisions:
             message = f"the edition {quoted(edition['revision'])} already exists"
             report.add("duplicate-name", (*path, "revision"), message)
         _check_order(raw_spec, edition, path, report)

@@ -118,29 +118,32 @@ def _is_longer_than_request(layout: Layout, exchange: Raw, layouts: Sequence[Lay
     """Return whether a layout is the reply of an exchange whose request has fewer bits for some order code."""
     if layout.name != exchange.get("reply"):
         return False
-    requests = [request for request in layouts if request.name == exchange["request"]]
-    return any(
-        request.bits.value(parameters) < layout.bits.value(parameters)
-        for request in requests
-        for parameters in spec_place.parameter_sets
-    )
+    for request in layouts:
+        if request.name != exchange["request"]:
+            continue
+        for parameters in spec_place.parameter_sets:
+            if request.bits.value(parameters) < layout.bits.value(parameters):
+                return True
+    return False
 
 
-def _checked_word_bits(raw: Raw, spec_place: SpecPlace, *below: str | int) -> Expression | None:
+def _checked_word_bits(
+    interface_or_exchange: Raw, spec_place: SpecPlace, *path_of_exchange: str | int
+) -> Expression | None:
     """Return ``word_bits`` of an SPI interface or exchange, after checking its range for every order code.
 
-    Return None for an invalid expression. ``below`` is the path of the exchange in the interface.
+    Return None for an invalid expression. ``path_of_exchange`` is the path in the interface.
     """
-    low, high = _SPI_WORD_BITS
-    bits = spec_place.context.expression(raw.get("word_bits", low))
-    if bits is None:
+    lowest, highest = _SPI_WORD_BITS
+    word_bits = spec_place.context.expression(interface_or_exchange.get("word_bits", lowest))
+    if word_bits is None:
         return None
-    numbers_of_bits = sorted({bits.value(parameters) for parameters in spec_place.parameter_sets})
-    impossible_numbers = [length for length in numbers_of_bits if not low <= length <= high]
+    bits_of_order_codes = sorted({word_bits.value(parameters) for parameters in spec_place.parameter_sets})
+    impossible_numbers = [bits for bits in bits_of_order_codes if not lowest <= bits <= highest]
     if impossible_numbers:
-        message = f"a word has {impossible_numbers[0]} bits, but {low} to {high} are possible"
-        spec_place.report("width-mismatch", message, *below, "word_bits")
-    return bits
+        message = f"a word has {impossible_numbers[0]} bits, but {lowest} to {highest} are possible"
+        spec_place.report("width-mismatch", message, *path_of_exchange, "word_bits")
+    return word_bits
 
 
 def build_measurement(raw_owner: Raw, context: LayoutContext) -> Measurement | None:
@@ -194,13 +197,12 @@ def _members_of_biss(raw_interface: Raw, context: LayoutContext) -> Mapping[str,
     """Return the members of a BiSS interface that are not copied from the spec, by name."""
     control = raw_interface.get("control_data", {})
     timeouts = _as_list(raw_interface.get("timeout", ()))
+    control_fields = [_build_control_field(raw_field, control, context) for raw_field in control.get("fields", ())]
     return {
         "clocks": _build_clocks(raw_interface),
         "timeouts": tuple(build_part(Timeout, timeout) for timeout in timeouts),
         "channels": _build_channels(raw_interface, context),
-        "control_data": tuple(
-            _build_control_field(definition, control, context) for definition in control.get("fields", ())
-        ),
+        "control_data": tuple(control_fields),
         "control_data_note": control.get("note", ""),
     }
 

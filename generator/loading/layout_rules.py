@@ -26,7 +26,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from .bit_coverage import values_text
+from .bit_coverage import condition_text
 from .fields import SpecPlace, check_byte_orders
 from .frame_rules import check_crc, check_one_crc
 
@@ -175,7 +175,7 @@ def _check_gray(layout: Layout, spec_place: SpecPlace) -> None:
     The bits can include a flag. Also check that the parameter ``gray_when``, which turns Gray code on, is 0 or 1 for
     all order codes.
     """
-    coded_names = layout.names_in(layout.gray_of)
+    coded_names = layout.field_names_of(layout.gray_of)
     fields_by_name = {field.name: field for field in layout.fields}
     coded_fields = [fields_by_name[name] for name in coded_names if name in fields_by_name]
     parts_without_number = [part for part in coded_fields if not isinstance(part.kind, (Number, Choice, Flag))]
@@ -186,15 +186,13 @@ def _check_gray(layout: Layout, spec_place: SpecPlace) -> None:
         problem = f"'{coded_fields[0].name}' has one bit"
     if problem:
         spec_place.report("gray-of", f"{problem}; only a multi-bit number can be in Gray code", "gray", "of")
-    sets_with_switch = [parameters for parameters in spec_place.parameter_sets if layout.gray_when in parameters]
-    switch_values = {parameters[layout.gray_when] for parameters in sets_with_switch}
+    parameter_sets = spec_place.parameter_sets
+    switch_values = {parameters[layout.gray_when] for parameters in parameter_sets if layout.gray_when in parameters}
     if not switch_values <= {0, 1}:
         message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         spec_place.report("gray-of", message, "gray", "when")
     # Without such a parameter, the number is always in Gray code.
-    sets_with_gray_code = [
-        parameters for parameters in spec_place.parameter_sets if parameters.get(layout.gray_when, 1)
-    ]
+    sets_with_gray_code = [parameters for parameters in parameter_sets if parameters.get(layout.gray_when, 1)]
     for above, below in pairwise(coded_fields):
         if not _are_adjacent(above, below, sets_with_gray_code):
             message = (
@@ -344,7 +342,7 @@ def _problem_of_digits(layout: Layout, field: Field, spec_place: SpecPlace) -> s
     fix = "leave 'digit_code' out, and convert the number in your program"
     if spec_place.is_in_register or spec_place.interface == Biss.name:
         return f"is in a register or over BiSS, where numbers are binary; {fix}"
-    if field.name in layout.names_in(layout.gray_of):
+    if field.name in layout.field_names_of(layout.gray_of):
         return "has 'digit_code' and is also covered by 'gray'; remove one of them"
     if field.name == layout.selector:
         return f"distinguishes frames by its bits; {fix}"
@@ -392,7 +390,9 @@ def _check_one_bit(field: Field, kind_text: str, spec_place: SpecPlace) -> None:
     for parameters in spec_place.parameter_sets:
         width = field.width.value(parameters)
         if width > 1:
-            message = f"{subject}, so it has one bit or none, but it has {width}{values_text(parameters, field.width)}"
+            message = (
+                f"{subject}, so it has one bit or none, but it has {width}{condition_text(parameters, field.width)}"
+            )
             spec_place.report("width-mismatch", f"{message}; use a parameter that is 0 or 1")
             return
     if field.widest == 0:

@@ -19,12 +19,12 @@ from .bit_coverage import (
     UnplacedItem,
     check_all_bits_covered,
     check_items_fit,
+    condition_text,
     content_of_gaps,
     expand_groups,
-    in_whole_bytes,
-    values_text,
-    with_places,
-    with_zeros,
+    fill_first_byte,
+    fill_gaps_with_zeros,
+    sort_by_place,
 )
 from .fields import (
     LayoutContext,
@@ -32,10 +32,10 @@ from .fields import (
     bit_range,
     bit_slices_of,
     build_combinations,
+    build_kind,
     expected_value,
-    kind_of,
-    with_byte_orders,
-    with_joins_covered,
+    resolve_parity_bits,
+    without_needless_byte_orders,
     zero_field,
 )
 from .frame_kinds import with_unknown_verdicts
@@ -65,12 +65,12 @@ def build_layout(raw_layout: Raw, spec_place: SpecPlace, register_bits: int | No
         return None
     if byte_order == "high_byte_first" and is_frame and INTERFACES[spec_place.interface].carried_as == "bits":
         # The interface sends bits, but the frame is carried as bytes, so zeros fill its first byte.
-        fields, bits = in_whole_bytes(fields, bits)
-    fields = with_byte_orders(fields, byte_order)
+        fields, bits = fill_first_byte(fields, bits)
+    fields = without_needless_byte_orders(fields, byte_order)
     if byte_order:
         length = spec_place.widest(bits) // 8
         fields = [replace(field, bit_slices=bit_slices_of(field, length, low_byte_first)) for field in fields]
-    fields = with_joins_covered(raw_layout, fields, spec_place)
+    fields = resolve_parity_bits(raw_layout, fields, spec_place)
     if not (is_frame and low_byte_first):
         # The lowest bits come first in ``fields``, but last in transmission order.
         fields = fields[::-1]
@@ -189,10 +189,10 @@ def _with_gap_fields(
     fields: list[Field] = []
     for field_item in items:
         fields += _build_fields(field_item, spec_place)
-    fields = with_places(fields, spec_place)
+    fields = sort_by_place(fields, spec_place)
     if not check_all_bits_covered(fields, bits, gap_content, spec_place):
         return None
-    return with_zeros(fields, bits, spec_place) if gap_content == "zero" else fields
+    return fill_gaps_with_zeros(fields, bits, spec_place) if gap_content == "zero" else fields
 
 
 def _build_items(
@@ -325,7 +325,7 @@ def _check_total_width(bits: Expression, register_bits: int, spec_place: SpecPla
     for parameters in spec_place.parameter_sets:
         field_bits = bits.value(parameters)
         if field_bits != register_bits:
-            problem = f"the fields have {field_bits} bits{values_text(parameters, bits)}"
+            problem = f"the fields have {field_bits} bits{condition_text(parameters, bits)}"
             spec_place.report("width-mismatch", f"{problem}, but the register has {register_bits}")
             return False
     return True
@@ -344,7 +344,7 @@ def _build_fields(field_item: UnplacedItem, spec_place: SpecPlace) -> Iterable[F
         yield build_part(
             Field,
             raw,
-            kind=kind_of(raw, spec_place.context, spec_place.interface, width),
+            kind=build_kind(raw, spec_place.context, spec_place.interface, width),
             low=expanded_item.low,
             width=width,
             widest=widest,

@@ -19,7 +19,7 @@ from ..language.problems import ProblemReport, join_words
 from ..language.read import read_document, read_specs
 from ..model import Device, Manufacturer
 from .device import build_device
-from .history import check_editions, edition_of, errata_of_other_editions, read_counts, read_history
+from .history import check_editions, errata_of_other_editions, family_in_edition, read_counts, read_history
 from .manufacturer_rules import check_shared_facts
 from .overlays import Family as Family
 from .overlays import apply_overlays, is_overlay, overlays_beside
@@ -121,12 +121,12 @@ def _devices_by_file(
     They come from ``families`` or from the cache.
     """
     device_by_content = {tuple(family.content): family.device for family in families if family.content}
-    devices: dict[str, Device] = {}
+    device_by_file: dict[str, Device] = {}
     for file, content in contents_of_files.items():
         device = device_by_content.get(tuple(content)) or stored_device(cache, content)
         if device is not None:
-            devices[file] = device
-    return devices
+            device_by_file[file] = device
+    return device_by_file
 
 
 def _read_documents(paths: Sequence[Path], report: ProblemReport) -> list[Document]:
@@ -292,7 +292,7 @@ def in_edition(family: Family, revision: str, report: ProblemReport) -> Family |
     Problems are added to ``report``.
     """
     manufacturers = {family.device.manufacturer.name: family.device.manufacturer}
-    return edition_of(family, revision, partial(_rebuild_device, manufacturers), report)
+    return family_in_edition(family, revision, partial(_rebuild_device, manufacturers), report)
 
 
 def _rebuild_device(
@@ -317,15 +317,17 @@ def _manufacturers_by_name(
     manufacturers: dict[str, Manufacturer] = {}
     first_data_by_name: dict[str, dict[str, Any]] = {}
     for document, data in documents_and_data:
-        if data is not None and "device" not in data and "manufacturer" in data:
-            # Several folders may have equal files, so that each folder can be used alone.
-            first_data = first_data_by_name.setdefault(data["manufacturer"], data)
-            if first_data != data:
-                message = f"there is a different manufacturer file for '{data['manufacturer']}'"
-                report.add("duplicate-name", document, ("manufacturer",), message)
-            manufacturer = build_manufacturer(data)
-            _check_manufacturer(manufacturer, manufacturers.values(), document, report)
-            manufacturers[manufacturer.name] = manufacturer
+        is_manufacturer_file = data is not None and "device" not in data and "manufacturer" in data
+        if data is None or not is_manufacturer_file:
+            continue
+        # Several folders may have equal files, so that each folder can be used alone.
+        first_data = first_data_by_name.setdefault(data["manufacturer"], data)
+        if first_data != data:
+            message = f"there is a different manufacturer file for '{data['manufacturer']}'"
+            report.add("duplicate-name", document, ("manufacturer",), message)
+        manufacturer = build_manufacturer(data)
+        _check_manufacturer(manufacturer, manufacturers.values(), document, report)
+        manufacturers[manufacturer.name] = manufacturer
     return manufacturers
 
 
@@ -342,27 +344,19 @@ def _check_manufacturer(
 ) -> None:
     """Check that no other manufacturer has the same Python package or BiSS ID, and that no package name is reserved."""
     package = manufacturer.python_package
-    path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
+    package_path = ("python_package",) if "python_package" in document.data else ("manufacturer",)
     is_name_of_python = package in sys.stdlib_module_names or keyword.iskeyword(package)
     if package in _RESERVED_PACKAGE_NAMES or is_name_of_python:
         name_user = "codewheel" if package in _RESERVED_PACKAGE_NAMES else "Python"
-        report.add(
-            "not-allowed",
-            document,
-            path,
-            f"'python_package' cannot be '{package}': {name_user} uses that name; write '{package}_encoders'",
-        )
+        problem = f"'python_package' cannot be '{package}': {name_user} uses that name"
+        report.add("not-allowed", document, package_path, f"{problem}; write '{package}_encoders'")
     biss_id = manufacturer.biss_id
     for other in others:
         if other.name == manufacturer.name:
             continue
         if other.python_package == package:
-            report.add(
-                "duplicate-name",
-                document,
-                path,
-                f"'{other.name}' also has the Python package '{package}'; rename one of the two",
-            )
+            message = f"'{other.name}' also has the Python package '{package}'; rename one of the two"
+            report.add("duplicate-name", document, package_path, message)
         if biss_id is not None and other.biss_id == biss_id:
             message = f"'{other.name}' also has the BiSS manufacturer ID {biss_id:#06x}"
             message += f", which names the file idbiss{biss_id:04X}.xml"

@@ -35,15 +35,12 @@ def compare_documents(specs: Sequence[Document], report: ProblemReport) -> None:
     first_spec_by_words: dict[tuple[str, ...], Document] = {}
     for spec in sorted(specs, key=lambda spec: spec.file):
         for key in mapping(spec.data, "documents"):
-            texts = _texts_of_document(spec, key)
-            title, url = texts.values()
-            first_specs: list[Document] = []
-            for words in (
-                (key, *(_NUMBER_IN_REFERENCE.sub("0", text) for text in texts.values())),
-                (key, title, _DIGITS.sub("0", url)),
-                (key, _DIGITS.sub("0", title), url or spec.file),
-            ):
-                first_specs.append(first_spec_by_words.setdefault(words, spec))
+            title, url = _texts_of_document(spec, key).values()
+            same_words = (key, _NUMBER_IN_REFERENCE.sub("0", title), _NUMBER_IN_REFERENCE.sub("0", url))
+            same_title = (key, title, _DIGITS.sub("0", url))
+            same_address = (key, _DIGITS.sub("0", title), url or spec.file)
+            words_of_document = (same_words, same_title, same_address)
+            first_specs = [first_spec_by_words.setdefault(words, spec) for words in words_of_document]
             _report_other_numbers(spec, key, first_specs, report)
 
 
@@ -85,6 +82,7 @@ def check_cited_manuals(specs: Sequence[Document], report: ProblemReport) -> Non
             title = _texts_of_document(spec, key)["title"]
             if manual.title not in title:
                 _report_other_title(spec, key, title, other_spec, report)
+            # The revision 1.2 is in "Manual 1.2", but not in "Manual 11.2" or "Manual 1.2.1".
             elif re.search(rf"(?<![\w.]){re.escape(manual.revision)}(?![\w.]*\w)", title) and manual.contents:
                 for path, source in sources(leaves(spec.data)):
                     for problem in problems_of_other_manual(source, key, manual.contents):
@@ -197,7 +195,7 @@ class _Contact(NamedTuple):
 _Line = tuple[str, str]
 
 
-def compare_connectors(maker_document: Document, documents: Sequence[Document], report: ProblemReport) -> None:
+def compare_connectors(manufacturer_file: Document, documents: Sequence[Document], report: ProblemReport) -> None:
     """Report each line that is on different contacts in two connectors that should be alike.
 
     The manufacturer's file lists groups of connectors that are alike, as references such as ``m100.m12_connector``.
@@ -205,7 +203,7 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
     other line between connectors for the same interface.
     """
     documents_by_device = {str(document.data["device"]): document for document in documents}
-    for group_index, group in enumerate(maker_document.data.get("alike", {}).get("connectors", ())):
+    for group_index, group in enumerate(manufacturer_file.data.get("alike", {}).get("connectors", ())):
         contacts_by_line: dict[_Line, _Contact] = {}
         cables: list[_Cable] = []
         for index, reference in enumerate(group):
@@ -214,14 +212,14 @@ def compare_connectors(maker_document: Document, documents: Sequence[Document], 
             if document is None:
                 continue
             connectors = maps_in_list(document.data, "connectors")
-            place = next((path for path, connector in connectors if connector.get("name") == name), None)
-            if place is not None:
-                _compare_connector(contacts_by_line, document, place, report)
-                cables += _cable_at(document, place)
+            connector_path = next((path for path, connector in connectors if connector.get("name") == name), None)
+            if connector_path is not None:
+                _compare_connector(contacts_by_line, document, connector_path, report)
+                cables += _cable_at(document, connector_path)
                 continue
             message = f"{quoted(device)} has no connector or cable {quoted(name)}"
             reference_path: Path = ("alike", "connectors", group_index, index)
-            report.add("undefined-reference", maker_document, reference_path, message)
+            report.add("undefined-reference", manufacturer_file, reference_path, message)
         _compare_wires(cables, report)
 
 
@@ -346,8 +344,18 @@ _SHARED_FACT_FORMS = {
     "registers": {"address": "{:#04x}", "length": "{}", "bank": "{}", "access": "{}", "byte_order": "{}"},
     "crcs": {"width": "{}", "poly": "{:#x}", "init": "{:#x}", "refin": "{}", "refout": "{}", "xorout": "{:#x}"},
 }
-#: Path to a fact in its register or CRC, and the fact as text in messages: ``("address",), "0x48"``.
-_Fact = tuple[Path, str]
+
+
+class _SharedFact(NamedTuple):
+    """A fact of a register or CRC that devices share, with its text in messages, such as ``0x48``.
+
+    ``affected`` is its place as errata write it, with names, such as ``("warning", "at")``. ``path`` is its path in the
+    spec, with indices, such as ``("fields", 2, "at")``.
+    """
+
+    affected: tuple[str, ...]
+    path: Path
+    text: str
 
 
 def check_shared_facts(documents: Sequence[Document], report: ProblemReport) -> None:
@@ -380,47 +388,42 @@ def _parts_by_name(section: str, document: Document) -> Mapping[str, WrittenRegi
 
 
 def _report_different_facts(
-    section: str, part_name: str, documents_with_fact: Sequence[Document], report: ProblemReport
+    section: str, part_name: str, documents_with_part: Sequence[Document], report: ProblemReport
 ) -> None:
     """Report each device in which a fact of a register or CRC differs from most devices.
 
     ``section`` is ``registers`` or ``crcs``. If several facts are equally common, the fact in the first file is
     correct. A difference is not reported if an erratum in one of the two devices affects it.
     """
-    facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
-    for document in sorted(documents_with_fact, key=lambda document: document.file):
-        for key, fact in _shared_facts(section, _parts_by_name(section, document)[part_name]):
-            facts_by_key.setdefault(key, []).append((document, fact))
-    for key, facts in facts_by_key.items():
-        affected_place = (section, part_name, *key)
-        texts = [text for _, (_, text) in facts]
+    facts_by_place: dict[tuple[str, ...], list[tuple[Document, _SharedFact]]] = {}
+    for document in sorted(documents_with_part, key=lambda document: document.file):
+        for fact in _shared_facts(section, _parts_by_name(section, document)[part_name]):
+            facts_by_place.setdefault(fact.affected, []).append((document, fact))
+    for affected, facts in facts_by_place.items():
+        affected_place = (section, part_name, *affected)
+        texts = [fact.text for _, fact in facts]
         ((common_text, _),) = Counter(texts).most_common(1)
-        common_document, (common_path, _) = facts[texts.index(common_text)]
+        common_document, common_fact = facts[texts.index(common_text)]
         if has_erratum_at(common_document, *affected_place):
             continue
-        for document, (path, text) in facts:
-            if text == common_text or has_erratum_at(document, *affected_place):
+        for document, fact in facts:
+            if fact.text == common_text or has_erratum_at(document, *affected_place):
                 continue
-            line, _ = common_document.position((section, part_name, *common_path))
+            line, _ = common_document.position((section, part_name, *common_fact.path))
             message = (
-                f"this is {text}, but {common_text} in {PurePath(common_document.file).name}:{line}; according to the"
-                f" manufacturer's file, {quoted(part_name)} is the same in all devices. If it is not, add an erratum"
-                f" that affects {'.'.join(affected_place)}"
+                f"this is {fact.text}, but {common_text} in {PurePath(common_document.file).name}:{line}; according to"
+                f" the manufacturer's file, {quoted(part_name)} is the same in all devices. If it is not, add an"
+                f" erratum that affects {'.'.join(affected_place)}"
             )
-            report.add("not-alike", document, (section, part_name, *path), message)
+            report.add("not-alike", document, (section, part_name, *fact.path), message)
 
 
-def _shared_facts(
-    section: str, register_or_crc: WrittenRegister | LocatedPart[Crc]
-) -> Iterator[tuple[tuple[str, ...], _Fact]]:
-    """Yield the facts of a register or CRC that devices share, each with its place in the notation of errata.
-
-    That notation contains the names of fields, such as ``("warning", "at")``. The path of a fact in the spec contains
-    their indices, such as ``("fields", 2, "at")``.
-    """
-    for key, form in _SHARED_FACT_FORMS[section].items():
+def _shared_facts(section: str, register_or_crc: WrittenRegister | LocatedPart[Crc]) -> Iterator[_SharedFact]:
+    """Yield the facts of a register or CRC that devices share."""
+    for key, number_format in _SHARED_FACT_FORMS[section].items():
         if key in register_or_crc.data:
-            yield (key,), ((key,), _fact_text(form, register_or_crc.data[key]))
+            text = _fact_text(number_format, register_or_crc.data[key])
+            yield _SharedFact(affected=(key,), path=(key,), text=text)
     if not isinstance(register_or_crc, WrittenRegister):
         return  # A CRC has no fields.
     for index, field in enumerate(register_or_crc.fields):
@@ -428,16 +431,14 @@ def _shared_facts(
             yield from _facts_of_field(field, ("fields", index))
 
 
-def _facts_of_field(field: WrittenField, path: Path) -> Iterator[tuple[tuple[str, ...], _Fact]]:
-    """Yield the facts of a field that devices share: its place, its width and its named values.
-
-    Each comes with its place in the notation of errata, such as ``("warning", "at")``.
-    """
+def _facts_of_field(field: WrittenField, field_path: Path) -> Iterator[_SharedFact]:
+    """Yield the facts of a register field that devices share: its place, its width and its named values."""
     for key, number_or_text in (("at", field.at), ("bits", field.bits)):
         if number_or_text is not None:
-            yield (field.name, key), ((*path, key), str(number_or_text))
+            yield _SharedFact(affected=(field.name, key), path=(*field_path, key), text=str(number_or_text))
     for value_name, value in field.values.items():
-        yield (field.name, value_name, "value"), ((*path, "values", value_name, "value"), str(value.value))
+        path = (*field_path, "values", value_name, "value")
+        yield _SharedFact(affected=(field.name, value_name, "value"), path=path, text=str(value.value))
 
 
 def _fact_text(number_format: str, fact: object) -> str:

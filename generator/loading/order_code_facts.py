@@ -35,7 +35,7 @@ from ..model import (
     WriteStep,
 )
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
-from ..model.order_codes import Restricted, facts_for_code, fits
+from ..model.order_codes import Restricted, applies_to_code, facts_for_code
 from ..model.record import dataclass
 from ..order_codes.patterns import listed_codes
 from ..say import count_with_unit
@@ -43,8 +43,8 @@ from .spec_parts import (
     Raw,
     build_part,
     build_supply,
+    names_set_by_order_codes,
     parameters_of_flags,
-    set_parameters,
     sources,
 )
 
@@ -64,7 +64,7 @@ class ExclusiveFacts:
     #: Whether each order code must have one of the facts.
     is_needed: bool = False
     #: Whether other rules report two facts that both apply to all order codes.
-    other_rules: bool = False
+    has_other_rules: bool = False
 
 
 def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -> None:
@@ -74,7 +74,7 @@ def check_facts_by_code(raw_spec: Raw, device: Device, report: DocumentReport) -
     for exclusive_facts in _all_exclusive_facts(raw_spec, device, report):
         # ``only`` of a fact lists the order codes that it applies to. It is "" if the fact applies to all of them.
         depend_on_code = any(fact.only for _, fact in exclusive_facts.facts)
-        if depend_on_code or not exclusive_facts.other_rules:
+        if depend_on_code or not exclusive_facts.has_other_rules:
             _check_unused(exclusive_facts, report)
             _check_overlaps(exclusive_facts, report)
             _check_gaps(exclusive_facts, report)
@@ -132,7 +132,7 @@ def _facts_of_interface(
         for length, rows_of_length in rows_by_length.items():
             noun = f"a clock for cables shorter than {length} m"
             yield ExclusiveFacts(
-                noun=noun, facts=rows_of_length, codes=codes, interface=interface.short, other_rules=True
+                noun=noun, facts=rows_of_length, codes=codes, interface=interface.short, has_other_rules=True
             )
     yield from _group_by_name(interface.timings, noun="a timing", path=(*path, "timings"), codes=codes)
 
@@ -165,7 +165,7 @@ def _group_by_name(facts: Sequence[_Named], *, noun: str, path: Path, codes: Seq
     for name, facts_with_name in facts_by_name.items():
         if len(facts_with_name) > 1:
             named_noun = f"{noun} {quoted(name)}"
-            yield ExclusiveFacts(noun=named_noun, facts=facts_with_name, codes=codes, other_rules=True)
+            yield ExclusiveFacts(noun=named_noun, facts=facts_with_name, codes=codes, has_other_rules=True)
 
 
 def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
@@ -177,7 +177,7 @@ def _check_unused(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> No
     for path, fact in exclusive_facts.facts:
         if _is_reported((*path, "only"), report):
             continue
-        if fact.only and not any(fits(fact.only, code) for code in exclusive_facts.codes):
+        if fact.only and not any(applies_to_code(fact.only, code) for code in exclusive_facts.codes):
             message = f"no order code with {exclusive_facts.interface} matches {quoted(fact.only)}"
             report.add("only-codes", (*path, "only"), f"{message}; correct the pattern, or remove the entry")
 
@@ -190,7 +190,8 @@ def _is_reported(path: Path, report: DocumentReport) -> bool:
 def _check_overlaps(exclusive_facts: ExclusiveFacts, report: DocumentReport) -> None:
     """Report pairs of facts of a kind that apply to the same order code."""
     for (first_path, first), (path, fact) in combinations(exclusive_facts.facts, 2):
-        common_codes = [code for code in exclusive_facts.codes if fits(first.only, code) and fits(fact.only, code)]
+        codes_of_first = [code for code in exclusive_facts.codes if applies_to_code(first.only, code)]
+        common_codes = [code for code in codes_of_first if applies_to_code(fact.only, code)]
         if common_codes:
             line, _ = report.document.position(first_path)
             have = "has" if len(common_codes) == 1 else "have"
@@ -264,12 +265,12 @@ def check_unused_parameters(raw_spec: Raw, variants: Sequence[Variant], report: 
     be unused. If the spec has another problem, nothing is reported, because the part with the problem may use the
     parameter.
     """
-    # A second reading of the manual must agree with the spec, so only the spec is checked. In an older edition, the
-    # fact that depends on a parameter may be missing.
+    # The second reading, an independent transcription of the manual, must agree with the spec, so only the spec is
+    # checked. In an older edition, the fact that depends on a parameter may be missing.
     if is_second(report.document.file) or report.document.family or report.faults():
         return
     used_names = {*_names_in_expressions(raw_spec), *parameters_of_flags(raw_spec, variants)}
-    names_set_by_codes = set_parameters(raw_spec)
+    names_set_by_codes = names_set_by_order_codes(raw_spec)
     for name, definition in raw_spec["parameters"].items():
         is_printed_number = "equals" in definition and "source" in definition
         if name in used_names or is_printed_number:

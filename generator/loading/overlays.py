@@ -274,7 +274,7 @@ def _apply_overlays(
     if special:
         device = _reduce_to_listed_codes(device, overlays, report)
     files = family.files | {overlay.file for overlay in overlays}
-    return Family(device, document, files, plain=None if special else family)
+    return Family(device=device, document=document, files=files, plain=None if special else family)
 
 
 def _build_overlay(document: Document) -> Overlay:

@@ -31,7 +31,7 @@ def check_named_widths(raw_spec: Raw, device: Device, report: DocumentReport) ->
     Only parameters with a formula (``equals``) that nothing in the spec uses are checked. If another fact uses the
     parameter, a mistake in its formula shows there.
     """
-    if is_second(report.document.file):
+    if is_second(report.document.file):  # The second reading, an independent transcription, must equal the spec.
         return
     if report.document.family:  # In an older edition, the facts that use a parameter may be missing.
         return
@@ -73,12 +73,12 @@ def _describe_difference(device: Device, parameter: Parameter, interface: Interf
     """
     name = parameter.name.removesuffix(_BITS_ENDING)
     field_names = {field.name for field in layout.fields}
-    has_number = field_names.issuperset(layout.names_in(name))
+    has_number = field_names.issuperset(layout.field_names_of(name))
     if layout.sender != "encoder" or not has_number:
         return ""
     for variant in device.variants_over(interface.name):
         placed_layout = layout.place(variant.parameters)
-        placed_fields = placed_layout.find_fields(layout.names_in(name))
+        placed_fields = placed_layout.find_fields(layout.field_names_of(name))
         width = sum(field.width for field in placed_fields)
         value = variant.parameters.get(parameter.name)
         if placed_fields and value not in (None, width):
@@ -141,7 +141,7 @@ def factory_defaults(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int]
     of the parameter, or by 0, so that the rest of the spec can be checked.
     """
     defaults: dict[str, int] = {}
-    names_set_by_codes = set_by_codes(raw_spec)
+    names_set_by_codes = names_in_code_values(raw_spec)
     for name, definition in raw_spec["parameters"].items():
         if "read_from" not in definition:
             continue
@@ -152,7 +152,7 @@ def factory_defaults(raw_spec: Raw, report: DocumentReport) -> Mapping[str, int]
             continue
         low_and_width = _lowest_bit_and_width(field)
         if low_and_width is None:
-            message = f"'{definition['read_from']}' must be placed_layout with 'at' and a constant width"
+            message = f"'{definition['read_from']}' must be placed with 'at' and a constant width"
             report.add("undefined-reference", ("parameters", name, "read_from"), message)
             defaults[name] = definition.get("max", 0)
             continue
@@ -214,7 +214,7 @@ def coded_values(definition: Raw) -> tuple[CodedValue, ...]:
     return tuple(sorted(values, key=lambda coded: coded.code))
 
 
-def extreme_states(raw_spec: Raw) -> Sequence[Sequence[State]]:
+def _extreme_states_in_spec(raw_spec: Raw) -> Sequence[Sequence[State]]:
     """Return the extreme states of each register field that holds parameters, for which all layouts must be valid.
 
     A parameter with limits has a list of two states, such as ``[{"offset": 0}, {"offset": 15}]``. A field that holds a
@@ -233,7 +233,7 @@ def extreme_states(raw_spec: Raw) -> Sequence[Sequence[State]]:
     return [*states_of_limits, *map(coded_states, codes_by_field.values())]
 
 
-def set_by_codes(raw_spec: Raw) -> frozenset[str]:
+def names_in_code_values(raw_spec: Raw) -> frozenset[str]:
     """Return the names of the parameters that values of the order code set."""
     parameter_names: set[str] = set()
     for part in raw_spec["order_code"]["parts"]:
@@ -358,7 +358,7 @@ def _states_of_registers(raw_spec: Raw) -> Sequence[State]:
     A state only contains the parameters that differ from the factory defaults. States with a single extreme value come
     first, so that messages name as few parameters as possible.
     """
-    states_by_field = extreme_states(raw_spec)
+    states_by_field = _extreme_states_in_spec(raw_spec)
     states: list[State] = [{}]
     for states_of_field in states_by_field:
         states += states_of_field

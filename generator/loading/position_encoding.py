@@ -60,14 +60,14 @@ def _is_in_gray(layout: Layout, measurement: Measurement) -> bool:
         return False
     if not layout.gray_of or measurement.position_name not in layout.member_names:
         return False
-    lowest_name = layout.names_in(measurement.position_name)[-1]  # The most significant field is the first.
-    return lowest_name in layout.names_in(layout.gray_of)
+    lowest_name = layout.field_names_of(measurement.position_name)[-1]  # The most significant field is the first.
+    return lowest_name in layout.field_names_of(layout.gray_of)
 
 
 def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
     """Return whether the number in Gray code is the whole position within one turn, in one unsigned field."""
-    names = layout.names_in(layout.gray_of)
-    is_position = names == layout.names_in(measurement.position_name)
+    names = layout.field_names_of(layout.gray_of)
+    is_position = names == layout.field_names_of(measurement.position_name)
     if len(names) != 1 or not is_position or measurement.turns != Expression(1):
         return False
     kind = layout.field(names[0]).kind
@@ -157,7 +157,7 @@ def check_position_widths(device: Device, report: DocumentReport) -> None:
     Zeros above a position are accepted if no order code uses all bits of the field, and the field has whole bytes or
     order codes need different widths.
     """
-    # A second reading of the manual only repeats printed facts, without notes.
+    # The second reading, an independent transcription of the manual, only repeats printed facts, without notes.
     if is_second(report.document.file):
         return
     for interface in device.interfaces:
@@ -175,7 +175,7 @@ def _position_field(layout: Layout, measurement: Measurement) -> Field | None:
 
     The field must be unsigned, binary and without padding, with a constant width and without a note.
     """
-    names = layout.names_in(measurement.position_name)
+    names = layout.field_names_of(measurement.position_name)
     if len(names) != 1:
         return None
     (position_name,) = names
@@ -197,9 +197,8 @@ def _check_width(device: Device, interface: Interface, layout: Layout, field: Fi
     measurement = device.measurement_of(interface.name)
     assert measurement is not None
     width = field.width.constant
-    bits_by_code = {
-        variant.code: _needed_bits(measurement, variant) for variant in device.variants_over(interface.name)
-    }
+    variants = device.variants_over(interface.name)
+    bits_by_code = {variant.code: _needed_bits(measurement, variant) for variant in variants}
     fewer_bits_by_code = {code: bits for code, bits in bits_by_code.items() if bits is not None and bits < width}
     needed_widths = set(bits_by_code.values())
     if not fewer_bits_by_code or any(bits is None or bits > width for bits in needed_widths):

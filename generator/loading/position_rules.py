@@ -37,7 +37,7 @@ class _PositionField(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Case:
+class _PositionFrame:
     """One order code with one layout of its interface, for which the numbers of a measurement are checked.
 
     Attributes:
@@ -104,12 +104,12 @@ def _problems_of(device: Device, interface: Interface) -> Iterator[tuple[Path, K
     measurement_path: Path = ("measurement",)
     if interface.measurement is not None:
         measurement_path = ("interfaces", interface.name, "measurement")
-    for case in _yield_cases(device, interface, measurement):
-        problem = _measurement_problem(case)
+    for frame in _yield_frames(device, interface, measurement):
+        problem = _measurement_problem(frame)
         if problem is not None:
-            range_path: Path = ("interfaces", interface.name, "layouts", case.layout.name, "position_range")
+            range_path: Path = ("interfaces", interface.name, "layouts", frame.layout.name, "position_range")
             # The layout can have its own range, which replaces numbers of the measurement.
-            range_has_key = getattr(case.layout.position_range, problem.key, None) is not None
+            range_has_key = getattr(frame.layout.position_range, problem.key, None) is not None
             yield range_path if range_has_key else measurement_path, problem
 
 
@@ -123,7 +123,7 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
         for layout in interface.layouts:
             owner = ("interfaces", interface.name, "layouts", layout.name)
             # The position consists of one or several fields.
-            for field in layout.find_fields(layout.names_in(measurement.position_name)):
+            for field in layout.find_fields(layout.field_names_of(measurement.position_name)):
                 owner_of_field = ("field_groups", field.group) if field.group else owner
                 path: Path = (*owner_of_field, "fields", field.name, "scale")
                 if field.scale is not None and path not in reported:
@@ -132,21 +132,25 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
                     report.add("scale-of", path, message, at_key=True)
 
 
-def _yield_cases(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_Case]:
+def _yield_frames(device: Device, interface: Interface, measurement: Measurement) -> Iterator[_PositionFrame]:
     """Yield each layout that the encoder sends with each order code of the interface."""
     sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
     for layout in sent_layouts:
         measurement_in_layout = measurement.within(layout.position_range)
         expressions = _expressions_of(measurement_in_layout)
-        names = layout.names_in(measurement.position_name)
+        names = layout.field_names_of(measurement.position_name)
         for variant in device.variants_over(interface.name):
-            placed_fields = layout.place(variant.parameters).find_fields(names)
-            yield _Case(
+            position_fields: list[_PositionField] = []
+            for placed_field in layout.place(variant.parameters).find_fields(names):
+                position_fields.append(
+                    _PositionField(name=placed_field.name, width=placed_field.width, unit=placed_field.field.unit)
+                )
+            yield _PositionFrame(
                 device=device,
                 measurement=measurement_in_layout,
                 variant=variant,
                 layout=layout,
-                fields=tuple(_PositionField(placed.name, placed.width, placed.field.unit) for placed in placed_fields),
+                fields=tuple(position_fields),
                 numbers={key: expression.value(variant.parameters) for key, expression in expressions.items()},
             )
 
@@ -161,33 +165,33 @@ def _expressions_of(measurement: Measurement) -> dict[str, Expression]:
     return expressions
 
 
-def _measurement_problem(case: _Case) -> KeyProblem | None:
+def _measurement_problem(frame: _PositionFrame) -> KeyProblem | None:
     """Return the first contradiction between a measurement and a layout for one order code, or None."""
-    problem = _limit_problem(case) or _unit_problem(case)
+    problem = _limit_problem(frame) or _unit_problem(frame)
     if problem is not None:
         return problem
-    position_range = case.layout.position_range
+    position_range = frame.layout.position_range
     never_wraps = position_range is not None and not position_range.wraps
-    has_position = case.width > 0
-    has_counts = case.counts_key in case.numbers
+    has_position = frame.width > 0
+    has_counts = frame.counts_key in frame.numbers
     if not has_counts or not has_position or never_wraps:
         return None
     return (
-        _highest_count_problem(case)
-        or _width_problem(case)
-        or _range_problem(case)
-        or _order_problem(case)
-        or _revolution_problem(case)
+        _highest_count_problem(frame)
+        or _width_problem(frame)
+        or _range_problem(frame)
+        or _order_problem(frame)
+        or _revolution_problem(frame)
     )
 
 
-def _limit_problem(case: _Case) -> KeyProblem | None:
+def _limit_problem(frame: _PositionFrame) -> KeyProblem | None:
     """Return the problem if a number of a measurement is below 1, or a step is too large for C, or None."""
-    for name, value in case.numbers.items():
+    for name, value in frame.numbers.items():
         if value < 1:
-            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at least 1")
+            return KeyProblem(name, f"'{name}' is {value} for {frame.variant.code}; it must be at least 1")
         if name in _KEYS_OF_STEP_LENGTHS and value > LARGEST:
-            return KeyProblem(name, f"'{name}' is {value} for {case.variant.code}; it must be at most {LARGEST}")
+            return KeyProblem(name, f"'{name}' is {value} for {frame.variant.code}; it must be at most {LARGEST}")
     return None
 
 
@@ -199,190 +203,191 @@ def is_probably_highest(count: int) -> bool:
     return count >= _SMALLEST_HIGHEST_COUNT and is_power_of_two(count + 1)
 
 
-def _highest_count_problem(case: _Case) -> KeyProblem | None:
+def _highest_count_problem(frame: _PositionFrame) -> KeyProblem | None:
     """Return the problem if a number of counts is probably the highest count, such as 4095, or None.
 
     Numbers that depend on a register are not checked.
     """
-    expressions = _expressions_of(case.measurement)
-    for name, value in case.numbers.items():
+    expressions = _expressions_of(frame.measurement)
+    for name, value in frame.numbers.items():
         is_number_of_counts = name not in _KEYS_OF_STEP_LENGTHS
-        is_fixed = not _at_run_time(case.device, expressions[name])
+        is_fixed = not _at_run_time(frame.device, expressions[name])
         if is_fixed and is_number_of_counts and is_probably_highest(value):
-            message = f"'{name}' is {value} for {case.variant.code}, which is the highest count"
+            message = f"'{name}' is {value} for {frame.variant.code}, which is the highest count"
             return KeyProblem(name, f"{message}; including 0 there are {value + 1}")
     return None
 
 
-def _unit_problem(case: _Case) -> KeyProblem | None:
+def _unit_problem(frame: _PositionFrame) -> KeyProblem | None:
     """Return the problem if the unit of the position field contradicts the length of a count, or None.
 
     A position that consists of several fields is not checked.
     """
-    if "step_um" in case.numbers:
-        key, step_nm = "step_um", case.numbers["step_um"] * _NANOMETERS_PER_UNIT["um"]
-    elif "step_nm" in case.numbers:
-        key, step_nm = "step_nm", case.numbers["step_nm"]
+    if "step_um" in frame.numbers:
+        key, step_nm = "step_um", frame.numbers["step_um"] * _NANOMETERS_PER_UNIT["um"]
+    elif "step_nm" in frame.numbers:
+        key, step_nm = "step_nm", frame.numbers["step_nm"]
     else:
         return None
-    if len(case.fields) != 1:
+    if len(frame.fields) != 1:
         return None
-    (field,) = case.fields
+    (field,) = frame.fields
     unit = field.unit
     if unit not in _NANOMETERS_PER_UNIT:
         return None
     # The step is the length of ``per_counts`` counts. The unit of the field is the length of one count.
-    length_by_unit_nm = _NANOMETERS_PER_UNIT[unit] * case.numbers.get("per_counts", 1)
+    length_by_unit_nm = _NANOMETERS_PER_UNIT[unit] * frame.numbers.get("per_counts", 1)
     if step_nm == length_by_unit_nm:
         return None
-    message = f"'{key}' is {case.numbers[key]} for {case.variant.code}, but '{field.name}' has 'unit: {unit}'"
+    message = f"'{key}' is {frame.numbers[key]} for {frame.variant.code}, but '{field.name}' has 'unit: {unit}'"
     return KeyProblem(key, f"{message}, so a count is 1 {unit}; correct one of the two, or write 'unit: counts'")
 
 
-def _width_problem(case: _Case) -> KeyProblem | None:
+def _width_problem(frame: _PositionFrame) -> KeyProblem | None:
     """Return the problem if the position has too few bits for its counts, or bits that it never uses, or None.
 
     If the position consists of several fields, ``highest``, its highest value, must fit too.
     """
-    measurement = case.measurement
-    turns = case.numbers.get("turns", 1)
-    total_counts = case.counts * turns
+    measurement = frame.measurement
+    turns = frame.numbers.get("turns", 1)
+    total_counts = frame.counts * turns
     turns_text = f" × {turns} turns" if turns > 1 else ""
-    counts_text = f"{case.counts} counts{turns_text}"
-    width_text = f"'{measurement.position_name}' in '{case.layout.name}' has {case.width} bits for {case.variant.code}"
+    counts_text = f"{frame.counts} counts{turns_text}"
+    width_text = (
+        f"'{measurement.position_name}' in '{frame.layout.name}' has {frame.width} bits for {frame.variant.code}"
+    )
     # A number whose digits are sent separately is always a single field.
-    code = case.layout.field(case.fields[0].name).code_of_digits
-    highest_in_bits = (1 << case.width) - 1 if code is None else code.highest(case.width)
+    code = frame.layout.field(frame.fields[0].name).code_of_digits
+    highest_in_bits = (1 << frame.width) - 1 if code is None else code.highest(frame.width)
     if total_counts > highest_in_bits + 1:
         end = f" for numbers up to {highest_in_bits} in {code.name}" if code is not None else ""
-        return KeyProblem(case.counts_key, f"{counts_text} do not fit, because {width_text}{end}")
+        return KeyProblem(frame.counts_key, f"{counts_text} do not fit, because {width_text}{end}")
     if code is not None:
         return None
-    if len(case.fields) > 1 and measurement.highest is not None:
-        highest = measurement.highest.value(case.variant.parameters)
+    if len(frame.fields) > 1 and measurement.highest is not None:
+        highest = measurement.highest.value(frame.variant.parameters)
         if highest > highest_in_bits:
             return KeyProblem("highest", f"'highest' is {highest}, but {width_text} and ends at {highest_in_bits}")
     one_bit_less_is_enough = 2 * total_counts <= highest_in_bits + 1
-    if one_bit_less_is_enough and _must_use_all_bits(case, total_counts):
+    if one_bit_less_is_enough and _must_use_all_bits(frame, total_counts):
         message = f"{counts_text} need {(total_counts - 1).bit_length()} bits, but {width_text}"
-        return KeyProblem(case.counts_key, f"{message}; define zeros above a position as a separate field")
+        return KeyProblem(frame.counts_key, f"{message}; define zeros above a position as a separate field")
     return None
 
 
-def _must_use_all_bits(case: _Case, total_counts: int) -> bool:
+def _must_use_all_bits(frame: _PositionFrame, total_counts: int) -> bool:
     """Return whether a position with that many counts must use all bits of its fields.
 
     A position with a fixed width can begin with zeros, as manuals draw it. If the width depends on the parameters that
     determine the counts, all bits must be used. A length that wraps around at a power of two also uses all bits. Both
     rules have exceptions for positions with ``highest``, which gives the range of the position.
     """
-    measurement = case.measurement
-    fields = [case.layout.field(position_field.name) for position_field in case.fields]
+    measurement = frame.measurement
+    fields = [frame.layout.field(position_field.name) for position_field in frame.fields]
     is_signed = any(field.number.signed for field in fields)
-    wraps_at_power_of_two = case.counts_key == "modulus" and is_power_of_two(total_counts)
+    wraps_at_power_of_two = frame.counts_key == "modulus" and is_power_of_two(total_counts)
     if wraps_at_power_of_two and not is_signed and measurement.highest is None:
         return True
     if is_signed and measurement.highest:
         return False
-    width_parameters = _parameters_behind(case.device, *(field.width for field in fields))
+    width_parameters = _parameters_behind(frame.device, *(field.width for field in fields))
     numbers_of_counts = (measurement.counts_per_turn, measurement.turns, measurement.modulus)
     stated_numbers = [expression for expression in numbers_of_counts if expression is not None]
-    count_parameters = _parameters_behind(case.device, *stated_numbers)
+    count_parameters = _parameters_behind(frame.device, *stated_numbers)
     return bool(width_parameters) and count_parameters <= width_parameters
 
 
-def _range_problem(case: _Case) -> KeyProblem | None:
+def _range_problem(frame: _PositionFrame) -> KeyProblem | None:
     """Return the problem if the range of a position does not fit into its field or cannot be inferred, or None.
 
     A position that consists of several fields is not checked.
     """
-    measurement = case.measurement
-    if measurement.total is None or len(case.fields) != 1:
+    measurement = frame.measurement
+    if measurement.total is None or len(frame.fields) != 1:
         return None
-    total = measurement.total.value(case.variant.parameters)
-    (field,) = case.fields
-    field_text = f"'{field.name}' in '{case.layout.name}'"
-    is_signed = case.layout.field(field.name).number.signed
+    total = measurement.total.value(frame.variant.parameters)
+    (field,) = frame.fields
+    field_text = f"'{field.name}' in '{frame.layout.name}'"
+    is_signed = frame.layout.field(field.name).number.signed
     if measurement.highest is None:
-        message = _message_of_signed_range(case, field_text, total) if is_signed else ""
-        return KeyProblem(case.counts_key, message) if message else None
-    highest = measurement.highest.value(case.variant.parameters)
+        message = _message_of_signed_range(frame, field_text, total) if is_signed else ""
+        return KeyProblem(frame.counts_key, message) if message else None
+    highest = measurement.highest.value(frame.variant.parameters)
     lowest = highest - total + 1
     # In two's complement, half of the numbers are negative.
     lowest_possible = -(1 << (field.width - 1)) if is_signed else 0
     highest_possible = lowest_possible + (1 << field.width) - 1
     if lowest_possible <= lowest and highest <= highest_possible:
         return None
-    positions = f"positions of {case.variant.code} are {lowest} to {highest}"
+    positions = f"positions of {frame.variant.code} are {lowest} to {highest}"
     possible_range = f"{field_text} holds {lowest_possible} to {highest_possible}"
     return KeyProblem("highest", f"'highest' is {highest} for {total} counts, so {positions}, but {possible_range}")
 
 
-def _message_of_signed_range(case: _Case, field_text: str, total: int) -> str:
+def _message_of_signed_range(frame: _PositionFrame, field_text: str, total: int) -> str:
     """Return the message about a signed position without ``highest``, or "" if it does not need this key.
 
     It is not needed if the field can hold exactly as many numbers as there are positions.
     """
     if not is_power_of_two(total):
-        message = f"{field_text} is signed, and its range does not follow from {total} counts for {case.variant.code}"
+        message = f"{field_text} is signed, and its range does not follow from {total} counts for {frame.variant.code}"
         return f"{message}; add 'highest', from which the lowest position follows: highest - {total} + 1"
-    uses_all_numbers = total == 1 << case.width
+    uses_all_numbers = total == 1 << frame.width
     if uses_all_numbers:
         return ""
-    message = f"{field_text} is signed and has {case.width} bits, but the position wraps around after {total} counts"
+    message = f"{field_text} is signed and has {frame.width} bits, but the position wraps around after {total} counts"
     remedy = "'position_range: {wraps: false}' if it never wraps around, otherwise give 'highest'"
-    return f"{message} for {case.variant.code}; give that layout {remedy}"
+    return f"{message} for {frame.variant.code}; give that layout {remedy}"
 
 
-def _order_problem(case: _Case) -> KeyProblem | None:
+def _order_problem(frame: _PositionFrame) -> KeyProblem | None:
     """Return the problem if the revolutions are in lower bits than the position within one revolution, or None.
 
     This can only happen in a frame of bytes, where the transmission order does not show which field is more
     significant.
     """
-    if case.counts_key != "counts_per_turn":
+    if frame.counts_key != "counts_per_turn":
         return None
-    for above, below in pairwise(case.fields):
+    for above, below in pairwise(frame.fields):
         is_wrong_by_units = below.counts_revolutions and not above.counts_revolutions
-        if is_wrong_by_units or _is_wrong_by_widths(case):
-            message = (
-                f"'{case.measurement.position_name}' has '{below.name}', which counts revolutions, below '{above.name}'"
-            )
-            return KeyProblem(case.counts_key, f"{message}; list '{below.name}' first in its 'join'")
+        if is_wrong_by_units or _is_wrong_by_widths(frame):
+            position_name = frame.measurement.position_name
+            message = f"'{position_name}' has '{below.name}', which counts revolutions, below '{above.name}'"
+            return KeyProblem(frame.counts_key, f"{message}; list '{below.name}' first in its 'join'")
     return None
 
 
-def _is_wrong_by_widths(case: _Case) -> bool:
+def _is_wrong_by_widths(frame: _PositionFrame) -> bool:
     """Return whether the counts of a turn fill the upper of two fields without units, and the turns the lower one."""
-    have_units = any(field.counts_revolutions for field in case.fields)
-    if have_units or len(case.fields) != 2:
+    have_units = any(field.counts_revolutions for field in frame.fields)
+    if have_units or len(frame.fields) != 2:
         return False
-    upper, lower = case.fields
-    counts_fill_upper = case.counts == 1 << upper.width
-    turns_fill_lower = case.numbers.get("turns") == 1 << lower.width
+    upper, lower = frame.fields
+    counts_fill_upper = frame.counts == 1 << upper.width
+    turns_fill_lower = frame.numbers.get("turns") == 1 << lower.width
     return upper.width != lower.width and counts_fill_upper and turns_fill_lower
 
 
-def _revolution_problem(case: _Case) -> KeyProblem | None:
+def _revolution_problem(frame: _PositionFrame) -> KeyProblem | None:
     """Return the problem if the fields below the number of revolutions do not count exactly one revolution, or None."""
-    if case.counts_key != "counts_per_turn":
+    if frame.counts_key != "counts_per_turn":
         return None
-    for index, field in enumerate(case.fields[:-1]):
-        fields_below = case.fields[index + 1 :]
+    for index, field in enumerate(frame.fields[:-1]):
+        fields_below = frame.fields[index + 1 :]
         bits_below = sum(field_below.width for field_below in fields_below)
         counts_in_bits_below = 1 << bits_below
         # Without a unit, the upper of two fields counts turns if they fit into it, and the counts fit into the other.
-        turns_fit = 1 < case.numbers.get("turns", 1) <= 1 << field.width
-        counts_fit_below = case.counts < counts_in_bits_below
-        fits_turns = len(case.fields) == 2 and counts_fit_below and turns_fit
+        turns_fit = 1 < frame.numbers.get("turns", 1) <= 1 << field.width
+        counts_fit_below = frame.counts < counts_in_bits_below
+        fits_turns = len(frame.fields) == 2 and counts_fit_below and turns_fit
         counts_turns = field.counts_revolutions or fits_turns
-        if counts_turns and case.counts != counts_in_bits_below:
+        if counts_turns and frame.counts != counts_in_bits_below:
             message = (
-                f"'{field.name}' counts revolutions, and {bits_below} bits follow it for {case.variant.code}, so"
-                f" a turn must have {counts_in_bits_below} counts, not {case.counts}"
+                f"'{field.name}' counts revolutions, and {bits_below} bits follow it for {frame.variant.code}, so"
+                f" a turn must have {counts_in_bits_below} counts, not {frame.counts}"
             )
             remedy = f"; measure '{fields_below[0].name}' alone, with 'turns: 1'" if fits_turns else ""
-            return KeyProblem(case.counts_key, message + remedy)
+            return KeyProblem(frame.counts_key, message + remedy)
     return None
 
 

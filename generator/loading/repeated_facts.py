@@ -14,12 +14,13 @@ from ..reference import codec
 from .frame_kinds import check_selector_places
 from .spec_parts import Raw
 
-#: A number of counts or revolutions in the meaning of a part of an order code, with or without commas.
+#: A number of counts or revolutions in the meaning of a part of an order code: ``65,536 counts``, or ``4096 turns``.
 _COUNT_IN_MEANING = re.compile(
     r"\b([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*) (?:counts|steps|positions|revolutions|turns|cpr)\b"
 )
 #: A meaning that is only a number. It is a count, or a number of revolutions.
 _MEANING_THAT_IS_A_NUMBER = re.compile(r"([1-9][0-9]{0,2}(?:,[0-9]{3})+|[1-9][0-9]*)")
+#: A number of bits in a text: ``17 bits``, or ``24-bit``.
 _BIT_COUNT_IN_TEXT = re.compile(r"\b([1-9][0-9]?)[ -]bits?\b")
 #: The addresses of the manufacturer ID over BiSS, each with the lowest bit of its byte in the ID.
 _BISS_ID = {0x7E: 8, 0x7F: 0}
@@ -131,11 +132,13 @@ def _check_biss_id(device: Device, report: DocumentReport) -> None:
         masks_of_bytes = number_to_bytes(register.layout, mask, 8 * register.length)
         id_bytes: list[int] = []
         differs = False
-        for address, byte, byte_mask in zip(count(register.address), bytes_of_register, masks_of_bytes, strict=False):
+        for address, byte, documented_mask in zip(
+            count(register.address), bytes_of_register, masks_of_bytes, strict=False
+        ):
             if address in _BISS_ID:
                 id_bytes.append(byte)
                 different_bits = byte ^ _byte_of_biss_id(biss_id, address)
-                if different_bits & byte_mask:
+                if different_bits & documented_mask:
                     differs = True
         if differs:
             bytes_text = ", ".join(f"{byte:02X}" for byte in id_bytes)
@@ -293,7 +296,7 @@ def _frame_and_position_widths(device: Device, variant: Variant) -> set[int]:
             continue
         placed_layout = layout.place(variant.parameters)
         # The position consists of one or several fields, or of none if the frame does not contain it.
-        position_names = layout.names_in(measurement.position_name)
+        position_names = layout.field_names_of(measurement.position_name)
         position_fields = placed_layout.find_fields(position_names)
         if layout.sender == "encoder" and position_fields:
             widths |= {placed_layout.bits, sum(field.width for field in position_fields)}
@@ -314,6 +317,7 @@ def _numbers_of_code(device: Device, variant: Variant) -> set[int]:
     return numbers
 
 
+#: Several numbers in a list: ``21, 23 or 26``.
 _NUMBERS = r"\d+(?:, \d+)*(?: (?:or|and) \d+)?"
 #: Lengths in a text: ``The frame has 32 bits at 50 µm and 33 bits at 1 µm``, or ``The word has 21, 23 or 26 bits``.
 _LENGTH_IN_TEXT = re.compile(
@@ -324,7 +328,7 @@ _LENGTH_RANGE_IN_TEXT = re.compile(
     r"\bThe (?:frame|word) has as many bits as the position, (?P<least>\d+) to (?P<most>\d+)\b"
 )
 #: Numbers of bits that a parameter can have, at the end of its meaning: ``Width of the field, 24 or 25 bits``.
-_OF_PARAMETER = re.compile(r", (?P<numbers>\d+(?:, \d+)* or \d+) bits$")
+_BITS_OF_PARAMETER = re.compile(r", (?P<numbers>\d+(?:, \d+)* or \d+) bits$")
 _NUMBER = re.compile(r"\d+")
 
 
@@ -361,14 +365,14 @@ def check_stated_bits(device: Device, report: DocumentReport) -> None:
     if report.document.family or report.document.other_files:
         return
     for parameter in device.parameters:
-        match = _OF_PARAMETER.search(parameter.meaning)
-        variants_with_it = [variant for variant in device.variants if parameter.name in variant.parameters]
-        numbers = {variant.parameters[parameter.name] for variant in variants_with_it}
-        if match is None or not numbers or parameter.read_from:
+        statement = _BITS_OF_PARAMETER.search(parameter.meaning)
+        parameters_with_it = [variant.parameters for variant in device.variants if parameter.name in variant.parameters]
+        actual_numbers = {parameters[parameter.name] for parameters in parameters_with_it}
+        if statement is None or not actual_numbers or parameter.read_from:
             continue
-        if {*_numbers(match)} != numbers:
-            numbers_text = join_words(map(str, sorted(numbers)), "or")
-            stated_text = match[0].removeprefix(", ")
+        if {*_numbers_in(statement)} != actual_numbers:
+            numbers_text = join_words(map(str, sorted(actual_numbers)), "or")
+            stated_text = statement[0].removeprefix(", ")
             message = f"the text says {quoted(stated_text)}, but the order codes have {numbers_text}"
             message += "; correct one of the two"
             report.add("left-behind", ("parameters", parameter.name, "meaning"), message)
@@ -380,51 +384,57 @@ def _check_counted_lengths(device: Device, report: DocumentReport) -> None:
     The data are the frame without its flags and check, so the lengths of data differ as the lengths of frames do.
     """
     variants = device.variants_over(Biss.name)
-    counts: set[int] = set()
-    for interface in device.interfaces:
+    # The number of different lengths that each BiSS layout has.
+    length_counts: set[int] = set()
+    for interface, layout in device.layouts():
         if interface.name == Biss.name:
-            for layout in interface.layouts:
-                counts.add(len({layout.place(variant.parameters).bits for variant in variants}))
-    if not counts:
+            lengths = {layout.place(variant.parameters).bits for variant in variants}
+            length_counts.add(len(lengths))
+    if not length_counts:
         return
     for erratum in device.errata:
-        match = _COUNT_OF_LENGTHS.search(erratum.why)
-        if match is not None and 2 + _NUMBER_WORDS.index(match["count"]) not in counts:
-            count_text = join_words(map(str, sorted(counts)), "or")
-            message = f"the text says {quoted(match[0])}, but the order codes have {count_text}; correct one of the two"
-            report.add("left-behind", ("errata", erratum.name, "why"), message)
+        statement = _COUNT_OF_LENGTHS.search(erratum.why)
+        if statement is None:
+            continue
+        stated_count = 2 + _NUMBER_WORDS.index(statement["count"])  # The first word is "two".
+        if stated_count not in length_counts:
+            count_text = join_words(map(str, sorted(length_counts)), "or")
+            problem = f"the text says {quoted(statement[0])}, but the order codes have {count_text}"
+            report.add("left-behind", ("errata", erratum.name, "why"), f"{problem}; correct one of the two")
 
 
 def _check_text(path: tuple[str, ...], text: str, lengths: Sequence[int], report: DocumentReport) -> None:
     """Report the first statement in a text about the length of a frame that does not agree with its actual lengths."""
     shortest, longest = lengths[0], lengths[-1]
-    for match in chain(_LENGTH_IN_TEXT.finditer(text), _LENGTH_RANGE_IN_TEXT.finditer(text)):
+    for statement in chain(_LENGTH_IN_TEXT.finditer(text), _LENGTH_RANGE_IN_TEXT.finditer(text)):
         # The text can be about a part of the frame: ``The frame has 2 bits, error and warning, after the position``.
-        stated_numbers = _numbers(match)
+        stated_numbers = _numbers_in(statement)
         is_short = len(stated_numbers) == 1 and max(stated_numbers) < shortest
-        may_be_part = is_short and text[match.end() :].startswith(",")
+        may_be_part = is_short and text[statement.end() :].startswith(",")
         if may_be_part:
             continue
-        is_range = match.re is _LENGTH_RANGE_IN_TEXT
-        fits = stated_numbers == (shortest, longest) if is_range else _fits(match, lengths)
-        if not fits:
+        if statement.re is _LENGTH_RANGE_IN_TEXT:
+            agrees = stated_numbers == (shortest, longest)
+        else:
+            agrees = _agrees_with_lengths(statement, lengths)
+        if not agrees:
             lengths_text = join_words(map(str, lengths), "or")
-            message = f"the text says {quoted(match[0])}, but the frame has {lengths_text} bits; correct one of the two"
-            report.add("left-behind", path, message)
+            problem = f"the text says {quoted(statement[0])}, but the frame has {lengths_text} bits"
+            report.add("left-behind", path, f"{problem}; correct one of the two")
             return
 
 
-def _numbers(match: re.Match[str]) -> tuple[int, ...]:
-    """Return all numbers in the groups of a match."""
+def _numbers_in(statement: re.Match[str]) -> tuple[int, ...]:
+    """Return all numbers in the groups of a match: (21, 23, 26) for ``The word has 21, 23 or 26 bits``."""
     numbers: list[int] = []
-    for group in match.groups():
+    for group in statement.groups():
         if group:
             numbers += map(int, _NUMBER.findall(group))
     return tuple(numbers)
 
 
-def _fits(match: re.Match[str], lengths: Sequence[int]) -> bool:
+def _agrees_with_lengths(statement: re.Match[str], lengths: Sequence[int]) -> bool:
     """Return whether the lengths in a text are lengths of the frame. A list must contain all of them."""
-    numbers = _numbers(match)
-    is_list = len(_NUMBER.findall(match["numbers"])) > 1
-    return {*numbers} == {*lengths} if is_list else {*numbers} <= {*lengths}
+    stated_lengths, actual_lengths = set(_numbers_in(statement)), set(lengths)
+    is_list = len(_NUMBER.findall(statement["numbers"])) > 1
+    return stated_lengths == actual_lengths if is_list else stated_lengths <= actual_lengths

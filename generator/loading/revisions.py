@@ -34,7 +34,8 @@ _TIMEOUT_S = 60
 _FILE_MODE, _EXECUTABLE_MODE = "100644", "100755"
 #: File of the manufacturer, in the folder of its specs.
 _MANUFACTURER_FILE = "manufacturer.yaml"
-#: A part of a path that git does not check out, or that leads to a different folder on some systems.
+#: A part of a path that git does not check out, or that leads to a different folder on some systems: an empty part,
+#: ``..``, ``C:``, or a part with a backslash.
 _BAD_PART = re.compile(r"|\.\.?|[A-Za-z]:.*|.*[\\\0].*", re.DOTALL)
 #: The beginning of a Windows path. A revision with a name of one letter is not mistaken for a drive, because paths in
 #: revisions do not begin with a slash.
@@ -114,7 +115,7 @@ def write_revision(revision_path: RevisionPath, folder: Path) -> RevisionFiles:
         blobs_by_path |= _list_files(commit, manufacturer_path)
     blobs_of_specs: dict[str, str] = {}
     for name, blob in blobs_by_path.items():
-        # A single file is a spec, whatever its suffix.
+        # If the path names a single file, it is a spec, whatever its suffix.
         if name.endswith(SUFFIXES) or name == path:
             blobs_of_specs[name] = blob
     _reject_bad_names(revision_path.revision, blobs_of_specs)  # This includes the names of hidden files.
@@ -291,7 +292,9 @@ def _run_git(arguments: Sequence[str], lines: Iterable[str] = (), max_bytes: int
         with TemporaryFile() as input_file, TemporaryFile() as errors:
             input_file.write("".join(f"{line}\n" for line in lines).encode())
             input_file.seek(0)
-            code, printed = _run_command(command, input_file, errors, environment | _QUIET, max_bytes)
+            code, printed = _run_command(
+                command, input_file=input_file, errors=errors, environment=environment | _QUIET, max_bytes=max_bytes
+            )
             errors.seek(0)
             first_line, *_ = errors.read(4096).decode(errors="replace").strip().split("\n")
             error_text = visible(first_line)

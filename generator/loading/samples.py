@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 from ..language.problems import nearest_choice
 from ..model import (
@@ -86,23 +87,24 @@ def _build_sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     Raises:
         EncodeError: The made-up values cannot be encoded.
     """
-    placed = layout.place(variant.parameters)
-    data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
+    placed_layout = layout.place(variant.parameters)
+    data_fields = [placed_field for placed_field in placed_layout.fields if placed_field.field.carries_data]
     made_up_values = {field.name: _made_up_value(field.field, field.width, layout) for field in data_fields}
     measurement = device.measurement_of(variant.interface)
     worked_example = _worked_example(device, variant)
+    encode_sample = partial(_encoded_sample, device, placed_layout, variant)
     if measurement is None or measurement.position_name not in layout.member_names:
-        return _encoded_sample(device, placed, variant, made_up_values)
-    position_fields = layout.names_in(measurement.position_name)
+        return encode_sample(made_up_values)
+    position_fields = layout.field_names_of(measurement.position_name)
     # The position may consist of several fields. It replaces their values.
     other_values = {name: value for name, value in made_up_values.items() if name not in position_fields}
     if worked_example is not None:
         values_with_position = {**other_values, measurement.position_name: worked_example.counts}
         with suppress(EncodeError):  # The position may not fit.
-            return _encoded_sample(device, placed, variant, values_with_position, worked_example.source)
+            return encode_sample(values_with_position, source=worked_example.source)
     with suppress(EncodeError):  # The made-up number may be above the highest position.
-        return _encoded_sample(device, placed, variant, made_up_values)
-    return _encoded_sample(device, placed, variant, {**other_values, measurement.position_name: _LOW_POSITION})
+        return encode_sample(made_up_values)
+    return encode_sample({**other_values, measurement.position_name: _LOW_POSITION})
 
 
 def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:
@@ -158,23 +160,23 @@ def _made_up_number(bits: int) -> int:
 
 
 def _encoded_sample(
-    device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
+    device: Device, placed_layout: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
 ) -> Sample:
     """Return a sample frame with these values, and the same frame with an active flag that makes decoders reject it.
 
     The second frame is None if the layout has no such flag.
     """
-    frame = encode(device, placed, values)
-    plain_frame = to_binary(placed, frame)
-    decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}
-    decoded_values |= {join.name: join_value(placed, join, plain_frame) for join in placed.layout.joins}
+    frame = encode(device, placed_layout, values)
+    plain_frame = to_binary(placed_layout, frame)
+    decoded_values = {field.name: values[field.name] for field in placed_layout.fields if field.name in values}
+    decoded_values |= {join.name: join_value(placed_layout, join, plain_frame) for join in placed_layout.layout.joins}
     rejected_frame = None
-    if placed.spoiling_flags:
-        flag = placed.spoiling_flags[0]
-        rejected_frame = encode(device, placed, {**values, flag.name: True})
+    if placed_layout.spoiling_flags:
+        flag = placed_layout.spoiling_flags[0]
+        rejected_frame = encode(device, placed_layout, {**values, flag.name: True})
     return Sample(
         order_code=variant.code,
-        layout=placed.layout.name,
+        layout=placed_layout.layout.name,
         frame=frame,
         values=decoded_values,
         spoilt=rejected_frame,
@@ -186,16 +188,16 @@ class UnknownName(ValueError):
     """A name matches no order code, interface or family. The message lists the existing names or suggests one."""
 
 
-def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
-    """Return the devices with only the order codes that ``only`` names, or all devices if it is empty.
+def narrowed_to(devices: Sequence[Device], selection: str) -> tuple[Device, ...]:
+    """Return the devices with only the order codes that a user's selection names, or all devices if it is empty.
 
-    ``only`` is a list of names, separated by commas: order codes, interfaces, families, or a family with one of its
-    interfaces, such as ``x_24_ssi``. Devices without such an order code are left out.
+    ``selection`` is a list of names, separated by commas: order codes, interfaces, families, or a family with one of
+    its interfaces, such as ``x_24_ssi``. Devices without such an order code are left out.
 
     Raises:
         UnknownName: A name matches no order code, interface or family.
     """
-    words = [word.strip() for word in only.split(",") if word.strip()]
+    words = [word.strip() for word in selection.split(",") if word.strip()]
     if not words:
         return tuple(devices)
     known_names: set[str] = set()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from types import MappingProxyType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
@@ -43,12 +43,13 @@ from ..model import (
     WriteStep,
     assert_never,
 )
-from ..model.order_codes import fits
+from ..model.order_codes import applies_to_code
 from ..model.record import dataclass
 
 Raw = Mapping[str, Any]
 T = TypeVar("T")
 
+#: A citation: ``6.4 p.35``, with the groups "6.4" and "35", or ``it: 6.4 p.36``, whose document is "it".
 _SOURCE_PATTERN = re.compile(
     r"\s*(?:(?P<document>[a-z][a-z0-9_]*):\s*)?(?P<section>.*?)(?:\s*\bp\.(?P<page>[0-9]+))?\s*$"
 )
@@ -64,14 +65,14 @@ def parse_sources(cited_text: str) -> Sources:
     Each citation has a section and a page. The key of a document, such as ``it``, can precede them. By default, they
     are in the manual. A range of pages, such as ``p.14-15``, is part of the section.
     """
-    parsed = []
+    citations = []
     for source_text in cited_text.split(";"):
         match = _SOURCE_PATTERN.fullmatch(source_text)
         if match is not None:
             document = match["document"] or ""  # Empty for the manual.
             page = int(match["page"]) if match["page"] else None
-            parsed.append(Source(document, match["section"], page))
-    return tuple(parsed)
+            citations.append(Source(document, match["section"], page))
+    return tuple(citations)
 
 
 def sources(raw_part: Raw, source_key: str = "source") -> Sources:
@@ -109,11 +110,11 @@ def _members_with_types(part_class: Any) -> list[tuple[str, Any, bool]]:
     """Return the members of a class of the model: for each, its name, its type, and whether it has a default."""
     # Names are resolved in the module, so that a member called 'bytes' does not hide the type.
     hints = get_type_hints(part_class, localns={})
-    return [(member.name, hints[member.name], _has_default(member)) for member in fields(part_class)]
-
-
-def _has_default(member: Field[Any]) -> bool:
-    return member.default is not MISSING or member.default_factory is not MISSING
+    members: list[tuple[str, Any, bool]] = []
+    for member in fields(part_class):
+        has_default = member.default is not MISSING or member.default_factory is not MISSING
+        members.append((member.name, hints[member.name], has_default))
+    return members
 
 
 def _convert_to_type(member_type: Any, raw_value: Any) -> Any:
@@ -165,18 +166,19 @@ def only_while(only: str, variants: Sequence[Variant], parameters: Collection[st
 
     ``only`` is a list of patterns of order codes, such as ``X-24..., X-17-A``.
     """
-    for name in parameters:
-        if _is_nonzero_only_for(name, only, variants):
-            return name
-    return ""
+    return next((name for name in parameters if _is_nonzero_only_for(name, only, variants)), "")
 
 
 def _is_nonzero_only_for(parameter: str, only: str, variants: Sequence[Variant]) -> bool:
     """Return whether a parameter is not 0 for the order codes in ``only``, and 0 for all others."""
-    return all((variant.parameters.get(parameter, 0) != 0) == fits(only, variant.code) for variant in variants)
+    for variant in variants:
+        is_nonzero = variant.parameters.get(parameter, 0) != 0
+        if is_nonzero != applies_to_code(only, variant.code):
+            return False
+    return True
 
 
-def set_parameters(raw_spec: Raw) -> list[str]:
+def names_set_by_order_codes(raw_spec: Raw) -> list[str]:
     """Return the names of the parameters that order codes set, not a formula, a register or an answer of the user."""
     derived_keys = {"equals", "read_from", "alternative"}
     return [name for name, definition in raw_spec["parameters"].items() if derived_keys.isdisjoint(definition)]
@@ -193,18 +195,16 @@ def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentRepor
     for path, owner in _mappings_with_only(raw_spec, ()):
         only = owner["only"]
         unmatched = _unmatched_patterns(only, variants)
-        is_other_edition = bool(report.document.family)
-        if is_other_edition:
-            is_faulty = not any(fits(only, variant.code) for variant in variants)
-        else:
-            is_faulty = bool(unmatched)
+        is_faulty = bool(unmatched)
+        if report.document.family:  # The document is another edition of the manual.
+            is_faulty = not any(applies_to_code(only, variant.code) for variant in variants)
         if is_faulty:
             example_code = variants[0].code
             message = f"no order code of the family matches {quoted(unmatched[0])}"
             example_pattern = quoted(f"{example_code[: len(example_code) // 2]}...")
             remedy = f"'...' matches any text and 'x' matches one character, as in {example_pattern}"
             report.add("only-codes", (*path, "only"), f"{message}; {remedy}")
-        elif "active" in owner and not only_while(only, variants, set_parameters(raw_spec)):
+        elif "active" in owner and not only_while(only, variants, names_set_by_order_codes(raw_spec)):
             message = f"no parameter distinguishes the order codes {quoted(only)} from the others"
             remedy = "add a parameter that these order codes set and that is 0 for all others"
             report.add("only-parameter", (*path, "only"), f"{message}; {remedy}")
@@ -212,7 +212,7 @@ def check_only(raw_spec: Raw, variants: Sequence[Variant], report: DocumentRepor
 
 def parameters_of_flags(raw_spec: Raw, variants: Sequence[Variant]) -> Iterator[str]:
     """Yield, for each flag that only applies to some order codes, the parameter that is 0 for all other codes."""
-    names_set_by_codes = set_parameters(raw_spec)
+    names_set_by_codes = names_set_by_order_codes(raw_spec)
     for _, owner in _mappings_with_only(raw_spec, ()):
         if "active" in owner:
             yield only_while(owner["only"], variants, names_set_by_codes)
@@ -221,7 +221,7 @@ def parameters_of_flags(raw_spec: Raw, variants: Sequence[Variant]) -> Iterator[
 def _unmatched_patterns(only: str, variants: Sequence[Variant]) -> list[str]:
     """Return the patterns in ``only`` that no order code matches. Commas separate the patterns."""
     patterns = [pattern.strip() for pattern in only.split(",")]
-    return [pattern for pattern in patterns if not any(fits(pattern, variant.code) for variant in variants)]
+    return [pattern for pattern in patterns if not any(applies_to_code(pattern, variant.code) for variant in variants)]
 
 
 def check_alarms(raw_spec: Raw, report: DocumentReport) -> None:
@@ -266,10 +266,9 @@ def build_procedures(raw_spec: Raw, device: Device) -> tuple[Procedure, ...]:
 
 def _build_procedure(raw_procedure: Raw, device: Device) -> Procedure:
     """Return a procedure with its arguments and steps. A step without a citation has the citation of the procedure."""
-    arguments = [
-        build_part(Argument, argument, meant_as=argument.get("as", ""))
-        for argument in raw_procedure.get("arguments", ())
-    ]
+    arguments: list[Argument] = []
+    for raw_argument in raw_procedure.get("arguments", ()):
+        arguments.append(build_part(Argument, raw_argument, meant_as=raw_argument.get("as", "")))
     steps = []
     for step in raw_procedure["steps"]:
         build_step = _STEPS[step["do"]]

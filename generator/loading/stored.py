@@ -72,7 +72,7 @@ _MEMBER_NAMES = tuple(map(_member_names, _CLASSES))
 _BY_KEYWORD = tuple(map(_has_keywords, _CLASSES))
 _CLASS_INDEX = {kind: index for index, kind in enumerate(_CLASSES)}
 #: Keys that mark values which JSON cannot express.
-_MAP_MARK, _OBJECT_MARK, _ENUM_MARK, _BYTES_MARK = "m", "o", "e", "b"
+_MAP_MARK, _READ_ONLY_MARK, _OBJECT_MARK, _ENUM_MARK, _BYTES_MARK = "m", "f", "o", "e", "b"
 #: Kind of entry in the cache for the model of a family.
 _MODEL_ENTRY = "family"
 
@@ -126,7 +126,7 @@ def as_data(device: model.Device) -> list[Any]:
     rows: list[Any] = []
     row_by_id: dict[int, int] = {}
 
-    def put(value: Any) -> Any:
+    def to_data(value: Any) -> Any:
         """Return a value as data, and add a row for each new object in it."""
         value_type = type(value)
         if value is None or value_type in (bool, int, float, str):
@@ -134,24 +134,24 @@ def as_data(device: model.Device) -> list[Any]:
         if value_type is bytes:
             return {_BYTES_MARK: value.hex()}
         if value_type is tuple:
-            return [put(part) for part in value]
+            return [to_data(part) for part in value]
         if value_type in _CLASS_INDEX:
             if id(value) not in row_by_id:
                 index = _CLASS_INDEX[value_type]
-                rows.append([index, *(put(getattr(value, name)) for name in _MEMBER_NAMES[index])])
+                rows.append([index, *(to_data(getattr(value, name)) for name in _MEMBER_NAMES[index])])
                 row_by_id[id(value)] = len(rows) - 1
             return {_OBJECT_MARK: row_by_id[id(value)]}
         if isinstance(value, Enum) and value_type in _STORED_ENUMS:
             return {_ENUM_MARK: [_STORED_ENUMS.index(value_type), value.name]}
         if isinstance(value, Mapping):
             return {
-                _MAP_MARK: [[put(key), put(member)] for key, member in value.items()],
-                "f": value_type is MappingProxyType,
+                _MAP_MARK: [[to_data(key), to_data(member)] for key, member in value.items()],
+                _READ_ONLY_MARK: value_type is MappingProxyType,
             }
         raise NotStorable(value_type.__name__)
 
     # This adds all rows, and returns a reference to the last one, which is not needed.
-    put(device)
+    to_data(device)
     return rows
 
 
@@ -198,5 +198,5 @@ def _rebuild_value(stored_value: Any, built_objects: Sequence[Any]) -> Any:
     mapping: dict[Any, Any] = {}
     for key, member in stored_value[_MAP_MARK]:
         mapping[_rebuild_value(key, built_objects)] = _rebuild_value(member, built_objects)
-    is_read_only = stored_value["f"]
+    is_read_only = stored_value[_READ_ONLY_MARK]
     return MappingProxyType(mapping) if is_read_only else mapping

@@ -182,7 +182,7 @@ def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool
         return False
     covered_names = set(kind.constants)
     for covered_item in kind.of:
-        covered_names.update(placed_layout.layout.names_in(covered_item))
+        covered_names.update(placed_layout.layout.field_names_of(covered_item))
     other_fields = [other_field for other_field in placed_layout.fields if other_field is not field]
     return all(other_field.name in covered_names or _is_always_zero(other_field) for other_field in other_fields)
 
@@ -194,7 +194,7 @@ def _is_always_zero(field: PlacedField) -> bool:
 
 def _position_fields(placed_layout: PlacedLayout, measurement: Measurement) -> list[PlacedField]:
     """Return the fields that form the position for the order code, most significant first."""
-    return placed_layout.find_fields(placed_layout.layout.names_in(measurement.of))
+    return placed_layout.find_fields(placed_layout.layout.field_names_of(measurement.of))
 
 
 def turn_bits_of_fields(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> dict[str, int]:
@@ -271,15 +271,15 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     is added to the position first, and ``other`` if a different set of bits is in Gray code.
     """
     layout = placed_layout.layout
-    for placed_field in placed_layout.find_fields(layout.names_in(measurement.of)):
+    for placed_field in placed_layout.find_fields(layout.field_names_of(measurement.of)):
         if placed_field.field.kind.digit_code:
             return placed_field.field.kind.digit_code
     # With ``gray_when``, only some order codes use Gray code.
     is_binary_order_code = bool(layout.gray_when) and not placed_layout.gray
     if not layout.gray_of or is_binary_order_code:
         return "binary"
-    gray_names = {field.name for field in placed_layout.find_fields(layout.names_in(layout.gray_of))}
-    position_names = {field.name for field in placed_layout.find_fields(layout.names_in(measurement.of))}
+    gray_names = {field.name for field in placed_layout.find_fields(layout.field_names_of(layout.gray_of))}
+    position_names = {field.name for field in placed_layout.find_fields(layout.field_names_of(measurement.of))}
     if gray_names == position_names:
         return "gray_excess" if placed_layout.gray_excess else "gray"
     status_names = {part.name for part in frame_parts if part.role == "status"}

@@ -24,9 +24,8 @@ from .manual import (
     Overlay,
     Sample,
 )
-from .measurement import Measurement
+from .measurement import Measurement, PositionRange, narrower_range
 from .order_codes import Alternative, OrderCode, Parameter
-from .position_range import PositionRange, narrower_range
 from .record import dataclass, first_or_raise, member_named
 from .registers import FieldGroup, Procedure, Register
 
@@ -180,10 +179,12 @@ class Device:
         needed_names: set[str] = set()
         for field in layout.fields:
             needed_names.update(field.low.parameters, field.width.parameters)
-        # All answers to a question set the same parameters.
-        return tuple(
-            question for question in self.alternatives if not needed_names.isdisjoint(question.answers[0].sets)
-        )
+        open_questions: list[Alternative] = []
+        for question in self.alternatives:
+            set_parameters = question.answers[0].sets  # All answers to a question set the same parameters.
+            if not needed_names.isdisjoint(set_parameters):
+                open_questions.append(question)
+        return tuple(open_questions)
 
     @cached_property
     def run_time_parameters(self) -> tuple[Parameter, ...]:
@@ -324,7 +325,8 @@ class Device:
         if layout.sender != "encoder" or measurement is None:
             return None
         parameter_sets = [variant.parameters for variant in self.variants_over(interface)]
-        return narrower_range(measurement, layout, parameter_sets)
+        position_fields = layout.find_fields(layout.field_names_of(measurement.position_name))
+        return narrower_range(measurement, position_fields, parameter_sets)
 
     @cached_property
     def _ranges_by_layout(self) -> dict[int, PositionRange | None]:

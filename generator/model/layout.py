@@ -69,7 +69,7 @@ class Layout:
         """Return the fields with these names that exist in the layout, in the same order."""
         return [field for field in map(self.find_field, names) if field is not None]
 
-    def names_in(self, field_or_join: str) -> tuple[str, ...]:
+    def field_names_of(self, field_or_join: str) -> tuple[str, ...]:
         """Return the names of the fields of a join, most significant first. For a field, this is its own name."""
         return next((join.fields for join in self.joins if join.name == field_or_join), (field_or_join,))
 
@@ -379,7 +379,7 @@ class PlacedLayout:
 
         The result is ``(0, 0)`` for a name that does not exist for the order code.
         """
-        placed_fields = self.find_fields(self.layout.names_in(name))
+        placed_fields = self.find_fields(self.layout.field_names_of(name))
         if not placed_fields:
             return (0, 0)
         # A join lists its fields from the highest bits to the lowest ones.

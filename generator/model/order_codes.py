@@ -186,7 +186,7 @@ _Fact = TypeVar("_Fact", bound=Restricted)
 
 def facts_for_code(facts: Iterable[_Fact], code: str) -> tuple[_Fact, ...]:
     """Return the facts that apply to an order code: those with matching patterns in ``only``, or without patterns."""
-    return tuple(fact for fact in facts if fits(fact.only, code))
+    return tuple(fact for fact in facts if applies_to_code(fact.only, code))
 
 
 class _Named(Protocol):
@@ -200,7 +200,7 @@ def repeated_names(facts: Iterable[_Named]) -> set[str]:
     return {name for name, count in counts.items() if count > 1}
 
 
-def fits(only: str, code: str) -> bool:
+def applies_to_code(only: str, code: str) -> bool:
     """Return True if an order code matches ``only``, a list of patterns. An empty list matches all order codes.
 
     In a pattern, ``...`` stands for any text and ``x`` for any one character. Commas separate patterns. The hyphen that

@@ -269,6 +269,7 @@ class Procedure:
         return frozenset(step.register for step in self.steps if isinstance(step, RegisterStep))
 
 
+#: The number of a step in a text: ``1. `` and ``2. `` in ``1. Stop the shaft. 2. Set the preset.``
 _NUMBER_IN_LIST = re.compile(r"(?:^|(?<=\s))(\d{1,3})\.\s+")
 #: Lowest number of steps that make a list.
 _FEWEST_LISTED_STEPS = 3

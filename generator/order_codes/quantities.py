@@ -59,27 +59,35 @@ def _names_of_open_parameters(device: Device, keeps_settings: bool) -> set[str]:
     undecided = {parameter.name for parameter in device.parameters if parameter.alternative}
     if keeps_settings:
         undecided |= {parameter.name for parameter in device.run_time_parameters}
-    return {
-        parameter.name
-        for parameter in device.parameters
-        if not undecided.isdisjoint(device.needed_parameters([parameter.name]))
-    }
+    open_names: set[str] = set()
+    for parameter in device.parameters:
+        needed_names = device.needed_parameters([parameter.name])  # The parameter, and those in its formula.
+        if not undecided.isdisjoint(needed_names):
+            open_names.add(parameter.name)
+    return open_names
 
 
 def _without_needless_joins(interface: Interface, measurement: Measurement | None) -> Interface:
     """Return the interface without joined numbers that consist of a single field, except the position."""
     position_name = measurement.position_name if measurement is not None else ""
+    layouts = tuple(_without_single_field_joins(layout, position_name) for layout in interface.layouts)
+    return replace(interface, layouts=layouts)
 
-    def reduced(layout: Layout) -> Layout:
-        field_by_join = {
-            join.name: join.fields[0] for join in layout.joins if len(join.fields) == 1 and join.name != position_name
-        }
-        if not field_by_join:
-            return layout
-        joins = tuple(join for join in layout.joins if join.name not in field_by_join)
-        return replace(layout, joins=joins, gray_of=field_by_join.get(layout.gray_of, layout.gray_of))
 
-    return replace(interface, layouts=tuple(map(reduced, interface.layouts)))
+def _without_single_field_joins(layout: Layout, kept_name: str) -> Layout:
+    """Return a layout without joined numbers that consist of a single field, except the one called ``kept_name``.
+
+    If such a number is sent in Gray code, its field takes its place.
+    """
+    field_by_join: dict[str, str] = {}
+    for join in layout.joins:
+        if len(join.fields) == 1 and join.name != kept_name:
+            field_by_join[join.name] = join.fields[0]
+    if not field_by_join:
+        return layout
+    remaining_joins = tuple(join for join in layout.joins if join.name not in field_by_join)
+    name_in_gray = field_by_join.get(layout.gray_of, layout.gray_of)
+    return replace(layout, joins=remaining_joins, gray_of=name_in_gray)
 
 
 def _without_crcs(device: Device, names: Collection[str]) -> Device:
@@ -102,13 +110,11 @@ def with_output_code(interface: Interface, variant: Variant) -> Interface:
     if interface.name != variant.interface or interface.output_code.code != "by_order_code":
         return interface
     sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
-    are_gray = {layout.place(variant.parameters).gray for layout in sent_layouts}
-    if are_gray == {True}:
-        code = "gray"
-    elif are_gray == {False}:
-        code = "binary"
-    else:
+    are_gray = [layout.place(variant.parameters).gray for layout in sent_layouts]
+    have_different_codes = any(are_gray) and not all(are_gray)
+    if not sent_layouts or have_different_codes:
         return interface
+    code = "gray" if all(are_gray) else "binary"
     return replace(interface, output_code=replace(interface.output_code, code=code))
 
 
@@ -215,7 +221,8 @@ def _with_known_numbers(expression: Expression, known_parameters: Mapping[str, i
     for term in expression.terms:
         open_factors = tuple(factor for factor in term.factors if factor.parameter not in known_parameters)
         known_factors = tuple(factor for factor in term.factors if factor.parameter in known_parameters)
-        known_product = Expression(0, (Term(term.multiple, known_factors),)).value(known_parameters)
+        known_term = Term(term.multiple, known_factors)
+        known_product = Expression(0, (known_term,)).value(known_parameters)
         if not open_factors:
             constant += known_product
         elif known_product:

@@ -32,7 +32,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from ..model.order_codes import fits
+from ..model.order_codes import applies_to_code
 from .parameters import parameters_of
 
 #: Types of values that apply to every order code. They make up most of a device, so the search skips them.
@@ -85,7 +85,7 @@ def _reduced_part(part: Any, codes: Collection[str], manual_steps: Collection[st
         if reduced_member is not member:
             changed[member_name] = reduced_member
     only = getattr(part, "only", "")
-    if only and all(fits(only, code) for code in codes):
+    if only and all(applies_to_code(only, code) for code in codes):
         changed["only"] = ""
     step_names = getattr(part, "by_hand", ())
     if any(step_name not in manual_steps for step_name in step_names):
@@ -128,7 +128,7 @@ def _applies_only_to_others(part: Any, codes: Collection[str]) -> bool:
     ``only`` of the part lists the order codes that it applies to, and is "" if it applies to all of them.
     """
     only = getattr(part, "only", "")
-    return bool(only) and not any(fits(only, code) for code in codes)
+    return bool(only) and not any(applies_to_code(only, code) for code in codes)
 
 
 def for_codes(device: Device, codes: Collection[str]) -> Device:
@@ -197,14 +197,13 @@ def for_interfaces(device: Device, interface_names: Collection[str]) -> Device:
     }
     layout_names = {layout.name for interface in reduced.interfaces for layout in interface.layouts}
     names_in_examples = remaining_names | {"layouts": layout_names}
-    examples = tuple(
-        example
-        for example in device.examples
-        if _concerns_interfaces(example, interface_names, device, names_in_examples)
-    )
+    examples: list[Example] = []
+    for example in device.examples:
+        if _concerns_interfaces(example, interface_names, device, names_in_examples):
+            examples.append(example)
     remaining_names["examples"] = _names_of_parts(examples)
     errata = tuple(erratum for erratum in device.errata if _concerns_remaining(erratum, remaining_names))
-    return replace(reduced, examples=examples, errata=errata)
+    return replace(reduced, examples=tuple(examples), errata=errata)
 
 
 def _with_interfaces(device: Device, names: Collection[str]) -> Device:

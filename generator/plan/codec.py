@@ -97,7 +97,7 @@ class LayoutPlan:
 
         The parity bit is the parity of the bits as they are sent, before the conversion.
         """
-        gray_names = self.layout.names_in(self.layout.gray_of)
+        gray_names = self.layout.field_names_of(self.layout.gray_of)
         covered_fields: list[Field] = []
         for check in self.checks:
             if isinstance(check, ParityIs):
@@ -270,7 +270,7 @@ def _find_gray(layout: Layout) -> Gray | None:
     """
     if not layout.gray_of:
         return None
-    fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
+    fields = [layout.field(name) for name in layout.field_names_of(layout.gray_of)]
     lowest_field = fields[-1]  # The names are in order of significance, most significant first.
     width = sum((field.width for field in fields), Expression(0))
     excess = layout.gray_excess or Expression(0)

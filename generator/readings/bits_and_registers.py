@@ -269,7 +269,9 @@ def _text_of_bits(placed_layout: PlacedLayout, name: str) -> str:
 
 def _gray_suffix(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return `` in Gray code`` for a field that is sent in Gray code, or ""."""
-    is_gray = placed_layout.gray and placed_field.name in placed_layout.layout.names_in(placed_layout.layout.gray_of)
+    is_gray = placed_layout.gray and placed_field.name in placed_layout.layout.field_names_of(
+        placed_layout.layout.gray_of
+    )
     return " in Gray code" if is_gray else ""
 
 

@@ -24,6 +24,10 @@ from ..model import (
 from ..model.order_codes import Restricted, fits, repeated_names
 from ..say.names_and_evidence import bits
 from .bits_and_registers import word_bits
+from ..model.order_codes import Restricted, applies_to_code, repeated_names
+from ..say.names_and_places import bits
+from .channels import channel_facts
+from .frame_bits import word_bits
 from .reading import (
     CodeAndState,
     ComparedFact,
@@ -289,7 +293,7 @@ def _value_by_code(
     values: dict[CodeAndState, str] = {}
     for case in reading.cases(interface):
         for row, row_text in rows_with_texts:
-            if fits(row.only, case.code):
+            if applies_to_code(row.only, case.code):
                 values[case] = row_text
     return values
 

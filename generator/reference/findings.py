@@ -29,8 +29,8 @@ from ..model import (
     Verdict,
     cite,
 )
-from ..model.order_codes import fits
-from ..model.position_range import PositionRange
+from ..model.measurement import PositionRange
+from ..model.order_codes import applies_to_code
 from ..model.record import dataclass
 from ..say import frame_texts
 from ..say.commands_and_alarms import alarm_of, alarm_source, meaning, remedy
@@ -118,7 +118,7 @@ def range_message(position_range: PositionRange, placed_layout: PlacedLayout, bi
     highest = position_range.highest.value(placed_layout.parameters)
     position = 0
     for placed_field in placed_fields:
-        position = position << placed_field.width | bits_of_field(placed_field, binary_number)
+        position = (position << placed_field.width) | bits_of_field(placed_field, binary_number)
     number_kind = position_range.fields[0].number
     is_signed = number_kind.signed
     if is_signed:
@@ -307,7 +307,7 @@ def _alarm_for(device: Device, variant: Variant, field: Field, register: str) ->
     ``register`` is the name of the register with the flag, or empty for a flag in a frame.
     """
     alarm = alarm_of(device, field, register)
-    if alarm is None or not fits(alarm.only, variant.code):
+    if alarm is None or not applies_to_code(alarm.only, variant.code):
         return None
     return alarm
 

@@ -93,7 +93,7 @@ def register_writes(
     writes: list[Write] = []
     meaning_by_argument = {argument.name: argument.meant_as for argument in procedure.arguments}
     # The current content of each register that the procedure has written.
-    contents: dict[str, int] = {}
+    content_by_register: dict[str, int] = {}
     for step in procedure.steps:
         if not isinstance(step, (WriteStep, ModifyStep)):
             continue
@@ -107,13 +107,13 @@ def register_writes(
             field_name = _name_of_written_field(register, step)
             _check_argument(value, register, field_name, placed_layout, limits)
         if isinstance(step, ModifyStep):
-            old_content = contents.get(step.register, register.default or 0)
-            content = _with_field_changed(placed_layout, step.field, value, old_content)
+            old_content = content_by_register.get(step.register, register.default or 0)
+            content = _with_field_changed(placed_layout, step.field, field_value=value, old_content=old_content)
         elif step.value is None:
             content = _content_for_argument(device, register, placed_layout, value)
         else:
             content = value
-        contents[step.register] = content
+        content_by_register[step.register] = content
         variant = after_write(device, variant, register, content)
         writes += _writes_of_register(register, content)
     return tuple(writes)

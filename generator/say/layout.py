@@ -108,7 +108,7 @@ def has_excess(layout: Layout) -> bool:
 
 def _has_parity_over_gray(layout: Layout) -> bool:
     """Return whether a parity bit covers a field that can be in Gray code."""
-    gray_fields = set(layout.names_in(layout.gray_of))
+    gray_fields = set(layout.field_names_of(layout.gray_of))
     for field in layout.fields:
         if isinstance(field.kind, Parity) and not gray_fields.isdisjoint(field.kind.of):
             return True

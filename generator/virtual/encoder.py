@@ -375,7 +375,7 @@ class VirtualEncoder:
     def _carries_position(self, layout: Layout) -> bool:
         """Return whether a layout contains the position, either as one field or as several that form one number."""
         name = self._position_name
-        consists_of_several_fields = layout.names_in(name) != (name,)
+        consists_of_several_fields = layout.field_names_of(name) != (name,)
         return consists_of_several_fields or self.place(layout).find_field(name) is not None
 
     def _position_fields(self, layout: Layout | None) -> tuple[PlacedField, ...]:
@@ -385,7 +385,7 @@ class VirtualEncoder:
         """
         if layout is None:
             return ()
-        field_names = layout.names_in(self._position_name)
+        field_names = layout.field_names_of(self._position_name)
         return tuple(self.place(layout).find_fields(field_names))
 
     @cached_property

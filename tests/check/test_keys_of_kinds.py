@@ -14,7 +14,7 @@ from codewheel.language.read import read_document
 from codewheel.language.schemas import load_schema
 from codewheel.language.written_fields import KIND_KEYS, WrittenField
 from codewheel.language.written_parts import WrittenExample, WrittenStep
-from codewheel.loading.fields import LayoutContext, kind_of
+from codewheel.loading.fields import LayoutContext, build_kind
 from codewheel.model import Kind, Number
 from codewheel.model.expressions import Expression
 from codewheel.model.kinds import DIGIT_CODES
@@ -254,13 +254,13 @@ def test_a_field_of_each_kind_is_valid_without_them(tmp_path: Path) -> None:
 
 
 def test_each_key_of_a_kind_makes_its_own_kind() -> None:
-    """Without its case in ``kind_of``, a field with the key would silently be a number."""
+    """Without its case in ``build_kind``, a field with the key would silently be a number."""
     context = LayoutContext(
         ProblemReport(), groups={}, definitions={}, parameter_sets={}, crcs={}, data_ids={"rs485": ()}
     )
     kinds = {}
     for key in KIND_KEYS:
-        kinds[key] = type(kind_of({"name": "level", **FIELDS[key]}, context, "rs485", Expression(8)))
+        kinds[key] = type(build_kind({"name": "level", **FIELDS[key]}, context, "rs485", Expression(8)))
     assert Number not in kinds.values()
     assert {Number, *kinds.values()} == set(get_args(Kind))
 

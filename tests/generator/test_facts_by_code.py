@@ -17,7 +17,7 @@ from codewheel.changes.families import compare
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Biss, Device, Ssi
-from codewheel.model.order_codes import fits
+from codewheel.model.order_codes import applies_to_code
 from codewheel.order_codes.reduction import reduced_to_codes
 from codewheel.targets import Library
 from codewheel.targets.biss.files import generate as biss_files
@@ -174,7 +174,7 @@ def test_python_and_the_model_read_the_same_order_codes() -> None:
         errata = {erratum.only for erratum in device.errata}
         for only in characteristics | clocks | errata | {"", "AMM5x21/…, AMM5A17/1", "x"}:
             for variant in device.variants:
-                is_match = fits(only, variant.code)
+                is_match = applies_to_code(only, variant.code)
                 assert _applies_to_code(only, variant.code) is is_match, (only, variant.code)
                 matches.add((only, is_match))
     assert len(matches) > 30

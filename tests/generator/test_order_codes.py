@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
-from codewheel.model.order_codes import fits
+from codewheel.model.order_codes import applies_to_code
 from codewheel.order_codes.labels import UnknownOrderCode, find_code
 
 
@@ -176,5 +176,5 @@ def test_a_label_without_end_is_refused_at_once(amm5: Device, label: str, capsys
 
 def test_many_gaps_in_a_pattern_share_the_text_in_one_way() -> None:
     """With every way to share it, this takes hours."""
-    assert fits("...A" * 12, "A" * 36)
-    assert not fits("...A" * 12 + "...Z", "A" * 36)
+    assert applies_to_code("...A" * 12, "A" * 36)
+    assert not applies_to_code("...A" * 12 + "...Z", "A" * 36)

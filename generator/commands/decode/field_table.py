@@ -76,7 +76,7 @@ def _meaning_text(placed_layout: PlacedLayout, field: codec.DecodedField) -> str
     if not placed_layout.gray:
         return field.meaning
     # The number in Gray code may consist of several fields, which are all in Gray code.
-    gray_names = (*placed_layout.layout.names_in(placed_layout.layout.gray_of), placed_layout.layout.gray_of)
+    gray_names = (*placed_layout.layout.field_names_of(placed_layout.layout.gray_of), placed_layout.layout.gray_of)
     if field.name not in gray_names or not isinstance(field.value, int):
         return field.meaning
     gray_text = frame_texts.gray_code_note(f"{field.raw:#x}", f"{field.value:#x}")

@@ -21,7 +21,7 @@ from ...model import (
     answer_combinations,
     assert_never,
 )
-from ...model.order_codes import fits
+from ...model.order_codes import applies_to_code
 from ...model.record import dataclass
 from ...say import count_with_unit
 from ...say.names_and_evidence import Topic, mentions, word_for_document
@@ -163,7 +163,7 @@ def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
     patterns = []
     # ``only`` is a list of patterns of order codes, such as "X-*-24, X-*-25".
     for pattern in contact.only.split(", "):
-        if any(fits(pattern, order_code) for order_code in order_codes):
+        if any(applies_to_code(pattern, order_code) for order_code in order_codes):
             patterns.append(pattern)
     return f"{escape(contact.signal)} <small>(only {escape(', '.join(patterns))})</small>"
 
