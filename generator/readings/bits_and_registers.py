@@ -427,6 +427,6 @@ def _limit_facts(subject: FactSubject, register: Register) -> Iterator[ComparedF
 
 def _limited_bits_text(register: Register, parameters: Mapping[str, int]) -> str:
     """Return the bits of a register that its limits apply to: ``bits 7:0``, or ``all bits`` if they name no field."""
-    names = register.layout.names_in(name_with_limits(register))
+    names = register.layout.field_names_of(name_with_limits(register))
     fields = register.layout.place(parameters).find_fields(names)
     return " and ".join(bits(field.high, field.low) for field in fields) or "all bits"

@@ -21,13 +21,9 @@ from ..model import (
     Timing,
     channel_frame,
 )
-from ..model.order_codes import Restricted, fits, repeated_names
+from ..model.order_codes import Restricted, applies_to_code, repeated_names
 from ..say.names_and_evidence import bits
 from .bits_and_registers import word_bits
-from ..model.order_codes import Restricted, applies_to_code, repeated_names
-from ..say.names_and_places import bits
-from .channels import channel_facts
-from .frame_bits import word_bits
 from .reading import (
     CodeAndState,
     ComparedFact,
