@@ -73,7 +73,7 @@ def _check_allowed_labels(
         labels_path = (*allowed_labels.path, part_name)
         resolver.check_name(labels_path, "other part", part_name, known_names=other_parts)
         if part_name in parts_by_name:
-            known_labels = parts_by_name[part_name].field_names_of("values")
+            known_labels = parts_by_name[part_name].names_in("values")
             resolver.check_each_name(labels_path, part_name, labels, known_names=known_labels)
 
 

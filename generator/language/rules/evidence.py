@@ -438,7 +438,7 @@ def check_evidence_references(spec: WrittenSpec, report: DocumentReport) -> None
     resolver = NameResolver(spec, report)
     evidence = spec.evidence.part
     path = spec.evidence.path
-    documents = spec.with_invalid_parts.field_names_of("documents")
+    documents = spec.with_invalid_parts.names_in("documents")
     languages = [edition.part.language for edition in spec.with_invalid_parts.manual.editions]
     known_documents = ("manual", *languages, *documents)
     for key in evidence.documents:

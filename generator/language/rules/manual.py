@@ -36,7 +36,7 @@ def check_source_format(spec: WrittenSpec, report: DocumentReport) -> None:
     A source has one or more places, separated by semicolons, each with an optional document: ``6.4 p.35; errata: 2``.
     """
     editions = [edition.part.language for edition in spec.with_invalid_parts.manual.editions if edition.part.language]
-    documents = spec.with_invalid_parts.field_names_of("documents")
+    documents = spec.with_invalid_parts.names_in("documents")
     language = spec.with_invalid_parts.manual.language
     known_sources = _KnownSources(language, editions, documents)
     for path, source_text in sources(leaves_of(spec.data, report)):

@@ -324,7 +324,7 @@ def _compare_with_contents(spec: WrittenSpec, report: DocumentReport) -> None:
     manual = spec.with_invalid_parts.manual
     printed_titles: dict[str, str] = {}  # By their lower case.
     for section in manual.contents.values():
-        printed_titles |= {title.casefold(): title for title in section.field_names_of("entries")}
+        printed_titles |= {title.casefold(): title for title in section.names_in("entries")}
     if len(printed_titles) > _MOST_ENTRIES:
         return
     texts_of_errata = "\n".join(erratum.used.casefold() for erratum in spec.errata)

@@ -241,14 +241,14 @@ def check_alternative_references(spec: WrittenSpec, report: DocumentReport) -> N
             answer_path = (*example.path, "alternatives", name)
             resolver.check_name(answer_path, "alternative", name, known_names=alternatives)
             if name in alternatives:
-                known_answers = alternatives[name].field_names_of("values")
+                known_answers = alternatives[name].names_in("values")
                 noun = f"answer of {quoted(name)} called"
                 resolver.check_name(answer_path, noun, answer, known_names=known_answers)
 
 
 def _sets_parameter(alternative: WrittenAlternative, parameter_name: str) -> bool:
     """Return True if any answer to a question sets a parameter."""
-    return any(parameter_name in answer.field_names_of("sets") for answer in alternative.values.values())
+    return any(parameter_name in answer.names_in("sets") for answer in alternative.values.values())
 
 
 def _check_answers(alternative: WrittenAlternative, own_parameters: Sequence[str], resolver: NameResolver) -> None:

@@ -240,7 +240,7 @@ def readable_names(field_list: FieldList, groups: Groups) -> list[str]:
         return [field_list.name]
     fields = fields_by_name(field_list, groups)
     # A join with a wrong value is reported, but its name is known.
-    names = [*fields, *field_list.owner.field_names_of("join")]
+    names = [*fields, *field_list.owner.names_in("join")]
     for field in fields.values():
         names += [digit_group.part.name for digit_group in field.digits if digit_group.part.name]
     return names
@@ -374,7 +374,7 @@ def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
 
 def value_names(field: WrittenField) -> list[str]:
     """Return the names of the named values of a field, even of invalid ones."""
-    return field.field_names_of("values")
+    return field.names_in("values")
 
 
 def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenField]:

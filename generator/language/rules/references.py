@@ -361,7 +361,7 @@ class NameResolver:
         self._report = report
         whole_spec = spec.with_invalid_parts
         interfaces = list(whole_spec.interfaces.data)
-        self.parameter_names = whole_spec.field_names_of("parameters")
+        self.parameter_names = whole_spec.names_in("parameters")
         # Names that are themselves misspelt: unknown interfaces, and names that the schema check rejected.
         self._misspelt_names = {name for name in interfaces if name not in INTERFACES}
         for path in report.faults():
