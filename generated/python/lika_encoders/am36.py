@@ -728,9 +728,12 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
                     word = from_gray(word, low=0, width=gray_bits)
-                multiturn = word >> multiturn_low
-                singleturn = word & singleturn_mask
-                return create_tuple(cls, (variant, multiturn, singleturn))
+                values = (
+                    variant,
+                    word >> multiturn_low,  # multiturn
+                    word & singleturn_mask,  # singleturn
+                )
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -899,10 +902,13 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     raise CrcError(received_crc, computed_crc)
                 if variant.biss_gray:
                     word = from_gray(word, low=8, width=gray_bits)
-                multiturn = word >> multiturn_low
-                singleturn = (word >> 8) & singleturn_mask
-                unused = ((word >> 6) & 0x3) ^ 0x3  # 1 where a bit differs from the manual
-                return create_tuple(cls, (variant, multiturn, singleturn, unused))
+                values = (
+                    variant,
+                    word >> multiturn_low,  # multiturn
+                    (word >> 8) & singleturn_mask,  # singleturn
+                    ((word >> 6) & 0x3) ^ 0x3,  # unused, 1 where a bit differs from the manual
+                )
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1094,7 +1100,8 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return as_member(cls, "Command", int.from_bytes(data, "big"))
+        value = int.from_bytes(data, "big")
+        return as_member(cls, "Command", value)
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""

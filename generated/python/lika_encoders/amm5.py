@@ -875,9 +875,12 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
-                multiturn = word >> multiturn_low
-                singleturn = word & singleturn_mask
-                return create_tuple(cls, (variant, multiturn, singleturn))
+                values = (
+                    variant,
+                    word >> multiturn_low,  # multiturn
+                    word & singleturn_mask,  # singleturn
+                )
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1067,11 +1070,14 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     received_crc = word & 0x3F
                     computed_crc = received_crc ^ difference
                     raise CrcError(received_crc, computed_crc)
-                multiturn = word >> multiturn_low
-                singleturn = (word >> 8) & singleturn_mask
-                error = not (low_bits & 0x80)  # bit 7, active low
-                warning = not (low_bits & 0x40)  # bit 6, active low
-                return create_tuple(cls, (variant, multiturn, singleturn, error, warning))
+                values = (
+                    variant,
+                    word >> multiturn_low,  # multiturn
+                    (word >> 8) & singleturn_mask,  # singleturn
+                    not (low_bits & 0x80),  # error, bit 7, active low
+                    not (low_bits & 0x40),  # warning, bit 6, active low
+                )
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -2778,7 +2784,8 @@ class PresetSettingEnable(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return as_member(cls, "PresetSettingEnable", int.from_bytes(data, "big"))
+        value = int.from_bytes(data, "big")
+        return as_member(cls, "PresetSettingEnable", value)
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""
@@ -2886,7 +2893,8 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return as_member(cls, "Command", int.from_bytes(data, "big"))
+        value = int.from_bytes(data, "big")
+        return as_member(cls, "Command", value)
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""

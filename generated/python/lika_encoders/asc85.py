@@ -591,8 +591,11 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
                     word = from_gray(word, low=0, width=frame_bits)
-                position = word
-                return create_tuple(cls, (variant, position))
+                values = (
+                    variant,
+                    word,  # position
+                )
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -725,10 +728,14 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
                 zero = (word >> 8) & ((1 << zero_bit.zero_bits) - 1)  # Always 0, between the position and the error bit
                 if zero:
                     raise ConstantError("zero", zero, 0)
-                position = word >> (zero_bit.zero_bits + 8)  # 8 = error (1) + warning (1) + crc (6)
-                error = not (low_bits & 0x80)  # bit 7, active low
-                warning = not (low_bits & 0x40)  # bit 6, active low
-                return create_tuple(cls, (variant, zero_bit, position, error, warning))
+                values = (
+                    variant,
+                    zero_bit,
+                    word >> (zero_bit.zero_bits + 8),  # position, 8 = error (1) + warning (1) + crc (6)
+                    not (low_bits & 0x80),  # error, bit 7, active low
+                    not (low_bits & 0x40),  # warning, bit 6, active low
+                )
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1061,7 +1068,8 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return as_member(cls, "Command", int.from_bytes(data, "big"))
+        value = int.from_bytes(data, "big")
+        return as_member(cls, "Command", value)
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""

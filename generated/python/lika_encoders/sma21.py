@@ -899,9 +899,12 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
                     word = from_gray(word, low=1, width=position_bits)
-                position = word >> 1
-                error = not (word & 0x01)  # bit 0, active low
-                return create_tuple(cls, (variant, position, error))
+                values = (
+                    variant,
+                    word >> 1,  # position
+                    not (word & 0x01),  # error, bit 0, active low
+                )
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -1046,10 +1049,13 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                 padding_ = word >> padding_low
                 if padding_:
                     raise ConstantError("padding", padding_, 0)
-                position = (word >> 8) & position_mask
-                error = not (word & 0x80)  # bit 7, active low
-                warning = not (word & 0x40)  # bit 6, active low
-                return create_tuple(cls, (variant, position, error, warning))
+                values = (
+                    variant,
+                    (word >> 8) & position_mask,  # position
+                    not (word & 0x80),  # error, bit 7, active low
+                    not (word & 0x40),  # warning, bit 6, active low
+                )
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -2054,7 +2060,8 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return as_member(cls, "Command", int.from_bytes(data, "big"))
+        value = int.from_bytes(data, "big")
+        return as_member(cls, "Command", value)
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""

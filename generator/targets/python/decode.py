@@ -333,15 +333,15 @@ class Decoder:
 
     def decoded_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
         """Return the values of all attributes in order: encoder, answers to open questions, fields, unused bits."""
-        decoded = DecodedValues(values=[name for name, _ in encoder_and_answers])
+        decoded = DecodedValues(values=[(name, name, "") for name, _ in encoder_and_answers])
         for decoded_field in self.plan.decoded_fields:
             self._add_values(decoded_field, decoded)
         if self.plan.reserved:
             differing_bits = str(self.bit_reader.differing_unused_bits())
-            decoded.assign("unused", differing_bits, "1 where a bit differs from the manual")
+            decoded.values.append(("unused", differing_bits, "1 where a bit differs from the manual"))
         elif self.plan.keeps_undefined_bits:
             other_bits = str(self.bit_reader.bits_without_field())
-            decoded.assign("unused", other_bits, "all other bits")
+            decoded.values.append(("unused", other_bits, "all other bits"))
         return decoded
 
     def _add_values(self, decoded_field: FieldToDecode, decoded: DecodedValues) -> None:
@@ -351,16 +351,16 @@ class Decoder:
         """
         field = decoded_field.field
         if len(field.runs) > 1 and field.name not in self.assigned:
-            decoded.statements.append((self.assign(field, self.bit_reader.bits(decoded_field.bits)), ""))
+            decoded.statements.append(self.assign(field, self.bit_reader.bits(decoded_field.bits)))
         attributes: Sequence[Field | Digits] = field.runs or (field,)
         for attribute, expression in zip(attributes, self.values(decoded_field), strict=True):
             variable = self.local(attribute)
             # This variable must keep its number: for the other runs, or since it would also get a text.
             holds_number = variable == self.local(field) and field.name in self.assigned
             if holds_number and (len(field.runs) > 1 or isinstance(meaning_of(field), Latin1Text)):
-                decoded.values.append(str(expression))
+                decoded.values.append(("", str(expression), ""))
             else:
-                decoded.assign(variable, str(expression), self._place_comment(decoded_field))
+                decoded.values.append((variable, str(expression), self._place_comment(decoded_field)))
 
     def _place_comment(self, decoded_field: FieldToDecode) -> str:
         """Return the comment on a value: the place of its bits, if they are read there, and the meaning of the bits.
@@ -389,16 +389,10 @@ class Decoder:
 class DecodedValues:
     """The code for the values of all attributes of a frame or register.
 
-    ``statements`` assign values to variables, each with a comment or an empty text: ``("position = word >> 8", "bits
-    17:8")``. ``values`` are these variables, such as ``["variant", "position"]``.
+    Each value has a variable, its code, and a comment or an empty text: ``("position", "word >> 8", "bits 17:8")``. The
+    variable is empty if the value cannot have one. ``statements`` are printed before the values.
     """
 
-    def __init__(self, values: list[str]) -> None:
+    def __init__(self, values: list[tuple[str, str, str]]) -> None:
         self.values = values
-        self.statements: list[tuple[str, str]] = []
-
-    def assign(self, variable: str, value: str, comment: str) -> None:
-        """Add an attribute. A statement assigns its value to a variable, unless the value is this variable."""
-        self.values.append(variable)
-        if value != variable:
-            self.statements.append((f"{variable} = {value}", comment))
+        self.statements: list[str] = []

@@ -371,12 +371,12 @@ def load_fact(module: str, name: str) -> object:
     return getattr(facts, name)
 
 
-def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
+def look_up(label: str, listed_encoders: Mapping[str, _Same], module: str) -> _Same:
     """Return the encoder with this label from a family.
 
     Args:
         label: The text on the label.
-        variants: The encoders of the family, by their listed order codes.
+        listed_encoders: The encoders of the family, by their listed order codes.
         module: Name of the family's module.
 
     Raises:
@@ -384,20 +384,20 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
         TypeError: ``label`` is not a string.
     """
     text = check_label(label)
-    if text in variants:
-        return variants[text]
+    if text in listed_encoders:
+        return listed_encoders[text]
     # The label is not a listed code, but it can have a tail, a suffix, unlisted values or another spelling.
-    parts_by_code = {code: variant.parts for code, variant in variants.items()}
-    family = next(iter(variants.values())).family
+    parts_by_code = {code: encoder.parts for code, encoder in listed_encoders.items()}
+    family = next(iter(listed_encoders.values())).family
     order_code = cast(OrderCode, load_fact(module, "ORDER_CODE"))
     parsed_label = order_code.read(text, family.name.upper(), parts_by_code)
     # The encoder of the listed code that fits best is changed where the label differs: for the label X-24-TAIL, the
     # encoder of X-24 gets the tail "-TAIL".
-    variant = next(candidate for candidate in variants.values() if candidate.parts == parsed_label.listed)
+    listed_encoder = next(encoder for encoder in listed_encoders.values() if encoder.parts == parsed_label.listed)
     has_changes = parsed_label.unlisted or parsed_label.tail or parsed_label.special or parsed_label.written_as_in
     if not has_changes:
-        return variant
-    return variant._with_changes(
+        return listed_encoder
+    return listed_encoder._with_changes(
         code=parsed_label.code,
         parts=parsed_label.parts,
         unlisted=parsed_label.unlisted,
@@ -408,7 +408,7 @@ def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
 
 
 def wrong_encoder_error(
-    variant: object,
+    encoder: object,
     family_class: type[Encoder],
     interface: Interface,
     procedures: _Procedures = _NO_PROCEDURES,
@@ -416,21 +416,21 @@ def wrong_encoder_error(
     """Return the error for an encoder that belongs to a different family or does not have the interface ``interface``.
 
     ``family_class`` is the class of all encoders of the family. ``procedures`` lists the procedures for each interface,
-    for suggestions in the message. The error is a TypeError if ``variant`` is not an encoder.
+    for suggestions in the message. The error is a TypeError if ``encoder`` is not an encoder.
     """
-    if isinstance(variant, family_class):
-        variant_interface = variant.interface
+    if isinstance(encoder, family_class):
+        encoder_interface = encoder.interface
         suggestion = ""
-        if variant_interface in procedures:
-            suggestion = f". Procedures over {variant_interface.title}: {', '.join(procedures[variant_interface])}"
-        return InterfaceError(variant.code, variant_interface, interface, suggestion)
-    if isinstance(variant, Encoder):
-        return FamilyError(variant.code, variant.family.name, family_class.family.name)
-    return TypeError(f"expected an encoder, got {shorten(variant)}; lookup() returns one for an order code")
+        if encoder_interface in procedures:
+            suggestion = f". Procedures over {encoder_interface.title}: {', '.join(procedures[encoder_interface])}"
+        return InterfaceError(encoder.code, encoder_interface, interface, suggestion)
+    if isinstance(encoder, Encoder):
+        return FamilyError(encoder.code, encoder.family.name, family_class.family.name)
+    return TypeError(f"expected an encoder, got {shorten(encoder)}; lookup() returns one for an order code")
 
 
 def check_encoder(
-    variant: object,
+    encoder: object,
     family_class: type[Encoder],
     interface: Interface,
     procedures: _Procedures = _NO_PROCEDURES,
@@ -440,5 +440,5 @@ def check_encoder(
     ``family_class`` is the class of all encoders of the family. ``procedures`` lists the procedures for each interface.
     The message suggests them to callers of a procedure.
     """
-    if not isinstance(variant, family_class) or variant.interface is not interface:
-        raise wrong_encoder_error(variant, family_class, interface, procedures)
+    if not isinstance(encoder, family_class) or encoder.interface is not interface:
+        raise wrong_encoder_error(encoder, family_class, interface, procedures)

@@ -473,10 +473,13 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                 zero = (word >> 8) & zero_mask  # Zero bits
                 if zero:
                     raise ConstantError("zero", zero, 0)
-                position = word >> position_low
-                error = not (low_bits & 0x80)  # bit 7, active low
-                warning = not (low_bits & 0x40)  # bit 6, active low
-                return create_tuple(cls, (variant, position, error, warning))
+                values = (
+                    variant,
+                    word >> position_low,  # position
+                    not (low_bits & 0x80),  # error, bit 7, active low
+                    not (low_bits & 0x40),  # warning, bit 6, active low
+                )
+                return create_tuple(cls, values)
             except (FrameError, TypeError) as exception:
                 return handle_error(exception, frame, variant)
 
@@ -967,7 +970,8 @@ class Command(IntEnum):
         data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return as_member(cls, "Command", int.from_bytes(data, "big"))
+        value = int.from_bytes(data, "big")
+        return as_member(cls, "Command", value)
 
     def encode(self) -> bytes:
         """Return the bytes of the register."""

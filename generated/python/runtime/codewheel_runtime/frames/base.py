@@ -370,7 +370,7 @@ def keep_bytes(register: _Limited, data: bytes) -> _Limited:
 def decode_frames(frames: object, frame_class: type, /, *, variant: Encoder | None, **answers: object) -> Table:
     """Return the columns of many frames of one class.
 
-    ``variant`` is None for frames that are the same for every encoder.
+    ``variant`` is the encoder, or None for frames that are the same for every encoder.
 
     ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
@@ -385,7 +385,7 @@ def encode_columns(
 ) -> Any:
     """Return many frames of one class from columns of values by name.
 
-    ``variant`` is None for frames that are the same for every encoder.
+    ``variant`` is the encoder, or None for frames that are the same for every encoder.
 
     ``answers`` are the answers to open questions by name. Answers that the class does not need are ignored.
     """
