@@ -7,10 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from math import prod
 from operator import itemgetter
 
-from ..model import Constant, Device, Layout, Number, PlacedLayout, Rs485, Spi, Unused, Variant, number_from_bytes
+from ..model import (
+    Constant,
+    Device,
+    Interface,
+    Layout,
+    Number,
+    PlacedLayout,
+    Rs485,
+    Spi,
+    Unused,
+    Variant,
+    number_from_bytes,
+)
 from ..model.record import dataclass
 from ..reference import codec
 from ..reference.bits_and_values import unused_bits
@@ -78,9 +91,10 @@ def exchange_hypotheses(device: Device, variant: Variant, received_bytes: bytes)
     """
     if variant.interface != Rs485.name:
         return
-    frames = _frames_in(device, variant, received_bytes)
-    if not frames:
+    split_frames = _frames_in(device, variant, received_bytes)
+    if not split_frames:
         return
+    frames = _with_own_replies(device, variant, split_frames)
     is_one_reply = len(frames) == 1 and not frames[0].is_request
     if is_one_reply:
         return
@@ -154,6 +168,30 @@ def _frames_in(device: Device, variant: Variant, received_bytes: bytes) -> tuple
             if frame is not None:
                 fewest_frames_from[start] = (frame, *following_frames)
     return fewest_frames_from.get(0)
+
+
+def own_replies(interface: Interface) -> dict[str, str]:
+    """Return the name of the reply to each request over RS-485, by the name of the request."""
+    if not isinstance(interface, Rs485):
+        return {}
+    return {exchange.request: exchange.reply for exchange in interface.exchanges if exchange.reply}
+
+
+def _with_own_replies(device: Device, variant: Variant, frames: Sequence[ExchangedFrame]) -> tuple[ExchangedFrame, ...]:
+    """Return the frames with each reply as the reply to the request before it, if its bytes are also valid as such."""
+    interface = device.interface(variant.interface)
+    reply_by_request = own_replies(interface)
+    frames_with_replies = list(frames)
+    for index, (request, reply) in enumerate(pairwise(frames)):
+        reply_name = reply_by_request.get(request.placed_layout.name, "") if request.is_request else ""
+        if reply.is_request or reply_name in ("", reply.placed_layout.name):
+            continue
+        layout = next(layout for layout in interface.layouts if layout.name == reply_name)
+        placed_layout = layout.place(variant.parameters)
+        if placed_layout.bits == 8 * len(reply.data):
+            own_reply = _valid_frame(device, variant.interface, placed_layout, reply.data)
+            frames_with_replies[index + 1] = own_reply or reply
+    return tuple(frames_with_replies)
 
 
 def _valid_frame(

@@ -1048,7 +1048,7 @@ function tryWholeFrames({ receivedBytes, orderCode, interface: interface_, sende
   if (receivedBytes.length > mostBytes || interface_.name !== "rs485" || sender !== "encoder") return [];
   const placedLayouts = interface_.frames.filter((layout) => layout.order)
     .map((layout) => placedFor(orderCode, layout));
-  const frames = splitIntoFrames(placedLayouts, receivedBytes);
+  const frames = replaceWithOwnReplies(splitIntoFrames(placedLayouts, receivedBytes), placedLayouts);
   const isOnlyReply = frames.length === 1 && !isRequest(frames[0]);
   const totalEvidence = frames.reduce((sum, frame) => sum + frame.evidence, 0);
   if (!frames.length || isOnlyReply || totalEvidence < leastEvidence) return [];
@@ -1102,6 +1102,18 @@ function splitIntoFrames(placedLayouts, bytes) {
     }
   }
   return fewestFramesFrom.get(0) ?? [];
+}
+
+/** Return the frames with each reply as the reply to the request before it, if its bytes are also valid as such. */
+function replaceWithOwnReplies(frames, placedLayouts) {
+  return frames.map((frame, index) => {
+    const replyName = frames[index - 1]?.placedLayout.layout.reply;
+    const placedLayout = placedLayouts.find(({ name, bits }) => name === replyName && bits === 8 * frame.bytes.length);
+    if (!placedLayout || isRequest(frame) || frame.placedLayout.name === replyName) return frame;
+    const evidence = countExpectedBits(placedLayout, numberOfFrame(placedLayout.layout, frame.bytes));
+    const isValid = evidence && !decodeBytes(placedLayout, frame.bytes).problems.length;
+    return isValid ? { placedLayout, bytes: frame.bytes, evidence } : frame;
+  });
 }
 
 /** Create the hypothesis that the bytes are these frames, which are more than one reply. */

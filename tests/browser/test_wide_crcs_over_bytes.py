@@ -171,3 +171,26 @@ def test_a_crc_that_is_not_whole_bytes_is_not_searched(capsys: Capture, ask: Cal
     (case,) = [case for (case, *_) in cases(library_of("specs/long_crc").devices[0]) if case.variant.code == "CS"]
     ((answer,),) = ask(library_of("specs/long_crc"), "node")("reasons", [{**case.data, "frames": [text]}])
     assert answer[0] == []
+
+
+#: AMT21 without a CRC: both replies have two parity bits, so each is also valid as the other one.
+TURNS_AFTER_REQUEST = "55 E4 B2"
+
+
+def test_a_reply_is_the_one_to_the_request_in_front_of_it(capsys: Capture) -> None:
+    (explanation,) = explanations_of(capsys, "AMT212A", bytes.fromhex(TURNS_AFTER_REQUEST))
+    assert explanation["text"] == "the bytes are whole frames: request turns_request, then reply turns_reply"
+    assert explanation["reads"] == {"turns": -3356}
+
+
+@pytest.mark.starts_process
+def test_the_page_names_the_same_reply(ask: Callable[[Library, str], Asker]) -> None:
+    library = library_of("../specs/cui/amt21")
+    device = library.devices[0]
+    variant = device.variant("AMT212A")
+    reply = next(layout for layout in device.interface("rs485").layouts if layout.sender == "encoder")
+    case = Case(device, variant, reply.place(variant.parameters))
+    expected = expected_explanations(case, TURNS_AFTER_REQUEST)
+    ((answer,),) = ask(library, "node")("reasons", [{**case.data, "frames": [TURNS_AFTER_REQUEST]}])
+    assert answer == expected
+    assert "turns -3356" in str(answer)

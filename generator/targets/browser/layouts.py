@@ -51,7 +51,7 @@ from ...say.layout import box_colour
 from ...say.names_and_evidence import register_at, title_of
 from ...say.register import describe_register_facts
 from ...say.text import PLAIN_STYLE, spec_text
-from ...why.exchanges import usual_values_of
+from ...why.exchanges import own_replies, usual_values_of
 from ...why.other_order_codes import states_of_widths
 
 Data = dict[str, Any]
@@ -176,8 +176,11 @@ def channel_data(device: Device, interface: Interface) -> Data:
 def frame_data(device: Device, interface: str, layout: Layout, reporting: ReportsAndVerdict | None) -> Data:
     """Return a frame with its verdict and its reports (``tells``). ``reporting`` is None if it has neither.
 
-    ``usual`` contains the values that fields usually have. They are evidence that bytes are this frame.
+    ``usual`` contains the values that fields usually have. They are evidence that bytes are this frame. ``reply`` names
+    the reply to a request over RS-485, if the encoder has several.
     """
+    replies = [other for other in device.interface(interface).layouts if other.sender == "encoder"]
+    reply = own_replies(device.interface(interface)).get(layout.name, "") if len(replies) > 1 else ""
     usual_values = usual_values_of(device, interface, layout)
     layout_plan = layout_plan_of(device, layout)
     description = describe(layout_plan, reporting)
@@ -196,6 +199,7 @@ def frame_data(device: Device, interface: str, layout: Layout, reporting: Report
         selector=layout.selector,
         selects=[json_number(value) for value in layout.selects],
         usual=[[name, *map(json_number, values)] for name, values in usual_values.items()],
+        reply=reply,
         tells=sorted(reports, key=lambda report: flag_names.index(report["flag"])),
     )
 
