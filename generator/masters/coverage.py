@@ -109,12 +109,18 @@ def uncovered_parts(rules: Any, frame_parts: Sequence[FramePart]) -> str:
     item_by_uncommon_part = {part.name: item for part, item in parts_and_items if item}
     if not item_by_uncommon_part:
         return ""
-    mentioned_items = _mentioned_items(rules)
-    # A rule that depends on the kind of parity also covers the parity bit.
-    if "parity" in mentioned_items:
-        mentioned_items.add("parity_bits")
-    uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in mentioned_items]
+    covered = covered_items(rules)
+    uncovered_names = [name for name, item in item_by_uncommon_part.items() if item not in covered]
     return join_words(f"'{name}'" for name in uncovered_names)
+
+
+def covered_items(rules: Any) -> set[str]:
+    """Return the names of the facts about an encoder that the rules of a master cover: ``{"crc_bits", "coding"}``."""
+    covered = _mentioned_items(rules)
+    # A rule that depends on the kind of parity also covers the parity bit.
+    if "parity" in covered:
+        covered.add("parity_bits")
+    return covered
 
 
 def _items_of_parts(frame_parts: Sequence[FramePart]) -> Iterator[str]:

@@ -266,7 +266,7 @@ def parity_of_frame(placed_layout: PlacedLayout, frame_parts: Sequence[FramePart
     last_part = frame_parts[-1]
     if last_part.role != "parity" or not isinstance(kind, Parity):
         return "none"
-    return "odd" if kind.odd else "even"
+    return "odd" if kind.is_odd else "even"
 
 
 def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame_parts: Sequence[FramePart]) -> str:

@@ -11,6 +11,11 @@ from ..say.order_code import initial
 from ..say.text import count_with_unit
 from .frame_parts import CableTable, FramePart, NoRecord, turn_bits_of_fields
 
+NOTE_ON_CLOCKS = (
+    "The clocks shown are the fastest that encoder and master support, regardless of cable length. "
+    "Use --cable METRES to get the clocks for a cable length."
+)
+
 
 def answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str, str]) -> Iterator[str]:
     """Yield a sentence for each of the user's answers to questions that the manual leaves open.
@@ -27,10 +32,7 @@ def clock_notes(numbers: Mapping[str, int | None], cables: CableTable, cable_m: 
     """Yield a note if the clock also depends on the cable length, but the user gave none (``cable_m`` is None)."""
     is_highest_clock_known = numbers["clock_max_hz"] is not None
     if is_highest_clock_known and cables.rows and cable_m is None:
-        yield (
-            "The clocks shown are the fastest that encoder and master support, regardless of cable length. "
-            "Use --cable METRES to get the clocks for a cable length."
-        )
+        yield NOTE_ON_CLOCKS
 
 
 def _register_in_words(device: Device, name: str) -> str:

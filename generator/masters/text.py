@@ -24,7 +24,8 @@ from .writing import WriteCondition, write_order
 
 VERSION = 1
 
-_CODINGS_IN_WORDS = {
+#: Words for the code of the position, by its name in the rules for masters.
+CODINGS_IN_WORDS = {
     "binary": "binary",
     "gray": "Gray",
     "gray_excess": "Gray excess",
@@ -70,7 +71,7 @@ def _frame_facts(record: EncoderFacts) -> Iterator[tuple[str, str]]:
     yield "Data bits", _data_bits_text(record)
     parts_text = ", ".join(f"{part.name} {part.bits}" for part in record.parts)
     yield "Order", f"{parts_text}, most significant bit first"
-    yield "Code", _CODINGS_IN_WORDS[record.words["coding"]]
+    yield "Code", CODINGS_IN_WORDS[record.words["coding"]]
     yield "CRC", _crc_text(record)
     if record.words["parity"] != "none":
         yield "Parity", f"{record.words['parity']}, last bit"

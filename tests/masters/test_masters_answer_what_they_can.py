@@ -16,6 +16,7 @@ from codewheel.loading.library import load_library
 from codewheel.masters.record import record
 from codewheel.masters.sheet import Master, load_masters, sheet
 from codewheel.model import Device
+from codewheel.one_line.encoder import device_of_line
 from codewheel.order_codes.labels import find_code
 from test_conditions_of_masters import CRC, HIGH, SIEMENS, position, write_spec
 
@@ -363,3 +364,9 @@ def test_a_second_channel(tmp_path: Path, capsys: Capture) -> None:
     printed = " ".join(capsys.readouterr().out.split())
     assert "The encoder also sends 'temperature' on channel 2. These settings are for channel 1 only." in printed
     assert values_of(sheets_of(capsys, tmp_path, "--master", "moteus")["moteus"])["aux[12].bissc.data_bits"] == 29
+
+
+def test_a_parity_bit_counts_constants() -> None:
+    """The parity that a master checks is that of all bits, also of constants that are 1."""
+    device, match = device_of_line("ssi:position=12,sign=1:1,parity=odd")
+    assert record(device, match.variant).words["parity"] == "odd"

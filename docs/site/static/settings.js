@@ -1,8 +1,8 @@
-/* The page with master settings: shows what "codewheel master" prints for an order code and a master. */
+/* The page with master settings: shows what "codewheel master" prints for an order code or a line, and a master. */
 "use strict";
 
-/** Return a text about an order code. Lines have placeholders for the code, and for the code as an identifier. */
-function settingsText(data, code, number) {
+/** Return the text of a file about an order code. Lines have placeholders for the code, and for its identifier. */
+function fileText(data, code, number) {
   const identifier = code.replace(/[^A-Za-z0-9_]|^(?=[0-9])/g, "_");
   const lines = data.texts[number].map((index) => data.lines[index]);
   return lines.map((line) => line.replaceAll("\u0000", code).replaceAll("\u0001", identifier)).join("\n");
@@ -15,30 +15,71 @@ function listedCode(data, label) {
 }
 
 /** Return the command that prints the same, for a shell. */
-function settingsCommand(code, master, choice) {
-  return ["codewheel master", code, "--master", master, choice].filter(Boolean).join(" ");
+function settingsCommand(code, master, choice, cable = "") {
+  const quotedCode = /^[\w./:=-]+$/.test(code) ? code : `'${code}'`;
+  const options = [choice, cable && `--cable ${cable}`];
+  return ["codewheel master", quotedCode, "--master", master, ...options].filter(Boolean).join(" ");
 }
 
-/** Return the kind of a line: the title of an encoder or a master, the place of a setting and other details, or a value. */
+/** Return the length of a cable in whole metres, rounded up, or null if the text is no such length. */
+function cableMetres(text) {
+  const metres = Math.ceil(Number(text.trim().replace(/\s*m$/, "")));
+  return text.trim() && metres > 0 && metres <= 100000 ? metres : null;
+}
+
+/**
+ * Return the encoder that a text describes: {record, title, statements, choices}, with the files by master in
+ * ``files``. ``wantedChoice`` answers the open questions, by default with the first answers. Throws ``NoRecord`` with the
+ * reason if there are no settings.
+ */
+function describedEncoder(data, text, wantedChoice, cable) {
+  const { NoRecord, limitToCable, readRecord, recordOfLine } = codewheelMaster;
+  const withCable = (record) => (cable === null ? record : limitToCable(record, cable, data));
+  if (/=|^\s*(biss|ssi|spi|rs485)\s*[:,]/i.test(text)) {
+    const line = codewheelDecode.parsedLine(text);
+    if (line.problems.length) {
+      throw new NoRecord(line.problems.map(([column, message]) => `Column ${column}: ${message}.`).join(" "));
+    }
+    return { ...data.line, choices: [""], files: {}, choice: "", record: withCable(recordOfLine(line, data)) };
+  }
+  const code = listedCode(data, text);
+  if (code === null) throw new NoRecord(missingCode(data, text));
+  const [family, choices] = data.codes[code];
+  const [choice, record, files] = choices.find(([answers]) => answers === wantedChoice) ?? choices[0];
+  return {
+    ...data.families[family], choices: choices.map(([answers]) => answers), choice, files: cable === null ? files : {},
+    record: withCable({ ...readRecord(data.records[record]), code, obstacle: "" }),
+  };
+}
+
+/** Return the message about a text that is no listed order code: the codes that begin like it, or the command. */
+function missingCode(data, text) {
+  const begun = text.replace(/\s/g, "").toUpperCase();
+  if (!begun) return "";
+  const near = Object.keys(data.codes).filter((listed) => listed.toUpperCase().startsWith(begun)).slice(0, 5);
+  return near.length ? `Order codes that begin like this: ${near.join(", ")}.`
+    : `No order code with BiSS or SSI begins like this. Try: codewheel master ${text}`;
+}
+
+/** Return the notes of a master that apply because its supply is not enough for the encoder. */
+const supplyWarnings = (notes) => notes.filter((note) => /\bsupply\b.*\bnot enough\b/.test(note));
+
+/** Return the kind of a line of the output: a title, the place of a setting and other details, or a value. */
 function lineKind(line) {
   if (/^\S.*\S$/.test(line) && !/[.:]$/.test(line)) return "title";
   return /^ {6,8}\S/.test(line) ? "quiet" : "";
 }
 
-/** Return the remarks about a supply of the master that is not enough for the encoder. */
-function supplyWarnings(text) {
-  const remarks = [...text.matchAll(/^( *)- (.*(?:\n\1 {2}.*)*)/gm)].map((found) => found[2].replace(/\s+/g, " "));
-  return remarks.filter((remark) => /\bsupply\b.*\bnot enough\b/.test(remark));
-}
-
 function mountSettings(box, data) {
-  const element = (tag, properties) => Object.assign(document.createElement(tag), properties);
+  const element = (tag, properties = {}, ...children) => {
+    const made = Object.assign(document.createElement(tag), properties);
+    made.append(...children);
+    return made;
+  };
   const labelled = (title, control) => {
-    const row = element("div", { className: "setting" });
-    const label = element("label", { textContent: title });
-    control.id = label.htmlFor = `settings-${title.toLowerCase().replace(/ /g, "-")}`;
-    row.append(label, control);
-    box.append(row);
+    control.id = `settings-${title.toLowerCase().replace(/[^a-z]+/g, "-")}`;
+    box.append(element("div", { className: "setting" },
+      element("label", { textContent: title, htmlFor: control.id }), control));
     return control;
   };
   const withLinks = (line) => {
@@ -46,87 +87,104 @@ function mountSettings(box, data) {
     line.replaceChildren(...pieces.map((piece, index) => (index % 2 ? element("a", { href: piece, textContent: piece }) : piece)));
     return line;
   };
-  const list = element("datalist", { id: "settings-codes" });
-  list.append(...Object.keys(data.codes).map((code) => element("option", { value: code })));
-  const code = labelled("Order code", element("input", { type: "text", autocomplete: "off", spellcheck: false }));
+  const textInput = () => element("input", { type: "text", autocomplete: "off", spellcheck: false });
+  const list = element("datalist", { id: "settings-codes" },
+    ...Object.keys(data.codes).map((code) => element("option", { value: code })));
+  const code = labelled("Order code or line", textInput());
   code.setAttribute("list", list.id);
-  const master = labelled("Master", element("select", {}));
-  const choice = labelled("Open question", element("select", {}));
-  const message = element("p", {});
+  const master = labelled("Master", element("select"));
+  const choice = labelled("Open question", element("select"));
+  const cable = labelled("Cable in metres", element("input", { type: "number", min: 1, max: 100000, step: 1 }));
+  const message = element("p");
   message.setAttribute("role", "status");
-  const output = element("pre", { tabIndex: 0 });
   const warning = element("p", { className: "warning" });
-  const cable = element("p", { className: "cable" });
-  const files = element("ul", {});
-  box.append(list, message, cable, warning, output, files);
+  const table = element("table", { className: "docutils" });
+  const files = element("ul");
+  const output = element("pre", { tabIndex: 0 });
+  const answer = element("div", { className: "answer" }, warning, table, files,
+    element("details", { open: true }, element("summary", { textContent: "The output of the command" }), output));
+  box.append(list, message, answer);
 
   const fill = (select, options) => {
     const chosen = select.value;
     select.replaceChildren(...options.map(([value, text]) => element("option", { value, textContent: text })));
     if (options.some(([value]) => value === chosen)) select.value = chosen;
   };
-  const readAddress = () => {
-    const given = new URLSearchParams(location.hash.slice(1));
-    code.value = given.get("code") ?? code.value;
-    show(given.get("master"), given.get("choose"));
+  const showTable = (settings) => {
+    const row = (tag, cells) => element("tr", {}, ...cells.map((text) => element(tag, { textContent: text })));
+    table.hidden = settings.length === 0;
+    const columns = settings.some(({ at }) => at) ? ["name", "value", "at"] : ["name", "value"];
+    const titles = { name: "Setting", value: "Value", at: "In the master" };
+    table.replaceChildren(element("thead", {}, row("th", columns.map((column) => titles[column]))),
+      element("tbody", {}, ...settings.map((setting) => row("td", columns.map((column) => setting[column])))));
   };
-  const show = (wantedMaster, wantedChoice) => {
-    const found = listedCode(data, code.value);
-    output.hidden = files.hidden = found === null;
-    cable.hidden = warning.hidden = true;
-    choice.parentNode.hidden = true;
-    message.textContent = "";
-    if (found === null) {
-      const begun = code.value.replace(/\s/g, "").toUpperCase();
-      const near = Object.keys(data.codes).filter((listed) => begun && listed.toUpperCase().startsWith(begun)).slice(0, 5);
-      if (near.length) message.textContent = `Order codes that begin like this: ${near.join(", ")}.`;
-      else if (begun) message.textContent = `No order code with BiSS or SSI begins like this. Try: codewheel master ${code.value}`;
-      return;
-    }
-    const choices = data.codes[found];
-    fill(choice, choices.map(([answers], index) => [String(index), answers.replaceAll("--choose ", "")]));
-    const wantedIndex = choices.findIndex(([answers]) => answers.replaceAll("--choose ", "") === wantedChoice);
-    if (wantedIndex >= 0) choice.value = String(wantedIndex);
-    choice.parentNode.hidden = choices.length < 2;
-    const [answers, byMaster] = choices[Number(choice.value)];
-    const described = data.masters.filter((_, index) => byMaster[index].length);
-    fill(master, described);
-    if (described.some(([name]) => name === wantedMaster)) master.value = wantedMaster;
-    const [number, formats] = byMaster[data.masters.findIndex(([name]) => name === master.value)];
-    message.replaceChildren(element("code", { textContent: settingsCommand(found, master.value, answers) }));
-    const text = settingsText(data, found, number);
-    const warnings = supplyWarnings(text);
-    warning.hidden = warnings.length === 0;
-    warning.textContent = warnings.join(" ");
-    cable.hidden = !text.includes("--cable METRES");
-    cable.replaceChildren("For the clocks with a cable of 30 m, run ",
-      element("code", { textContent: `${settingsCommand(found, master.value, answers)} --cable 30` }), ".");
+  const showOutput = (text) => {
     const lines = text.split("\n");
     output.replaceChildren(...lines.map((line, index) => {
       const end = index < lines.length - 1 ? "\n" : "";
       return withLinks(element("span", { className: lineKind(line), textContent: line + end }));
     }));
-    files.replaceChildren(...formats.map(([format, device, file]) => {
-      const blob = new Blob([`${settingsText(data, found, file)}\n`], { type: "text/plain" });
-      const name = [master.value, format, device, found].join("-").replace(/[^A-Za-z0-9-]+/g, "_");
+  };
+  const showFiles = (encoder, name) => {
+    files.replaceChildren(...(encoder.files[name] ?? []).map(([format, device, number]) => {
+      const blob = new Blob([`${fileText(data, encoder.record.code, number)}\n`], { type: "text/plain" });
+      const base = [name, format, device, encoder.record.code].join("-").replace(/[^A-Za-z0-9-]+/g, "_");
       const title = `File for ${device}: ${format}`;
-      const link = element("a", { href: URL.createObjectURL(blob), download: name + data.formats[format], textContent: title });
-      const item = element("li", {});
-      item.append(link);
-      return item;
+      return element("li", {}, element("a", {
+        href: URL.createObjectURL(blob), download: base + data.formats[format], textContent: title }));
     }));
-    const address = new URLSearchParams({ code: found, master: master.value });
-    if (answers) address.set("choose", answers.replaceAll("--choose ", ""));
+  };
+  const show = (wantedMaster, wantedChoice) => {
+    answer.hidden = true;
+    choice.parentNode.hidden = true;
+    let encoder;
+    try {
+      encoder = describedEncoder(data, code.value, wantedChoice ?? choice.value, cableMetres(cable.value));
+    } catch (error) {
+      if (!(error instanceof codewheelMaster.NoRecord)) throw error;
+      message.textContent = error.message;
+      return;
+    }
+    answer.hidden = false;
+    const { record } = encoder;
+    fill(choice, encoder.choices.map((answers) => [answers, answers.replaceAll("--choose ", "")]));
+    choice.value = encoder.choice;
+    choice.parentNode.hidden = encoder.choices.length < 2;
+    const described = data.masters.filter(({ takes }) => takes.includes(record.words.interface));
+    fill(master, described.map(({ name, title }) => [name, title]));
+    if (described.some(({ name }) => name === wantedMaster)) master.value = wantedMaster;
+    const chosen = described.find(({ name }) => name === master.value);
+    const metres = record.cable_m ?? "";
+    message.replaceChildren(element("code", { textContent: settingsCommand(record.code, chosen.name, encoder.choice, metres) }));
+    const { refusals, notes, settings } = codewheelMaster.shownSheet(encoder, chosen, data);
+    const warnings = [...refusals, ...supplyWarnings(notes)];
+    warning.hidden = warnings.length === 0;
+    warning.textContent = warnings.join(" ");
+    showTable(settings);
+    showOutput(codewheelMaster.settingsText(encoder, chosen, data));
+    showFiles(encoder, chosen.name);
+    const address = new URLSearchParams({ code: record.code, master: chosen.name });
+    if (encoder.choice) address.set("choose", encoder.choice.replaceAll("--choose ", ""));
+    if (metres) address.set("cable", metres);
     history.replaceState(null, "", `#${address}`);
   };
-  for (const control of [code, master, choice]) control.addEventListener("input", () => show());
+  const readAddress = () => {
+    const given = new URLSearchParams(location.hash.slice(1));
+    code.value = given.get("code") ?? code.value;
+    cable.value = given.get("cable") ?? "";
+    const answers = given.get("choose")?.split(" ").map((pair) => `--choose ${pair}`).join(" ");
+    show(given.get("master"), answers);
+  };
+  for (const control of [code, master, choice, cable]) control.addEventListener("input", () => show());
   window.addEventListener("hashchange", readAddress);
   // An address such as #top has no order code.
-  code.value = Object.keys(data.codes)[0];
+  [code.value] = Object.keys(data.codes);
   readAddress();
 }
 
 if (typeof document !== "undefined") {
   for (const box of document.querySelectorAll(".codewheel-settings")) mountSettings(box, window.codewheelSettings);
 }
-if (typeof module !== "undefined") module.exports = { settingsText, listedCode, settingsCommand, supplyWarnings };
+if (typeof module !== "undefined") {
+  module.exports = { cableMetres, describedEncoder, fileText, listedCode, settingsCommand, supplyWarnings };
+}
