@@ -39,7 +39,7 @@ def test_every_rule_has_its_pair() -> None:
     assert {case["rule"] for case in CASES} | _ELSEWHERE == set(RULES)
 
 
-@pytest.mark.one_in(5, "slow")
+@pytest.mark.one_in(8, "slow")
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
 def test_what_is_printed(case: Case) -> None:
     text = diff_text(*sides(case))

@@ -35,12 +35,15 @@ def modbus_crc(data: bytes) -> bytes:
 
 
 def other_crc(data: bytes) -> bytes:
-    rest = 0x1D0F
+    register = 0x1D0F
     for byte in data:
-        rest ^= byte << 8
+        register ^= byte << 8
         for _ in range(8):
-            rest = (rest << 1 ^ (0x1021 if rest & 0x8000 else 0)) & 0xFFFF
-    return rest.to_bytes(2, "big")
+            highest_bit = register & 0x8000
+            register = register << 1 & 0xFFFF
+            if highest_bit:
+                register ^= 0x1021
+    return register.to_bytes(2, "big")
 
 
 def case_of(code: str, data: bytes, fault: str, error: bool, values: dict[str, int | bool]) -> Case:
@@ -102,7 +105,12 @@ def test_every_engine_agrees(name: str, engine: str, import_generated: Import, t
     assert {case.fault for case in cases} >= {"", "crc"}
     results = [without_other_members(case) for case in ENGINES[engine](made, cases, import_generated, tmp_path)]
     expected = [without_other_members(case) for case in cases]
-    assert [pair for pair in zip(results, expected, strict=True) if pair[0] != pair[1]][:3] == []
+    differing = [
+        (result, expected_case)
+        for result, expected_case in zip(results, expected, strict=True)
+        if result != expected_case
+    ]
+    assert differing[:3] == []
 
 
 def without_other_members(case: Case) -> Case:

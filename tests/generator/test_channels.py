@@ -175,21 +175,25 @@ def in_python(cases: Sequence[Case], import_generated: Import, _: Path) -> Itera
 
 
 def in_columns(cases: Sequence[Case], import_generated: Import, _: Path) -> Iterator[Case]:
-    np: Any = pytest.importorskip("numpy")
+    numpy: Any = pytest.importorskip("numpy")
     package: Any = import_generated(Library((made_device(),)), "test_encoders")[1]
-    for code in dict.fromkeys(case.code for case in cases):
-        group = [case for case in cases if case.code == code]
-        layout = package.lookup(code).channels()
-        table = layout.decode_many([case.number for case in group])
-        rows = np.frombuffer(b"".join(map(in_bytes, group)), np.uint8).reshape(len(group), -1)
-        assert (layout.decode_many(rows).verdict == table.verdict).all()
-        columns = zip(group, table.fault, table.verdict, table.position, table.channels[1]["life"], strict=True)
-        for case, fault, verdict, position, life in columns:
+    for order_code in dict.fromkeys(case.code for case in cases):
+        cases_of_code = [case for case in cases if case.code == order_code]
+        layout = package.lookup(order_code).channels()
+        table = layout.decode_many([case.number for case in cases_of_code])
+        # The same frames as an array with a row of bytes for each frame.
+        frame_bytes = numpy.frombuffer(b"".join(map(in_bytes, cases_of_code)), numpy.uint8)
+        table_of_bytes = layout.decode_many(frame_bytes.reshape(len(cases_of_code), -1))
+        assert (table_of_bytes.verdict == table.verdict).all()
+        life_counters = table.channels[1]["life"]
+        for row, case in enumerate(cases_of_code):
+            fault, verdict = int(table.fault[row]), table.verdict[row]
             if fault:
                 assert verdict == 0
-                yield Case(code, case.number, {2: "crc"}[int(fault)])
+                yield Case(order_code, case.number, {2: "crc"}[fault])
             else:
-                yield Case(code, case.number, "", VERDICTS[verdict], int(position), int(life))
+                position, life = int(table.position[row]), int(life_counters[row])
+                yield Case(order_code, case.number, "", VERDICTS[verdict], position, life)
 
 
 #: Reads lines with the index of an order code and the bytes of a buffer.

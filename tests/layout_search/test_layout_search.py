@@ -229,6 +229,7 @@ def test_a_frame_of_spi_has_at_least_a_byte(run: Run) -> None:
     assert "the frames have 4 bits; a line has at least 8" in err
 
 
+@pytest.mark.slow
 def test_great_positions_are_compared(run: Run) -> None:
     assert run("find", "ssi", f"0b{'01' * 32}", f"0b{'10' * 32}", "--positions=1e20,-1e20")[0] == 0
 

@@ -346,23 +346,23 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
     assert file_count > 2_800
 
 
-def _read_back(name: str, text: str, settings_sheet: SettingsSheet, on: str, rule: Raw) -> None:
+def _read_back(name: str, text: str, settings_sheet: SettingsSheet, device_name: str, rule: Raw) -> None:
     """Read a file with the reader of its format, and compare each value with the page of the master."""
-    entries = content_of_file(settings_sheet, rule, on).entries
-    page = {setting.name: setting.value for setting in settings_sheet.settings}
+    entries = content_of_file(settings_sheet, rule, device_name).entries
+    value_by_setting = {setting.name: setting.value for setting in settings_sheet.settings}
     for entry in entries:
-        assert entry.value == page.get(entry.name, entry.value)
-    reader = getattr(readers, name, None)
+        assert entry.value == value_by_setting.get(entry.name, entry.value)
+    read_format = getattr(readers, name, None)
     if name in SDO:
         expected = {(entry.place.index, entry.place.subindex): (int(entry.value), entry.size) for entry in entries}
-        assert reader is not None
-        assert reader(text) == expected
+        assert read_format is not None
+        assert read_format(text) == expected
         assert len(expected) == len(entries)
     elif name == "fastcat":
         values = readers.fastcat(text)
         assert {entry.place.subindex: entry.value for entry in entries}.items() <= values.items()
-    elif reader is not None:
-        reader(text)
+    elif read_format is not None:
+        read_format(text)
 
 
 @pytest.mark.slow

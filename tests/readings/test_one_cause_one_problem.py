@@ -182,6 +182,7 @@ def test_a_wider_position_of_one_model_is_one_problem(folder: Path, capsys: pyte
     assert "and 6 more with the same cause" in found[0]
 
 
+@pytest.mark.slow
 def test_a_text_about_another_parameter_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     edit(
         folder / "sma21.yaml",

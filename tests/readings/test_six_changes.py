@@ -84,6 +84,7 @@ def test_six_careless_edits_give_few_problems_that_name_each_stale_place(
         assert any(rule == found_rule and text in line for found_rule, line in found), (rule, text)
 
 
+@pytest.mark.slow
 def test_lines_of_other_places_with_the_same_cause(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The wait after a command is 30 ms in seven procedures, one of which has it twice."""
     edit(
@@ -115,6 +116,7 @@ def test_words_of_a_text_stay_if_the_part_that_has_it_is_renamed(
     assert new == old.replace("enable_preset", "preset_lock")
 
 
+@pytest.mark.slow
 def test_a_word_that_is_no_longer_a_choice_is_asked_for(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = (folder / "am36.yaml").read_text(encoding="utf-8").replace("+10VDC +30VDC", "+5VDC +30VDC")
     for old, new in (("+10 V", "+5 V"), ("min_mv: 10000", "min_mv: 5000"), ("supply, min: 10,", "supply, min: 5,")):

@@ -46,6 +46,7 @@ def test_a_changed_word_in_a_long_text_is_the_only_difference() -> None:
     assert ranges == (30_000, 30_001, 30_000, 30_001)
 
 
+@pytest.mark.slow
 def test_texts_in_which_everything_differs_end_in_seconds() -> None:
     """5,000 lines of nine words in one section. Comparing all pairs of equal words is 225 million of them."""
     old, new = random_words(45_000, 1), random_words(45_000, 2)

@@ -145,6 +145,7 @@ def copies(rate: float, longest_s: float, seed: int = 1) -> Callable[[], float |
     return lambda: chance.uniform(0, longest_s) if chance.random() < rate else None
 
 
+@pytest.mark.one_in(3, "slow")
 @pytest.mark.parametrize("splits", [False, True])
 @pytest.mark.parametrize("turnaround", [TURNAROUND_S, 0.001, 0.004])
 def test_copies_at_any_time(generated_python: Package, turnaround: float, splits: bool) -> None:
@@ -200,6 +201,7 @@ def test_cancelled_requests_are_not_a_second_device(generated_python: Package) -
     assert (session.statistics.extra_replies, session.statistics.late_replies) == (0, 5)
 
 
+@pytest.mark.one_in(3, "slow")
 @pytest.mark.parametrize("longest_s", [0.00002, 0.0001, 0.001])
 def test_without_a_time_to_settle(generated_python: Package, longest_s: float) -> None:
     """Requests of another kind between those for the position: at most one stale position for each copy."""

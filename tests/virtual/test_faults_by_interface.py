@@ -22,7 +22,7 @@ EXAMPLES = ROOT / "specs"
 #: Faults that need a request and a reply as bytes, and a fault that needs a start bit.
 ONLY_BYTES = {"doubled", "repeated", "second", "echo", "junk"}
 NOT_CLOCKED = {"biss": ONLY_BYTES, "ssi": ONLY_BYTES | {"late"}, "spi": ONLY_BYTES | {"late", "busy"}}
-LIKA = Path(__file__).parents[2] / "specs" / "lika"
+LIKA, AMS = (Path(__file__).parents[2] / "specs" / name for name in ("lika", "ams"))
 CODES = {"rs485": "AMM5A23/65KJP1", "biss": "AMM5A21/65KSC1", "ssi": "AMM5A21/65KBG1", "spi": "AS5047P"}
 REPLIES = 40
 #: Milliseconds between replies: within the 20 ms for which a fault lasts, and after them.
@@ -30,7 +30,7 @@ PAUSES_MS = (1, 50)
 
 
 def new_encoder(code: str, *faults: str, **more: Any) -> VirtualEncoder:
-    return VirtualEncoder(code, faults=faults, specs=[], **more)
+    return VirtualEncoder(code, faults=faults, specs=[LIKA, AMS], **more)
 
 
 @pytest.mark.parametrize("interface", CODES)
