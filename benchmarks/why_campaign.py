@@ -25,7 +25,8 @@ from dataclasses import dataclass, replace
 from math import log2
 from typing import NamedTuple
 
-from codewheel.commands.decode.frames import decode_text, why_text
+from codewheel.commands.decode.explanations import why_text
+from codewheel.commands.decode.frames import decode_text
 from codewheel.loading.library import load_library
 from codewheel.model import (
     Constant,
@@ -323,9 +324,6 @@ def byte_mistakes(encoder: Encoder) -> Iterator[Mistake]:
         placed = next(other for other in interface.layouts if other.name in names).place(encoder.variant.parameters)
         return number_to_bytes(placed.layout, valid_frame(encoder, placed, source), placed.bits)
 
-    def any_byte(source: random.Random) -> bytes:
-        return bytes([source.getrandbits(8)])
-
     if any(exchange.reply == layout.name for exchange in encoder.device.interface("rs485").exchanges):
         yield Mistake("echo alone", lambda _, source: request(source).hex(" "), kinds=("echo",), changes_frame=False)
         yield Mistake(
@@ -340,7 +338,7 @@ def byte_mistakes(encoder: Encoder) -> Iterator[Mistake]:
     yield Mistake("first byte missing", lambda frame, _: data(frame)[1:].hex(" "), kinds=("first_byte_lost",))
     yield Mistake(
         "first byte missing, one behind",
-        lambda frame, source: (data(frame)[1:] + any_byte(source)).hex(" "),
+        lambda frame, source: (data(frame)[1:] + source.randbytes(1)).hex(" "),
         kinds=("first_byte_lost",),
         loses_first_byte=True,
     )

@@ -16,7 +16,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from codewheel.commands.decode.frames import decode_text, why_text
+from codewheel.commands.decode.explanations import why_text
+from codewheel.commands.decode.frames import decode_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.order_codes.labels import UnknownOrderCode, find_code

@@ -34,7 +34,6 @@ READERS = {
     "reads a device that reduced_to_codes has reduced to the order codes": {
         "commands/show/text.py",
         "targets/c/single.py",
-        "targets/c/single_usage.py",
         "targets/docs/order_code_page.py",
         "targets/docs/verdict_table.py",
     },
@@ -44,7 +43,6 @@ READERS = {
     },
     "needs only names, links or procedures, which do not depend on the order code": {
         "reference/registers.py",
-        "targets/c/chosen.py",
         "targets/docs/cross_family_pages.py",
         "targets/docs/interface_page.py",
         "targets/docs/__init__.py",
@@ -71,8 +69,9 @@ READERS = {
         "targets/docs/wiring_tables.py",
     },
     "shows the order codes beside each fact": {
-        "changes/facts_by_code.py",
         "targets/c/variants.py",
+        "targets/c/single_text.py",
+        "targets/c/worked_examples.py",
         "changes/families.py",
         "changes/interfaces.py",
         "dump/plain.py",
@@ -82,7 +81,7 @@ READERS = {
         "say/order_code.py",
         "say/names_and_evidence.py",
         "targets/c/device.py",
-        "targets/c/errata_page.py",
+        "targets/c/package.py",
         "targets/c/interfaces.py",
         "targets/docs/wiring_tables.py",
         "targets/docs/page_pictures.py",

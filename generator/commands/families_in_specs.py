@@ -267,8 +267,7 @@ def in_requested_edition(
         register_bytes: Register bytes by address.
 
     Raises:
-        CommandError: The edition does not exist, cannot be inferred, or does not have the order code. The exit code is
-            2.
+        CommandError: The edition does not exist, cannot be inferred, or lacks the order code. The exit code is 2.
     """
     from ..loading.history import UnknownEdition
     from ..order_codes.labels import UnknownOrderCode, find_code

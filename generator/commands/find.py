@@ -127,7 +127,7 @@ def _frame_texts(frame_arguments: Sequence[str]) -> list[str]:
     Each argument is a frame, or has a frame on each of its lines. If ``-`` is the only argument, the frames are the
     lines of standard input.
     """
-    from .decode.decoding import argument_lines
+    from .decode.several_frames import argument_lines
 
     if list(frame_arguments) == ["-"]:
         return [line.text for line in argument_lines(frame_arguments)]

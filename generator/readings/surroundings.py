@@ -258,8 +258,7 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
     """
     step_number = 0
     total_wait_us = 0
-    # The position of the next wait, in words.
-    position_text = "at its start"
+    position_text = "at its start"  # of the next wait
     for index, step in enumerate(procedure.steps):
         step_place = ("steps", index)
         if isinstance(step, WaitStep):
@@ -281,19 +280,16 @@ def _waits_and_repetitions(reading: SpecReading, procedure: Procedure) -> Iterat
         total_wait_us = 0
         position_text = f"after {quoted_step}"
         if isinstance(step, ReadStep) and step.field:
-            bits_read = register_and_bits(reading, step.register, step.field)
-            description = f"bits used by {quoted_step}"
             yield _Detail(
                 fact_class=FactClass.PROCEDURE,
                 key=("bits", step_number),
                 place=(*step_place, "field"),
-                value=bits_read,
-                description=description,
+                value=register_and_bits(reading, step.register, step.field),
+                description=f"bits used by {quoted_step}",
             )
         if isinstance(step, SendStep):
-            yield from _repetition_details(
-                step, step_number, step_place, f"{quoted_step} in the procedure '{procedure.name}'"
-            )
+            step_in_procedure = f"{quoted_step} in the procedure '{procedure.name}'"
+            yield from _repetition_details(step, step_number, step_place, step_in_procedure)
 
 
 def _repetition_details(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:

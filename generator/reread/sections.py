@@ -329,15 +329,24 @@ def _find_headings(
         if has_listed_title or is_skipped:
             headings[index] = number, title_by_number.get(number, title)
             last_number_key = number_key
-    first_numbered_heading = min(headings, default=len(lines))
-    lines_before = lines[:first_numbered_heading]
     # Headings without a number are only searched for before the numbered headings.
+    first_numbered_heading = min(headings, default=len(lines))
+    unnumbered_headings, page_by_title = _find_unnumbered_headings(lines[:first_numbered_heading])
+    return headings | unnumbered_headings, page_by_title
+
+
+def _find_unnumbered_headings(lines: Sequence[str]) -> tuple[dict[int, _Heading], dict[str, int]]:
+    """Return the headings without a number by line, and their pages in the table of contents by title.
+
+    Such a heading has the same text as an entry of the table of contents before it.
+    """
     entry_index_by_title: dict[str, int] = {}
-    for index, line in enumerate(lines_before):
+    for index, line in enumerate(lines):
         if _IN_CONTENTS.search(line):
             entry_index_by_title[_entry_title(line)] = index
+    headings: dict[int, _Heading] = {}
     page_by_title: dict[str, int] = {}
-    for index, line in enumerate(lines_before):
+    for index, line in enumerate(lines):
         is_after_its_entry = line in entry_index_by_title and entry_index_by_title[line] < index
         if is_after_its_entry:
             headings[index] = line, line

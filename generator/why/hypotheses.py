@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 
 from ..model import (
@@ -267,53 +268,8 @@ def frame_hypothesis(
     they prove nothing. ``determined_bits`` is the number of bits around the frame whose value the mistake determines.
     The bits of constants and parity are added to it.
     """
-    if crc is None:
-        return _hypothesis_without_crc(
-            kind=kind,
-            description=description,
-            placed_layout=placed_layout,
-            frame=frame,
-            lost_bits=lost_bits,
-            determined_bits=determined_bits,
-            are_determined_right=are_determined_right,
-            order_codes=order_codes,
-        )
     constant_bits, are_constants_correct = check_constant_bits(placed_layout, frame)
-    covered_data, covered_bits = crc_covered_bits(placed_layout, frame)
-    return Hypothesis(
-        kind=kind,
-        description=description,
-        crc=crc,
-        covered_data=covered_data,
-        covered_bits=covered_bits,
-        received_crc=(frame & crc.mask) >> lost_bits,
-        received_crc_bits=crc.width - lost_bits,
-        determined_bits=determined_bits + constant_bits,
-        are_determined_right=are_determined_right and are_constants_correct,
-        likelihood=likelihood(placed_layout, frame),
-        frame=frame,
-        frame_layout=placed_layout,
-        order_codes=tuple(order_codes),
-    )
-
-
-def _hypothesis_without_crc(
-    kind: str,
-    description: str,
-    placed_layout: PlacedLayout,
-    frame: int,
-    lost_bits: int,
-    determined_bits: int,
-    are_determined_right: bool,
-    order_codes: Sequence[str],
-) -> Hypothesis:
-    """Return the hypothesis that the encoder sent ``frame``, which has no CRC, and that a mistake changed it.
-
-    Only constants and parity bits can contradict it. The values of the ``lost_bits`` bits that were not received are
-    assumed, so their number is subtracted from the number of these bits.
-    """
-    constant_bits, are_constants_correct = check_constant_bits(placed_layout, frame)
-    return Hypothesis(
+    hypothesis = Hypothesis(
         kind=kind,
         description=description,
         crc=None,
@@ -327,6 +283,26 @@ def _hypothesis_without_crc(
         frame=frame,
         frame_layout=placed_layout,
         order_codes=tuple(order_codes),
+    )
+    if crc is None:
+        return hypothesis
+    all_determined_bits = determined_bits + constant_bits
+    return _with_crc(hypothesis, placed_layout, crc=crc, lost_bits=lost_bits, determined_bits=all_determined_bits)
+
+
+def _with_crc(
+    hypothesis: Hypothesis, placed_layout: PlacedLayout, *, crc: Crc, lost_bits: int, determined_bits: int
+) -> Hypothesis:
+    """Return a hypothesis in which the frame ends with a CRC, of which the last ``lost_bits`` were not received."""
+    covered_data, covered_bits = crc_covered_bits(placed_layout, hypothesis.frame)
+    return replace(
+        hypothesis,
+        crc=crc,
+        covered_data=covered_data,
+        covered_bits=covered_bits,
+        received_crc=(hypothesis.frame & crc.mask) >> lost_bits,
+        received_crc_bits=crc.width - lost_bits,
+        determined_bits=determined_bits,
     )
 
 

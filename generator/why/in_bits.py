@@ -287,10 +287,9 @@ def _offset_hypotheses(
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which the ``length`` bits of ``number`` contain the frame with an offset.
 
-    An offset describes extra bits before and after the frame, and missing first and last bits. Extra bits that must be
-    1 are evidence, and those that are mostly 0 change the likelihood. Without a CRC, there is a hypothesis for each
-    value of the missing last bits. With a CRC, these bits belong to it, and are 0 here. The first ``command_bits`` bits
-    are not affected.
+    Extra bits that must be 1 are evidence, and those that are mostly 0 change the likelihood. Without a CRC, there is a
+    hypothesis for each value of the missing last bits. With a CRC, these bits belong to it, and are 0 here. The first
+    ``command_bits`` bits are not affected.
     """
     affected_length = length - command_bits
     command = number >> affected_length
@@ -298,10 +297,8 @@ def _offset_hypotheses(
     frame_without_last_bits = (command << (placed_layout.bits - command_bits)) | parts.frame_without_last_bits
     template = TEXTS["after_command"].format(offset.text) if command_bits else offset.text
     start_bits = _bits_with_mark(offset.front, "1", parts.front)
-    likelihood_around = _likelihood_around(offset, parts)
     assumed_bits = offset.lost + len(offset.missing) if crc is None else 0
-    values_of_last_bits = range(1 << offset.lost) if crc is None else range(1)
-    for last_bits in values_of_last_bits:
+    for last_bits in range(1 << offset.lost) if crc is None else range(1):
         hypothesis = frame_hypothesis(
             kind=offset.kind,
             description=template.format(offset.missing),
@@ -315,7 +312,7 @@ def _offset_hypotheses(
         yield replace(
             hypothesis,
             template=template,
-            likelihood=hypothesis.likelihood * likelihood_around,
+            likelihood=hypothesis.likelihood * _likelihood_around(offset, parts),
             has_assumed_bit=assumed_bits > 0,
             relative_frequency=AFTER_COMMAND if command_bits else 1.0,
         )

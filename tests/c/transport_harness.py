@@ -250,7 +250,7 @@ def source(view: DeviceView) -> str:
 
 
 def _run(procedure: ProcedureCode) -> str:
-    name = procedure.run.procedure.name
+    name = procedure.plan.procedure.name
     types = [argument.type for argument in procedure.arguments]
     argument_list = "".join(f", ({type_})arguments[{index}]" for index, type_ in enumerate(types))
     out = ", &out" if procedure.read_type else ""

@@ -148,6 +148,9 @@ def test_python(library: Library, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
     monkeypatch.syspath_prepend(str(tmp_path / "python"))
+    # Another test may have imported a package of this name.
+    for module in [name for name in sys.modules if name.partition(".")[0] == "acme_encoders"]:
+        monkeypatch.delitem(sys.modules, module)
     family = import_module("acme_encoders.facts_by_code")
     encoders = {code: family.lookup(code) for code in family.VARIANTS}
     clocks = {code: encoder.clock.max_hz for code, encoder in encoders.items()}

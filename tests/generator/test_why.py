@@ -14,7 +14,8 @@ from typing import Any
 import jsonschema
 import pytest
 from codewheel.commands.cli import main
-from codewheel.commands.decode.frames import decode_text, why_text
+from codewheel.commands.decode.explanations import why_text
+from codewheel.commands.decode.frames import decode_text
 from codewheel.commands.decode.text import explain
 from codewheel.loading.library import load_library
 from codewheel.model import Device

@@ -8,7 +8,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from codewheel.commands.decode.frames import why_text
+from codewheel.commands.decode.explanations import why_text
 from codewheel.loading.library import load_library
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "benchmarks"))

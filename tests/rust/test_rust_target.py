@@ -34,7 +34,7 @@ def sources() -> list[Path]:
 def test_it_is_small_and_codewheel_knows_nothing_of_it() -> None:
     ours = [path for path in sources() if not {"build", "__pycache__"} & set(path.parts)]
     assert len(ours) == 10
-    assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in ours) <= 1322
+    assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in ours) <= 1325
     for folder in ("generator", "templates", "runtime"):
         for path in (ROOT / folder).rglob("*.*"):
             assert path.suffix == ".pyc" or not re.search(rb"(?i)\brust\b", path.read_bytes()), path

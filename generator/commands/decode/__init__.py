@@ -72,7 +72,8 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         CommandError: There is no such order code or edition, or an answer or a register value is wrong.
     """
-    from .decoding import Decoding, argument_lines
+    from .decoding import Decoding
+    from .several_frames import argument_lines
 
     decoding = Decoding(_request_of(arguments))
     try:

@@ -14,8 +14,9 @@ from ...reference.findings import ChannelFindings, Findings, channel_findings
 from ...say import WIDTH, count_with_unit, frame_texts
 from ...say.text import VERDICT_CLAUSES
 from ...why.hypotheses import TypedFrame
+from .explanations import why_text
 from .field_table import wrapped
-from .frames import frame_number, undecorated, why_text
+from .frames import frame_number, undecorated
 from .text import described_frame, evidence_lines
 
 if TYPE_CHECKING:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import io
 import json
-import re
 import sys
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...model import Device, Flag, PlacedLayout, Verdict
 from ...order_codes.labels import LabelMatch
@@ -20,8 +18,15 @@ from ...reference.registers import values_of_older_edition
 from ...why import LEAST_FAILED, MOST_FRAMES
 from ..find_encoder import UndecidedError, refuse_undecided
 from .channel_frames import ChannelDecoder, channel_decoder, described_channels
-from .frames import FrameLine, FrameTextError, decode_register_text, frame_lines, text_decoder, why_text, why_valid_text
-from .other_frames import OtherFrames, frame_of_other_code, is_frame_of_other_kind, other_frames_line
+from .explanations import (
+    OtherFrames,
+    frame_of_other_code,
+    is_frame_of_other_kind,
+    other_frames_line,
+    why_text,
+    why_valid_text,
+)
+from .frames import FrameLine, FrameTextError, decode_register_text, text_decoder
 from .plain_data import channel_data, decoded_data
 from .several_frames import frame_sizes, separate_frames
 from .text import explain, heading, label_lines, line_prefix, together_lines
@@ -36,8 +41,6 @@ DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
 #: Number of frames after which a message names the command for many frames.
 MANY = 10_000
-#: Number of characters of a line that are kept in memory.
-_LONGEST_LINE = 1 << 16
 _SINGLE_LINE_JSON = json.JSONEncoder(ensure_ascii=False)
 
 
@@ -55,45 +58,6 @@ class DecodeRequest:
     register_differences: tuple[ValueDifference, ...]
     #: The user's answers to questions that the manual leaves open, by the names of the alternatives.
     answers: Mapping[str, str]
-
-
-#: Bits with their prefix that are too many for a byte.
-_BITS_OF_A_FRAME = re.compile(r"0[bB]_*[01](?:_*[01]){8,}")
-
-
-def argument_lines(arguments: Sequence[str]) -> Iterator[FrameLine]:
-    """Yield the frames in the arguments, or, for ``-``, the frames on standard input, one per line.
-
-    The arguments form one text, in which each line is a frame. Arguments of more than 8 bits with the prefix ``0b`` are
-    frames of their own. A single frame has no line number. If the arguments contain no frame, their text is yielded as
-    it is, and the decoder then rejects it.
-    """
-    if list(arguments) == ["-"]:
-        if isinstance(sys.stdin, io.TextIOWrapper):
-            sys.stdin.reconfigure(errors="replace")
-        yield from frame_lines(_bounded_lines(sys.stdin))
-        return
-    are_frames_of_bits = all(map(_BITS_OF_A_FRAME.fullmatch, arguments))
-    joined_arguments = ("\n" if are_frames_of_bits else " ").join(arguments)
-    # As on standard input, only line feeds and carriage returns end a line.
-    lines = list(frame_lines(io.StringIO(joined_arguments, newline=None)))
-    if not lines:
-        yield FrameLine(None, "", joined_arguments)
-    elif len(lines) == 1:
-        yield lines[0]._replace(number=None)
-    else:
-        yield from lines
-
-
-def _bounded_lines(file: TextIO) -> Iterator[str]:
-    """Yield the lines of a file. A line that is longer than any frame is cut."""
-    while beginning := file.readline(_LONGEST_LINE):
-        yield beginning
-        # Skip the rest of a line that was cut.
-        line_continues = len(beginning) == _LONGEST_LINE and not beginning.endswith("\n")
-        while line_continues:
-            piece = file.readline(_LONGEST_LINE)
-            line_continues = len(piece) == _LONGEST_LINE and not piece.endswith("\n")
 
 
 class _ExplainedFrame(NamedTuple):

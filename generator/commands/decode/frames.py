@@ -8,14 +8,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from ...language.document import visible
 from ...language.problems import quoted
 from ...model import (
     INTERFACES,
     Device,
-    Fault,
     Layout,
     PlacedChannels,
     PlacedLayout,
@@ -26,7 +25,7 @@ from ...model.layout import differ_in_length
 from ...reference import codec
 from ...reference.registers import decode_register
 from ...say import frame_texts
-from ...why.hypotheses import LEAST_EQUAL_BITS, TypedFrame
+from ...why.hypotheses import TypedFrame
 from .digits import (
     are_several_numbers,
     bits_of_bytes,
@@ -38,9 +37,6 @@ from .digits import (
     with_prefix,
 )
 
-if TYPE_CHECKING:
-    from ...why.diagnosis import Diagnosis
-
 _HEX_NUMBER = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
 _GAPS_IN_NUMBERS = re.compile(r"[\s_]")
 _BINARY_NUMBER = re.compile(r"0[bB][01]+")
@@ -51,8 +47,6 @@ _LONE_PREFIXED_NUMBER = re.compile(r"0[xXbB][0-9A-Fa-f]+")
 _PASTED_FORMS = tuple((re.compile(pattern), replacement) for pattern, replacement in frame_texts.PASTED)
 _TIME_STAMP = re.compile(frame_texts.TIME)
 _ODD_BLANKS = re.compile(frame_texts.ODD_BLANKS)
-#: Faults that may be explained by a mistake in reading the line or in computing the CRC.
-_TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
 
 
 class FrameTextError(ValueError):
@@ -407,79 +401,3 @@ def decode_as(
     if typed_frame.exact:
         return codec.decode_bits(device, placed_layout, typed_frame.number, typed_frame.bits)
     return codec.decode(device, placed_layout, typed_frame.number)
-
-
-def why_text(
-    device: Device,
-    variant: Variant,
-    sender: str,
-    frame_text: str,
-    decoded: codec.DecodedFrame,
-    *,
-    with_pairs: bool = False,
-) -> Diagnosis | None:
-    """Return possible explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
-
-    A frame of bytes whose layout is not known is also explained. ``decoded`` is the result of decoding the text. If
-    ``with_pairs`` is true, pairs of mistakes are also listed, even if a single mistake explains the frame.
-    """
-    placed_layout = decoded.layout
-    if placed_layout is not None and not placed_layout.layout.in_bytes:
-        # If the layouts of the sender differ in length, the number of hex bytes determines the length of the frame.
-        is_exact = differ_in_length(device.interface(variant.interface).layouts, sender)
-        typed_frame = typed_bits(device, placed_layout, undecorated(frame_text), exact=is_exact)
-        return _why_bits(device, variant, placed_layout, decoded, typed_frame=typed_frame, with_pairs=with_pairs)
-    if placed_layout is None:
-        first_layout = layouts_of_sender(device, variant, sender)[0]
-        layout_of_bytes = first_layout.place(variant.parameters)
-    else:
-        faults = {problem.fault for problem in decoded.problems}
-        if not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:
-            return None
-        layout_of_bytes = placed_layout
-    from ...why.explain import explain_bytes
-
-    frame = placed_bytes(layout_of_bytes, variant, undecorated(frame_text))
-    return explain_bytes(device, variant, sender, placed_layout, frame, with_pairs=with_pairs)
-
-
-def why_valid_text(
-    device: Device, variant: Variant, sender: str, frame_text: str, placed_layout: PlacedLayout
-) -> Diagnosis | None:
-    """Return the mistakes with which a valid bit frame without a CRC may have been read, or None if there are none."""
-    from ...why.explain import explain_constant
-
-    is_exact = differ_in_length(device.interface(variant.interface).layouts, sender)
-    typed_frame = frame_number(placed_layout, undecorated(frame_text), exact=is_exact)
-    return explain_constant(device, variant, placed_layout, typed_frame)
-
-
-def _why_bits(
-    device: Device,
-    variant: Variant,
-    placed_layout: PlacedLayout,
-    decoded: codec.DecodedFrame,
-    *,
-    typed_frame: TypedFrame,
-    with_pairs: bool,
-) -> Diagnosis | None:
-    """Return possible explanations of a bit frame, or None if it needs none or nothing explains it.
-
-    A frame is explained if its CRC, its length or a constant is wrong, or if it is long and its bits are all equal, as
-    on a dead line. The bits of a valid frame without a CRC are checked too, because only they show a dead line.
-    ``typed_frame`` is the frame as the user typed it.
-    """
-    faults = {problem.fault for problem in decoded.problems}
-    is_valid_without_crc = not faults and decoded.crc is None
-    all_ones = (1 << placed_layout.bits) - 1
-    has_equal_bits = placed_layout.bits >= LEAST_EQUAL_BITS and decoded.number in (0, all_ones)
-    has_transmission_fault = not faults.isdisjoint(_TRANSMISSION_FAULTS)
-    is_suspicious = is_valid_without_crc or has_equal_bits or has_transmission_fault
-    from ...why.explain import explain_bits, explain_constant
-
-    if is_suspicious:
-        is_valid = not faults
-        return explain_bits(device, variant, placed_layout, typed_frame, is_valid=is_valid, with_pairs=with_pairs)
-    if Fault.CONSTANT in faults:
-        return explain_constant(device, variant, placed_layout, typed_frame)
-    return None

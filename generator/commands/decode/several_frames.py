@@ -1,29 +1,71 @@
-"""Find the frames in several pasted lines: words in one line, and numbers in columns.
+"""Find the frames in arguments and pasted lines: one per line, words in one line, and numbers in columns.
 
 The decode page follows the same rules, in several.js.
 """
 
 from __future__ import annotations
 
+import io
 import itertools
 import re
+import sys
 from collections.abc import Iterable, Iterator, Sequence
+from typing import TextIO
 
 from ...model import INTERFACES, Device, Variant
 from ...say.frame_texts import DIGITS
 from .digits import are_decimal_numbers, lack_leading_zeros, words_of
-from .frames import FrameLine
+from .frames import FrameLine, frame_lines
 
 #: Number of lines that show whether numbers are decimal, and whether the first column counts the lines.
 _SAMPLE = 20
 #: Fewest lines that show a column that counts the lines.
 _FEWEST_ROWS = 3
+#: Number of characters of a line that are kept in memory.
+_LONGEST_LINE = 1 << 16
+#: Bits with their prefix that are too many for a byte.
+_BITS_OF_A_FRAME = re.compile(r"0[bB]_*[01](?:_*[01]){8,}")
 _DECIMAL = re.compile(DIGITS["decimal"])
 _BITS = re.compile(r"1[01]*")
 #: The number of a line, a separator of CSV, and a frame of at least 3 characters: ``12,40276`` or ``12;0x9D54``.
 _NUMBERED_ROW = re.compile(r"(?P<number>0|[1-9][0-9]{0,8})[ ]*[,;\t][ ]*(?P<frame>[0-9A-Za-z]{3,})")
 #: The names of two columns: ``time,raw``. At least one letter is not a hex digit.
 _HEADER = re.compile(r"(?=.*[G-Wg-wYyZz])[A-Za-z_][A-Za-z0-9_ ]*[,;\t][ ]*[A-Za-z_][A-Za-z0-9_ ]*")
+
+
+def argument_lines(arguments: Sequence[str]) -> Iterator[FrameLine]:
+    """Yield the frames in the arguments, or, for ``-``, the frames on standard input, one per line.
+
+    The arguments form one text, in which each line is a frame. Arguments of more than 8 bits with the prefix ``0b`` are
+    frames of their own. A single frame has no line number. If the arguments contain no frame, their text is yielded as
+    it is, and the decoder then rejects it.
+    """
+    if list(arguments) == ["-"]:
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(errors="replace")
+        yield from frame_lines(_bounded_lines(sys.stdin))
+        return
+    are_frames_of_bits = all(map(_BITS_OF_A_FRAME.fullmatch, arguments))
+    joined_arguments = ("\n" if are_frames_of_bits else " ").join(arguments)
+    # As on standard input, only line feeds and carriage returns end a line.
+    lines = list(frame_lines(io.StringIO(joined_arguments, newline=None)))
+    if not lines:
+        yield FrameLine(None, "", joined_arguments)
+    elif len(lines) == 1:
+        yield lines[0]._replace(number=None)
+    else:
+        yield from lines
+
+
+def _bounded_lines(file: TextIO) -> Iterator[str]:
+    """Yield the lines of a file. A line that is longer than any frame is cut."""
+    while beginning := file.readline(_LONGEST_LINE):
+        yield beginning
+        # Skip the rest of a line that was cut.
+        line_continues = len(beginning) == _LONGEST_LINE and not beginning.endswith("\n")
+        while line_continues:
+            piece = file.readline(_LONGEST_LINE)
+            line_continues = len(piece) == _LONGEST_LINE and not piece.endswith("\n")
 
 
 def frame_sizes(device: Device, variant: Variant, sender: str) -> tuple[int, ...]:

@@ -344,17 +344,13 @@ def script_table(library: Library) -> Data:
         "worth": {verdict.value: VERDICT_CLAUSES[verdict] for verdict in Verdict},
         "unexplained": UNEXPLAINED,
         "said": MESSAGES,
-        "notations": {
-            "pasted": PASTED,
-            "odd_blanks": frame_texts.ODD_BLANKS,
-            "time": frame_texts.TIME,
-            **frame_texts.DIGITS,
-        },
+        "notations": {"pasted": PASTED, "odd_blanks": frame_texts.ODD_BLANKS, "time": frame_texts.TIME}
+        | dict(frame_texts.DIGITS),
         "limits": {"text": frame_texts.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
-        | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT, "echoed": MOST_ECHOED_BYTES}
-        | {"byte_values": BYTE_VALUES},
+        | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT}
+        | {"echoed": MOST_ECHOED_BYTES, "byte_values": BYTE_VALUES},
         "doubts": READINGS,
         "left_aligned": LEFT_ALIGNED,
         "cut_off": CUT_OFF,

@@ -25,7 +25,6 @@ from ...model import (
 from ...model.expressions import Expression, Factor, Term
 from ...model.keys_and_members import LARGEST
 from ...model.record import assert_never
-from ...order_codes.labels import edition_before, edition_tests_of_register
 from ...plan.codec import LayoutPlan, layout_plan_of
 from ...plan.description import Check as DescribedCheck
 from ...plan.description import DescribedReportCause, Description, Name, describe
@@ -46,13 +45,13 @@ from ...plan.operations import (
 )
 from ...plan.verdicts import ReportCause, ReportsAndVerdict, codes_with_explanation
 from ...say.commands_and_alarms import alarm_of, alarm_source, flag_state_meanings, meaning, remedy
-from ...say.frame_texts import older_edition_message
 from ...say.layout import box_colour
 from ...say.names_and_evidence import register_at, title_of
 from ...say.register import describe_register_facts
 from ...say.text import PLAIN_STYLE, spec_text
 from ...why.exchanges import own_replies, usual_values_of
 from ...why.other_order_codes import states_of_widths
+from .messages import edition_tests
 
 Data = dict[str, Any]
 #: Characters that could end the surrounding script element, an HTML comment, or a line of the script.
@@ -229,7 +228,7 @@ def register_data(device: Device, register: Register) -> Data:
         default=default.hex(" ").upper() if default is not None else "",
         limits=[_limits_data(case, limits_of(device, register, case)) for case in meanings],
         tells=alarm_reports,
-        strange=[*_edition_tests(device, register)],
+        strange=[*edition_tests(device, register)],
     )
 
 
@@ -426,9 +425,8 @@ def _check_message(layout: Layout, check: Check) -> Data:
 
 def _report_texts(field: Field, alarm: Alarm | None) -> Data:
     """Return the meaning, remedy and source of a report, shown while the field is active or differs from the manual."""
-    return without_empty(
-        meaning=meaning(field, alarm), remedy=remedy(field, alarm), source=cite(alarm_source(field, alarm))
-    )
+    source_text = cite(alarm_source(field, alarm))
+    return without_empty(meaning=meaning(field, alarm), remedy=remedy(field, alarm), source=source_text)
 
 
 def _limits_data(register_meaning: RegisterMeaning | None, limits: NumberLimits) -> Data:
@@ -444,14 +442,3 @@ def _limits_data(register_meaning: RegisterMeaning | None, limits: NumberLimits)
     data["low"] = optional_expression_data(limits.low)
     data["high"] = optional_expression_data(limits.high)
     return data
-
-
-def _edition_tests(device: Device, register: Register) -> Iterator[list[Any]]:
-    """Yield digits of a register that tell the edition of the manual: the digits, their bounds, and a message.
-
-    The message applies if their value is within the bounds, which means an encoder of an older edition.
-    """
-    for revision, test in edition_tests_of_register(device, register.name):
-        before = edition_before(device, revision)
-        message = older_edition_message(test.run, "{0}", f"{test.min} to {test.max}", revision, register.name, before)
-        yield [test.run, test.min, test.max, message]

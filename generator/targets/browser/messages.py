@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
+from ...model import Device, Register
 from ...order_codes import labels
+from ...order_codes.labels import edition_before, edition_tests_of_register
 from ...say import frame_texts
 from ...say.layout import as_one_number
 
@@ -84,3 +89,16 @@ MESSAGES = {
 }
 #: Spellings of programs and logs, and their replacement in the notation of JavaScript.
 PASTED = [(pattern, replacement.replace("\\", "$")) for pattern, replacement in frame_texts.PASTED]
+
+
+def edition_tests(device: Device, register: Register) -> Iterator[list[Any]]:
+    """Yield digits of a register that tell the edition of the manual: the digits, their bounds, and a message.
+
+    The message applies if their value is within the bounds, which means an encoder of an older edition.
+    """
+    for revision, test in edition_tests_of_register(device, register.name):
+        before = edition_before(device, revision)
+        message = frame_texts.older_edition_message(
+            test.run, "{0}", f"{test.min} to {test.max}", revision, register.name, before
+        )
+        yield [test.run, test.min, test.max, message]

@@ -1,4 +1,4 @@
-"""Find out whether a frame may be of another kind, for encoders that send frames of several layouts."""
+"""Explain a frame with errors: by mistakes on the line or in the program, or as a frame of another kind."""
 
 from __future__ import annotations
 
@@ -17,11 +17,14 @@ from ...model import (
 from ...model.layout import differ_in_length
 from ...reference import codec
 from ...say import frame_texts
-from .frames import FrameTextError, decode_as, layouts_of_sender, undecorated
+from ...why.hypotheses import LEAST_EQUAL_BITS, TypedFrame
+from .frames import FrameTextError, decode_as, frame_number, layouts_of_sender, placed_bytes, typed_bits, undecorated
 
 if TYPE_CHECKING:
     from ...why.diagnosis import Diagnosis
 
+#: Faults that may be explained by a mistake in reading the line or in computing the CRC.
+_TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
 #: Mistakes with which the received bits are not a reply.
 NO_REPLY = frozenset(("line_stuck", "echo"))
 
@@ -113,3 +116,79 @@ def other_frames_line(
         sentence = f"{frame_texts.valid_other(layout_names)}: add --layout {layout_names}"
         return f"{sentence}. {frame_texts.another_reading(other_code)}" if other_code else sentence
     return f"{frame_texts.possible_instead(layout_names)} (choose with --layout)"
+
+
+def why_text(
+    device: Device,
+    variant: Variant,
+    sender: str,
+    frame_text: str,
+    decoded: codec.DecodedFrame,
+    *,
+    with_pairs: bool = False,
+) -> Diagnosis | None:
+    """Return possible explanations of a frame whose CRC, length or constant is wrong, or None if nothing explains it.
+
+    A frame of bytes whose layout is not known is also explained. ``decoded`` is the result of decoding the text. If
+    ``with_pairs`` is true, pairs of mistakes are also listed, even if a single mistake explains the frame.
+    """
+    placed_layout = decoded.layout
+    if placed_layout is not None and not placed_layout.layout.in_bytes:
+        # If the layouts of the sender differ in length, the number of hex bytes determines the length of the frame.
+        is_exact = differ_in_length(device.interface(variant.interface).layouts, sender)
+        typed_frame = typed_bits(device, placed_layout, undecorated(frame_text), exact=is_exact)
+        return _why_bits(device, variant, placed_layout, decoded, typed_frame=typed_frame, with_pairs=with_pairs)
+    if placed_layout is None:
+        first_layout = layouts_of_sender(device, variant, sender)[0]
+        layout_of_bytes = first_layout.place(variant.parameters)
+    else:
+        faults = {problem.fault for problem in decoded.problems}
+        if not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:
+            return None
+        layout_of_bytes = placed_layout
+    from ...why.explain import explain_bytes
+
+    frame = placed_bytes(layout_of_bytes, variant, undecorated(frame_text))
+    return explain_bytes(device, variant, sender, placed_layout, frame, with_pairs=with_pairs)
+
+
+def why_valid_text(
+    device: Device, variant: Variant, sender: str, frame_text: str, placed_layout: PlacedLayout
+) -> Diagnosis | None:
+    """Return the mistakes with which a valid bit frame without a CRC may have been read, or None if there are none."""
+    from ...why.explain import explain_constant
+
+    is_exact = differ_in_length(device.interface(variant.interface).layouts, sender)
+    typed_frame = frame_number(placed_layout, undecorated(frame_text), exact=is_exact)
+    return explain_constant(device, variant, placed_layout, typed_frame)
+
+
+def _why_bits(
+    device: Device,
+    variant: Variant,
+    placed_layout: PlacedLayout,
+    decoded: codec.DecodedFrame,
+    *,
+    typed_frame: TypedFrame,
+    with_pairs: bool,
+) -> Diagnosis | None:
+    """Return possible explanations of a bit frame, or None if it needs none or nothing explains it.
+
+    A frame is explained if its CRC, its length or a constant is wrong, or if it is long and its bits are all equal, as
+    on a dead line. The bits of a valid frame without a CRC are checked too, because only they show a dead line.
+    ``typed_frame`` is the frame as the user typed it.
+    """
+    faults = {problem.fault for problem in decoded.problems}
+    is_valid_without_crc = not faults and decoded.crc is None
+    all_ones = (1 << placed_layout.bits) - 1
+    has_equal_bits = placed_layout.bits >= LEAST_EQUAL_BITS and decoded.number in (0, all_ones)
+    has_transmission_fault = not faults.isdisjoint(_TRANSMISSION_FAULTS)
+    is_suspicious = is_valid_without_crc or has_equal_bits or has_transmission_fault
+    from ...why.explain import explain_bits, explain_constant
+
+    if is_suspicious:
+        is_valid = not faults
+        return explain_bits(device, variant, placed_layout, typed_frame, is_valid=is_valid, with_pairs=with_pairs)
+    if Fault.CONSTANT in faults:
+        return explain_constant(device, variant, placed_layout, typed_frame)
+    return None
