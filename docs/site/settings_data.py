@@ -21,7 +21,7 @@ from codewheel.masters.sheet import Master, SettingsSheet, sheet, shipped_master
 from codewheel.masters.text import CODINGS_IN_WORDS
 from codewheel.model import INTERFACES, Biss, Device, Interface, Ssi
 from codewheel.model.expressions import Expression
-from codewheel.one_line.encoder import device_of_line
+from codewheel.one_line.spec import device_of_line
 from codewheel.say import decimal
 from codewheel.say.names_and_evidence import GRADES, grade_below_manual, origin
 from codewheel.say.text import PLAIN_STYLE

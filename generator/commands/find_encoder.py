@@ -40,7 +40,7 @@ def encoder_in_line(text: str) -> tuple[Device, LabelMatch]:
     Raises:
         CommandError: The line has problems, which are printed. The exit code is 2.
     """
-    from ..one_line.encoder import device_of_line
+    from ..one_line.spec import device_of_line
 
     try:
         return device_of_line(text)

@@ -16,8 +16,8 @@ from ..language.problems import ProblemReport
 from ..loading.history import revision_for
 from ..loading.library import Family, families_without_problems, in_edition, load_families
 from ..model import INTERFACES, Device
-from ..one_line.encoder import device_of_line
 from ..one_line.parse import is_line
+from ..one_line.spec import device_of_line
 from ..order_codes.labels import LabelMatch, UnknownOrderCode, find_code
 
 #: Faults that a virtual encoder can have, by name: the effect on each interface that can have the fault.

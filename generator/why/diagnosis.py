@@ -10,9 +10,8 @@ from typing import NamedTuple
 from ..model import Crc, Device, Number, PlacedLayout
 from ..model.record import dataclass
 from ..reference import codec
-from .hypotheses import LEAST_EQUAL_BITS, NOT_INVERTED, WITH_SECOND_MISTAKE, Hypothesis
+from .hypotheses import LEAST_EQUAL_BITS, NOT_INVERTED, TEXTS, WITH_SECOND_MISTAKE, Hypothesis
 from .recordings import FRAME_INSIDE
-from .texts import TEXTS
 
 #: Fewest bits that must match. A mistake that matches more than one random frame in eight explains nothing.
 LEAST_BITS = 3

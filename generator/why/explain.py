@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import permutations
 
-from ..model import Crc, Device, PlacedLayout, Rs485, Spi, Variant
-from ..say import count_with_unit
+from ..model import Crc, Device, PlacedChannels, PlacedLayout, Rs485, Spi, Variant
+from ..reference.codec import decode_channels
+from ..say import count_with_unit, frame_texts
 from .diagnosis import (
     Diagnosis,
     Explanation,
@@ -21,7 +23,7 @@ from .diagnosis import (
     significant_hypotheses,
 )
 from .exchanges import exchange_hypotheses
-from .hypotheses import LEAST_EQUAL_BITS, MISTAKES, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
+from .hypotheses import LEAST_EQUAL_BITS, MISTAKES, TEXTS, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .in_bits import (
     all_hypotheses,
     data_bits_of_zero_reply,
@@ -33,7 +35,6 @@ from .other_crcs import hypothesis_without_mistake
 from .other_order_codes import other_order_code_hypotheses
 from .rearranged import rearranged_frame_hypotheses
 from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
-from .texts import TEXTS
 
 
 def _diagnose_dead_line(
@@ -375,3 +376,49 @@ def _diagnosis_of_dead_line(explanation_text: str, bits_that_agree: int) -> Diag
         reads={},
     )
     return Diagnosis(explanations=(explanation,), tried=1, coincidence=1 / one_in, cannot_see=())
+
+
+#: Fewest bits that the CRCs of all channels need together. Of 65,536 random frames, one has valid CRCs by chance.
+LEAST_CRC_BITS = 16
+
+
+def channel_readings(device: Device, frame: PlacedChannels, number: int, bits: int) -> Iterator[str]:
+    """Yield a text for each way to read ``bits`` received bits so that the CRCs of all channels are correct.
+
+    The frame may have extra bits around it, or its channels may be in a different order. Nothing is yielded if the CRCs
+    are so short that they would often be correct by chance.
+    """
+    crc_bits = sum(channel.crc_field.width for channel in frame.channels if channel.crc_field is not None)
+    if crc_bits < LEAST_CRC_BITS:
+        return
+    yield from _readings_with_bits_around(device, frame, number, bits)
+    if bits == frame.bits:
+        yield from _readings_in_other_order(device, frame, number)
+
+
+def _readings_with_bits_around(device: Device, frame: PlacedChannels, number: int, bits: int) -> Iterator[str]:
+    """Yield a text for each place among the received bits at which all CRCs of the frame are correct.
+
+    Nothing is yielded if there are no extra bits.
+    """
+    extra_bits = bits - frame.bits
+    if extra_bits <= 0:
+        return
+    for bits_before in range(extra_bits + 1):
+        bits_after = extra_bits - bits_before
+        frame_bits = (number >> bits_after) & ((1 << frame.bits) - 1)
+        if _is_valid_frame(device, frame, frame_bits):
+            yield frame_texts.bits_around(f"{bits_before}", f"{bits_after}")
+
+
+def _readings_in_other_order(device: Device, frame: PlacedChannels, number: int) -> Iterator[str]:
+    """Yield a text for each different order of the channels with which all CRCs are correct."""
+    for channels in permutations(frame.channels):
+        other_frame = replace(frame, channels=channels)
+        if channels != frame.channels and _is_valid_frame(device, other_frame, number):
+            yield frame_texts.other_order(", ".join(channel.name for channel in channels))
+
+
+def _is_valid_frame(device: Device, frame: PlacedChannels, number: int) -> bool:
+    """Return whether no channel of the frame ``number`` has an error."""
+    return not any(decoded.problems for decoded in decode_channels(device, frame, number))

@@ -26,6 +26,7 @@ from .hypotheses import (
     ACTIVE,
     AFTER_COMMAND,
     IDLE,
+    TEXTS,
     Hypothesis,
     TypedFrame,
     frame_hypothesis,
@@ -44,7 +45,6 @@ from .recordings import (
     recording_hypotheses,
     window_hypotheses,
 )
-from .texts import TEXTS
 
 
 def all_hypotheses(

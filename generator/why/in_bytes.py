@@ -19,10 +19,9 @@ from ..model import (
 )
 from ..reference.bits_and_values import bits_of_field, compute_bytes, parity_bit, reflect
 from .exchanges import LEAST_EVIDENCE, usual_values_of
-from .hypotheses import Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
+from .hypotheses import TEXTS, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
 from .other_order_codes import other_order_code_hypotheses
-from .texts import TEXTS
 
 #: Longest request in bytes whose echo is considered. A MODBUS request that reads registers has 8.
 MOST_ECHOED_BYTES = 8

@@ -10,13 +10,14 @@ from ..model.fields import KNOWN_CRCS
 from ..reference.bits_and_values import binary_to_gray, gray_to_binary, reflect
 from .hypotheses import (
     NOT_INVERTED,
+    START_BITS,
+    TEXTS,
     Hypothesis,
     TypedFrame,
     check_constant_bits,
     crc_covered_bits,
     likelihood,
 )
-from .texts import START_BITS, TEXTS
 
 #: Polynomials, including their top bit, that BiSS masters offer.
 POLYNOMIALS = tuple(crc.polynomial for crc in KNOWN_CRCS if crc.in_masters)

@@ -11,8 +11,7 @@ from typing import NamedTuple
 from ..model import Constant, Crc, Device, Layout, Parity, PlacedLayout, Variant
 from ..order_codes.parameters import possible_states, run_time_widths, with_changed
 from ..say import count_with_unit
-from .hypotheses import OTHER_CODE_WITHOUT_CRC, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
-from .texts import TEXTS
+from .hypotheses import OTHER_CODE_WITHOUT_CRC, TEXTS, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
 
 #: A truncated frame of another order code is recognized by the rest of its CRC. At most this many bits may be missing.
 MOST_CUT_BITS = 2

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 from ..model import Crc, PlacedLayout, Spi, Variant
 from ..reference.bits_and_values import reflect
-from .hypotheses import INVERTED_WITHOUT_PAIR, Hypothesis, TypedFrame, frame_hypothesis, possible_lengths
-from .texts import TEXTS
+from .hypotheses import INVERTED_WITHOUT_PAIR, TEXTS, Hypothesis, TypedFrame, frame_hypothesis, possible_lengths
 
 
 def rearranged_frame_hypotheses(

@@ -13,8 +13,8 @@ import pytest
 from browser_harness import Asker, program
 from chromium import Browser
 from codewheel.commands.cli import main
-from codewheel.one_line.encoder import device_of_line
 from codewheel.one_line.line import LineError
+from codewheel.one_line.spec import device_of_line
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate
 from test_lines_of_page import random_line

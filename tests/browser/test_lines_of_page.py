@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 from browser_harness import Asker
-from codewheel.one_line.encoder import device_of_line
 from codewheel.one_line.line import LineError
+from codewheel.one_line.spec import device_of_line
 from codewheel.targets.browser.files import family_data
 
 pytestmark = pytest.mark.slow

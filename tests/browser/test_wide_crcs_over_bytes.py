@@ -16,7 +16,7 @@ import pytest
 from browser_harness import Asker, Case, cases, library_of
 from codewheel.commands.cli import main
 from codewheel.model import Constant, Crc, number_to_bytes
-from codewheel.one_line.encoder import device_of_line
+from codewheel.one_line.spec import device_of_line
 from codewheel.reference.bits_and_values import compute_bytes, reflect
 from codewheel.say.frame_texts import NOT_SEARCHED
 from codewheel.targets import Library

@@ -27,7 +27,7 @@ from codewheel.model.record import dataclass
 from codewheel.readings import facts_of, stated
 from codewheel.readings.compare import compare
 from codewheel.readings.reading import FactClass, SpecReading
-from codewheel.targets.python import records
+from codewheel.targets.python import facts
 from codewheel.targets.python.facts import register_rows
 
 SPEC = Path(__file__).parents[2] / "specs/lika/amm5.yaml"
@@ -116,7 +116,7 @@ def test_the_table_names_rules_and_classes_of_facts_that_exist() -> None:
 
 def parts_of_records() -> Iterator[tuple[str, ModelPart]]:
     parts_by_name = {part.name: part for part in PARTS}
-    for record in records.runtime_records().members:
+    for record in facts.runtime_records().members:
         name = RECORDS.get(record) or re.sub(r"(?<=[a-z])(?=[A-Z])", "_", record).lower()
         if name in parts_by_name and name != "interface":
             yield record, parts_by_name[name]
@@ -127,9 +127,7 @@ def parts_of_records() -> Iterator[tuple[str, ModelPart]]:
 )
 def test_records_of_python_have_the_members(record: str, part: ModelPart) -> None:
     """A member of the data that the class of a record lacks would be missing from the Python package."""
-    names = {member.name for member in records.runtime_records().members[record]} | set(
-        ELSEWHERE.get(record, "").split()
-    )
+    names = {member.name for member in facts.runtime_records().members[record]} | set(ELSEWHERE.get(record, "").split())
     assert {member.name for member in part.members if member.shape and member.attribute not in names} - names == set()
 
 
@@ -149,10 +147,10 @@ def property_(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     for module in (plain, changes, stated):
         monkeypatch.setattr(module, "PARTS_BY_CLASS", by_class)
     monkeypatch.setattr(schema, "PARTS", tuple(part if candidate is old else candidate for candidate in PARTS))
-    original_records = records.runtime_records()
-    members = (*original_records.members["Register"], records.RecordMember("needs_restart", frozenset(), default=False))
+    original_records = facts.runtime_records()
+    members = (*original_records.members["Register"], facts.RecordMember("needs_restart", frozenset(), default=False))
     extended_records = replace(original_records, members={**original_records.members, "Register": members})
-    monkeypatch.setattr(records, "runtime_records", lambda: extended_records)
+    monkeypatch.setattr(facts, "runtime_records", lambda: extended_records)
     schema.show_schema.cache_clear()
     schema_text.cache_clear()
     yield

@@ -20,7 +20,7 @@ from codewheel.language.check import check_document
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.loading.library import load_library
-from codewheel.one_line.encoder import device_of_line
+from codewheel.one_line.spec import device_of_line
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel_runtime.bulk.decode import VERDICTS

@@ -10,9 +10,9 @@ import string
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.one_line.encoder import device_of_line
 from codewheel.one_line.line import LineError
 from codewheel.one_line.parse import LONGEST, is_line, parse_line
+from codewheel.one_line.spec import device_of_line
 
 #: Lines with the columns and messages of their problems.
 WRONG = {

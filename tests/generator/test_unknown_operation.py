@@ -77,7 +77,7 @@ ASKING = {
         ("facts", "_field_record"),
         ("first_byte", "_codes_by_first_byte"),
         ("procedures", "members"),
-        ("records", "held_record"),
+        ("facts", "held_record"),
     },
     "browser": set[Place](),
 }

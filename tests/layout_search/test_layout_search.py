@@ -17,8 +17,8 @@ from codewheel.layout_search.answers import PossibleLine, answer_with_lines
 from codewheel.layout_search.frames import RecordedFrames
 from codewheel.layout_search.search import find_layouts
 from codewheel.model.fields import KNOWN_CRCS
-from codewheel.one_line.encoder import device_of_line
 from codewheel.one_line.parse import parse_line
+from codewheel.one_line.spec import device_of_line
 from judge_layouts import is_right
 from made_layouts import LAYOUTS, Made, made, shift_register, turning
 

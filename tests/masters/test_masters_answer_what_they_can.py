@@ -16,7 +16,7 @@ from codewheel.loading.library import load_library
 from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, load_masters, sheet
 from codewheel.model import Device
-from codewheel.one_line.encoder import device_of_line
+from codewheel.one_line.spec import device_of_line
 from codewheel.order_codes.labels import find_code
 from test_conditions_of_masters import CRC, HIGH, SIEMENS, position, write_spec
 

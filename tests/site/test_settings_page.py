@@ -22,8 +22,8 @@ from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import sheet, shipped_masters
 from codewheel.masters.text import sheet_text
 from codewheel.model import Device
-from codewheel.one_line.encoder import device_of_line
 from codewheel.one_line.line import LineError
+from codewheel.one_line.spec import device_of_line
 from codewheel.order_codes.labels import LabelMatch, find_code
 from codewheel.targets.masters import facts_of_order_codes
 from codewheel.targets.masters.files import file_text

@@ -133,7 +133,7 @@ class ChannelDecoder:
 
     def _possible_readings(self, number: int, bits: int) -> tuple[str, ...]:
         """Return other ways to read the whole frame with which all CRCs are correct."""
-        from ...why.channels import channel_readings
+        from ...why.explain import channel_readings
 
         return tuple(channel_readings(self._device, self.frame, number, bits))
 

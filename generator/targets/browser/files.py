@@ -40,7 +40,6 @@ from ...say.names_and_evidence import GRADES, describe_grade, field_at, lowest_g
 from ...say.order_code import not_on_label
 from ...say.text import PLAIN_STYLE, VERDICT_CLAUSES, escape
 from ...why import LEAST_FAILED, MOST_FRAMES
-from ...why.channels import LEAST_CRC_BITS
 from ...why.diagnosis import CERTAIN, LEAST_BITS
 from ...why.doubts import CUT_OFF, LEFT_ALIGNED, READINGS
 from ...why.exchanges import (
@@ -51,6 +50,7 @@ from ...why.exchanges import (
     MOST_BYTES,
     WORD_ECHO_TEXT,
 )
+from ...why.explain import LEAST_CRC_BITS
 from ...why.hypotheses import (
     ACTIVE,
     AFTER_COMMAND,
@@ -59,13 +59,14 @@ from ...why.hypotheses import (
     LEAST_EQUAL_BITS,
     MISTAKES,
     OTHER_CODE_WITHOUT_CRC,
+    START_BITS,
+    TEXTS,
     WITH_SECOND_MISTAKE,
 )
 from ...why.in_bytes import BYTE_VALUES, MOST_ECHOED_BYTES
 from ...why.other_crcs import CRCS_OF_16_BITS, POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.other_order_codes import MOST_CUT_BITS, MOST_STATES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistakes, line_name
-from ...why.texts import START_BITS, TEXTS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..picture_elements import palette_css
 from ..registry import licence_in, our_runtime

@@ -28,12 +28,10 @@ from ...say.text import as_sentence
 from . import docstrings
 from .bits import BitsEncoder
 from .decode import Decoder
-from .field_values import attribute_values
-from .limits import LimitsFunction, limits_depend, limits_functions
 from .literals import Atom, ParameterExpressions, PythonExpression, coded, quoted, value_in_words
-from .named_values import NamedValues
 from .names import ClassNames, ModuleContext, OpenQuestion, encoder_name, interface_name
 from .reports import FrameReports
+from .values import LimitsFunction, NamedValues, attribute_values, limits_depend, limits_functions
 
 
 @dataclass(frozen=True)

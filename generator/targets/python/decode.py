@@ -20,7 +20,6 @@ from ...plan.values import (
     meaning_of,
 )
 from .bits import BitReader
-from .field_values import digit_values, is_flag_active, replace_zero, text_of_number
 from .first_byte import FirstByte
 from .literals import (
     Atom,
@@ -32,8 +31,16 @@ from .literals import (
     number,
     shift_left,
 )
-from .named_values import NamedValues, comment_on_constant, prefer_names_of_fields
 from .names import ClassNames
+from .values import (
+    NamedValues,
+    comment_on_constant,
+    digit_values,
+    is_flag_active,
+    prefer_names_of_fields,
+    replace_zero,
+    text_of_number,
+)
 
 #: Number of bits per CRC table.
 TABLE_BITS = 16

@@ -17,6 +17,7 @@ from .bits import from_slices
 from .channel_examples import ChannelExample, channel_example
 from .codec import LayoutClass
 from .docstrings import Block, Lines, docstring
+from .facts import record_of, records_of
 from .frame_kinds import FrameKind
 from .literals import CallLiteral, PythonExpression
 from .names import (
@@ -32,7 +33,6 @@ from .names import (
 )
 from .procedures import ProcedureFunction
 from .readme import Readme, ReadmeExample
-from .records import record_of, records_of
 from .shapes import ShapeLiteral
 from .variants import VariantTable
 

@@ -26,10 +26,9 @@ from ...plan.values import DecimalDigits, UnsignedNumber, meaning_of
 from . import docstrings
 from .codec import LayoutClass
 from .docstrings import Block
-from .field_values import digit_values
-from .limits import limit_expressions, limits_depend
 from .literals import Atom, PythonExpression, shift_left
 from .names import PROCEDURE_NAMES, ModuleContext, attribute, encoder_name, interface_name, meaning_limits
+from .values import digit_values, limit_expressions, limits_depend
 
 
 @dataclass(frozen=True)

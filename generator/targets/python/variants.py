@@ -22,6 +22,7 @@ from ...plan.values import (
 from ...say.order_code import words_for_initial_values
 from . import docstrings
 from .codec import LayoutClass
+from .facts import held_record
 from .frame_kinds import ChannelCode, FrameKind, channel_code
 from .literals import (
     Atom,
@@ -33,7 +34,6 @@ from .literals import (
     number,
 )
 from .names import FUNCTIONS, ClassNames, ModuleContext, OpenQuestion, attribute, camel, encoder_name
-from .records import held_record
 
 
 @dataclass(frozen=True)

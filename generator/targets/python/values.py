@@ -1,15 +1,29 @@
-"""Names for the numbers in a decoder that depend on the order code."""
+"""Values in generated Python: of fields, limits of registers, and numbers that depend on the order code."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import field as dataclass_field
 
+from ...model import Digits, Field, Register
 from ...model.expressions import Expression
-from ...model.record import dataclass
+from ...model.record import assert_never, dataclass
 from ...plan.codec import LayoutPlan
+from ...plan.limits import NumberLimits, limits_of
 from ...plan.operations import IsBetween, JoinNotAbove, NotAbove
-from .literals import Atom, ParameterExpressions, PythonExpression
-from .names import ClassNames
+from ...plan.values import (
+    ActiveFlag,
+    DecimalDigits,
+    Latin1Text,
+    NamedChoice,
+    TwosComplement,
+    UnsignedNumber,
+    ZeroMeans,
+    meaning_of,
+)
+from ...say.names_and_evidence import name_in_words
+from .literals import Atom, Negative, ParameterExpressions, PythonExpression, PythonOperation, call, grouped, number
+from .names import ClassNames, ModuleContext, meaning_limits
 
 
 @dataclass(frozen=True)
@@ -136,3 +150,125 @@ def comment_on_constant(layout_plan: LayoutPlan, expression: Expression) -> str:
     if len(fields_with_width) == 1:
         return fields_with_width[0]
     return f"{constant} = {' + '.join(reversed(fields_with_width))}"
+
+
+@dataclass(frozen=True)
+class LimitsFunction:
+    """A function that returns the limits of a register.
+
+    If the register has several uses (meanings), ``when`` is the one that the limits apply to. Otherwise it is empty.
+    """
+
+    name: str
+    when: str
+    low: PythonExpression
+    high: PythonExpression
+    takes_variant: bool
+
+
+def limits_functions(context: ModuleContext, register: Register, *, takes_variant: bool) -> Iterator[LimitsFunction]:
+    """Yield the function for the limits of a register, and one for each of its meanings with limits of its own.
+
+    ``takes_variant`` is True if the first function takes the order code.
+    """
+    if register.min is not None or register.max is not None:
+        low, high = limit_expressions(context.scope, limits_of(context.device, register))
+        yield LimitsFunction("limits", when="", low=low, high=high, takes_variant=takes_variant)
+    for meaning in register.meanings:
+        if meaning.min is not None or meaning.max is not None:
+            limits = limits_of(context.device, register, meaning)
+            low, high = limit_expressions(context.scope, limits)
+            yield LimitsFunction(
+                name=meaning_limits(meaning),
+                when=name_in_words(meaning.name),
+                low=low,
+                high=high,
+                takes_variant=limits_depend(limits),
+            )
+
+
+def limit_expressions(scope: ParameterExpressions, limits: NumberLimits) -> tuple[PythonExpression, PythonExpression]:
+    """Return the lowest and the highest value. A limit that the spec does not give follows from the width."""
+    low, high = _limits_of_width(scope, limits)
+    if limits.low is not None:
+        low = scope.expression_of(limits.low)
+    if limits.high is not None:
+        high = scope.expression_of(limits.high)
+    return low, high
+
+
+def _limits_of_width(scope: ParameterExpressions, limits: NumberLimits) -> tuple[PythonExpression, PythonExpression]:
+    """Return the lowest and the highest value that fit in the field.
+
+    If the bits 0 stand for a number above all others, such as 256, the values are 1 to this number.
+    """
+    if limits.signed:
+        half_of_range = scope.power(limits.width - Expression(1))
+        return Negative(half_of_range), PythonOperation(half_of_range, "-", number(1))
+    if limits.number_for_zero:
+        return number(1), number(limits.number_for_zero)
+    return number(0), PythonOperation(scope.power(limits.width), "-", number(1))
+
+
+def limits_depend(limits: NumberLimits) -> bool:
+    """Return whether limits depend on the order code."""
+    bounds = [bound for bound in (limits.low, limits.high) if bound is not None]
+    # A limit that the spec does not give follows from the width.
+    if len(bounds) < 2:
+        bounds.append(limits.width)
+    return not all(bound.is_constant for bound in bounds)
+
+
+def attribute_values(
+    scope: ParameterExpressions, class_names: ClassNames, enum: str, field: Field, bits: PythonExpression
+) -> Iterator[tuple[str, PythonExpression]]:
+    """Yield the attributes of a field of a joined number, with their values. ``enum`` is the name of its IntEnum."""
+    attribute = class_names.attribute(field.name)
+    match meaning_of(field):
+        case UnsignedNumber():
+            yield attribute, bits
+        case TwosComplement():
+            yield attribute, call("signed", bits, scope.expression_of(field.width))
+        case ZeroMeans(number_for_zero):
+            yield attribute, replace_zero(bits, number_for_zero)
+        case ActiveFlag(low):
+            yield attribute, is_flag_active(bits, low_is_active=low)
+        case NamedChoice():
+            yield attribute, call("as_member", enum, f'"{field.name}"', bits)
+        case DecimalDigits(runs):
+            for run, run_value in digit_values(bits, runs):
+                yield class_names.attribute(run.name), run_value
+        case Latin1Text():
+            yield attribute, text_of_number(field, bits)
+        case meaning:
+            assert_never(meaning)
+
+
+def digit_values(
+    decimal_number: PythonExpression, digit_runs: Sequence[Digits]
+) -> Iterator[tuple[Digits, PythonExpression]]:
+    """Yield groups of decimal digits in a number (digit runs), each with its value, such as ``number // 100 % 10``."""
+    for digit_run in digit_runs:
+        value = decimal_number
+        if digit_run.divisor != 1:
+            value = PythonOperation(value, "//", number(digit_run.divisor))
+        # No digits are before the first run.
+        if digit_run is not digit_runs[0]:
+            value = PythonOperation(value, "%", number(digit_run.modulus))
+        yield digit_run, value
+
+
+def replace_zero(bits: PythonExpression, number_for_zero: int) -> PythonExpression:
+    """Return the bits, or the number that the bits 0 stand for, such as ``data[0] or 256``."""
+    return Atom(f"{bits.operand} or {grouped(number_for_zero)}")
+
+
+def is_flag_active(bit: PythonExpression, *, low_is_active: bool) -> PythonExpression:
+    """Return the condition that a flag with this bit is active."""
+    return Atom(f"not {bit.operand}" if low_is_active else f"{bit.operand} != 0")
+
+
+def text_of_number(field: Field, bits: PythonExpression) -> PythonExpression:
+    """Return the text whose characters are the bytes of a number, such as ``number.to_bytes(4, "big").decode(…)``."""
+    number_of_characters = field.width.constant // 8
+    return Atom(f'{bits.operand}.to_bytes({number_of_characters}, "big").decode("latin-1")')
