@@ -43,10 +43,10 @@ _BASIC_TYPES: dict[str, JsonSchema] = {
         "additionalProperties": {"$ref": "#/$defs/text"},
     },
 }
-_SOURCE_MEMBER = ModelMember(
+_FIRST_SOURCE_MEMBER = ModelMember(
     "source", "source?", "First source. An item without its own source inherits the source of its parent."
 )
-_SOURCES_MEMBER = ModelMember("sources", "[source]", "All sources, if there are several.")
+_ALL_SOURCES_MEMBER = ModelMember("sources", "[source]", "All sources, if there are several.")
 
 
 @cache
@@ -70,8 +70,8 @@ def _object_schema(part: ModelPart) -> JsonSchema:
     required_members = members
     optional_members = []
     if part.is_sourced:
-        required_members = [*members, _SOURCE_MEMBER]
-        optional_members = [_SOURCES_MEMBER]
+        required_members = [*members, _FIRST_SOURCE_MEMBER]
+        optional_members = [_ALL_SOURCES_MEMBER]
     properties = {}
     for member in (*required_members, *optional_members):
         properties[member.name] = {"description": member.about} | _schema_of(member.shape)
@@ -218,7 +218,8 @@ def resolve_reference(shape: Shape) -> tuple[Shape, str]:
     for alternative in (shape, *shape.get("anyOf", ())):
         if "$ref" in alternative:
             name = alternative["$ref"].removeprefix("#/$defs/")
-            return show_schema()["$defs"][name], name
+            named_schemas = show_schema()["$defs"]
+            return named_schemas[name], name
     return shape, ""
 
 

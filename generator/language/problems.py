@@ -349,7 +349,7 @@ def is_typo(word: str, known_word: str) -> bool:
     Differences in the first letter, digits or units are rarely typos: reset is not preset, biss_4 not biss_6, min_khz
     not min_hz. The shorter word needs 5 letters for a wrong letter, 4 for other typos, and 3 for an s at the end.
     """
-    if abs(len(word) - len(known_word)) > 1 or not _has_same_meaning(word, known_word):
+    if abs(len(word) - len(known_word)) > 1 or not _has_same_digits_and_units(word, known_word):
         return False
     # What remains between the common beginning and the common end are the differing letters: in posiion and position,
     # between "posi" and "ion", the texts "" and "t".
@@ -375,7 +375,7 @@ def is_typo(word: str, known_word: str) -> bool:
     return shorter_length >= (5 if is_wrong_letter else 4)
 
 
-def _has_same_meaning(word: str, known_word: str) -> bool:
+def _has_same_digits_and_units(word: str, known_word: str) -> bool:
     """Return True if two words have the same digits and do not end in two different units, such as hz and khz."""
     if _DIGITS.findall(word) != _DIGITS.findall(known_word):
         return False
@@ -386,7 +386,7 @@ def _has_same_meaning(word: str, known_word: str) -> bool:
 
 def _is_abbreviation(word: str, known_word: str) -> bool:
     """Return True if a word of at least 4 letters is the beginning of a known word with the same digits and unit."""
-    return len(word) >= 4 and known_word.startswith(word) and _has_same_meaning(word, known_word)
+    return len(word) >= 4 and known_word.startswith(word) and _has_same_digits_and_units(word, known_word)
 
 
 TEMPLATE_SUFFIX = ".jinja"

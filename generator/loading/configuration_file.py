@@ -51,16 +51,16 @@ class _PlaceFinder:
         root = SourceMark(line=1, column=1, key_line=1, key_column=1)
         # The mark of the table that the header above the current line begins.
         table = root
-        while self._next_token():
-            if self._next_token() == "\n":
+        while self._peek_token():
+            if self._peek_token() == "\n":
                 self._index += 1
-            elif self._next_token() == "[":
+            elif self._peek_token() == "[":
                 table = self._read_table_header(root)
             else:
                 self._read_setting(table)
         return root
 
-    def _next_token(self) -> str:
+    def _peek_token(self) -> str:
         """Return the text of the next token without consuming it, or "" at the end of the text."""
         return self._tokens[self._index][0] if self._index < len(self._tokens) else ""
 
@@ -71,15 +71,15 @@ class _PlaceFinder:
         return line, offset - self._line_starts[line - 1] + 1
 
     def _skip_newlines(self) -> None:
-        while self._next_token() == "\n":
+        while self._peek_token() == "\n":
             self._index += 1
 
     def _read_table_header(self, root: SourceMark) -> SourceMark:
         """Read the header of a table, such as ``[tool.codewheel]``, and return the mark of the table."""
-        while self._next_token() == "[":
+        while self._peek_token() == "[":
             self._index += 1
         table = self._read_dotted_key(root)
-        while self._next_token() == "]":
+        while self._peek_token() == "]":
             self._index += 1
         return table
 
@@ -90,8 +90,8 @@ class _PlaceFinder:
         existing mark keeps its place.
         """
         mark = table
-        while self._next_token() not in ("", "=", "]", "\n"):
-            name = self._next_token()
+        while self._peek_token() not in ("", "=", "]", "\n"):
+            name = self._peek_token()
             if name != ".":
                 place = self._place_of_token()
                 is_quoted = name[0] in "\"'"
@@ -104,25 +104,25 @@ class _PlaceFinder:
         """Read a key, the equals sign and the value, and mark the place of the value in the mark of the key."""
         mark = self._read_dotted_key(table)
         self._index += 1  # The equals sign.
-        if self._next_token():
+        if self._peek_token():
             mark.line, mark.column = self._place_of_token()
             self._read_value(mark)
 
     def _read_value(self, mark: SourceMark) -> None:
         """Read a value. The mark of its key gets children for the members of an array or an inline table."""
-        if self._next_token() == "[":
+        if self._peek_token() == "[":
             self._read_array(mark)
-        elif self._next_token() == "{":
+        elif self._peek_token() == "{":
             self._read_inline_table(mark)
         else:
-            while self._next_token() and self._next_token() not in _VALUE_ENDS:
+            while self._peek_token() and self._peek_token() not in _VALUE_ENDS:
                 self._index += 1
 
     def _read_array(self, mark: SourceMark) -> None:
         """Read an array, and mark each value in it below ``mark``, by its index."""
         self._index += 1
         self._skip_newlines()
-        while self._next_token() not in ("", "]"):
+        while self._peek_token() not in ("", "]"):
             place = self._place_of_token()
             value_mark = mark.children.setdefault(len(mark.children), SourceMark(*place, *place))
             self._read_value(value_mark)
@@ -133,7 +133,7 @@ class _PlaceFinder:
         """Read an inline table such as ``{docs = "a"}``, and mark each key in it below ``mark``."""
         self._index += 1
         self._skip_newlines()
-        while self._next_token() not in ("", "}"):
+        while self._peek_token() not in ("", "}"):
             self._read_setting(mark)
             self._skip_separator()
         self._index += 1
@@ -141,7 +141,7 @@ class _PlaceFinder:
     def _skip_separator(self) -> None:
         """Skip a comma, and newlines before and after it."""
         self._skip_newlines()
-        if self._next_token() == ",":
+        if self._peek_token() == ",":
             self._index += 1
         self._skip_newlines()
 

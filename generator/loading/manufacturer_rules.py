@@ -12,7 +12,7 @@ from ..language.document import Document, Path, label_of
 from ..language.problems import ProblemReport, quoted
 from ..language.rules.connectors import signal_names
 from ..language.rules.manual import problems_of_other_manual
-from ..language.rules.parts import as_affected_name, by_name, by_part_name, errata_at, has_erratum_at
+from ..language.rules.parts import as_affected_name, by_name, by_part_name, errata_at, is_explained_at
 from ..language.rules.walk import leaves, mapping, maps_in_list, sources
 from ..language.schemas import PROSE
 from ..language.written import LocatedPart
@@ -135,7 +135,7 @@ def compare_facts(places: Sequence[str], documents: Sequence[Document], report: 
         priorities: dict[str, tuple[int, bool]] = {}
         for document in with_interface:
             device_count = counts[frozenset(facts_by_file[document.file].items())]
-            priorities[document.file] = device_count, not has_erratum_at(document, *steps)
+            priorities[document.file] = device_count, not is_explained_at(document, *steps)
         common = max(with_interface, key=lambda document: priorities[document.file])
         for document in with_interface:
             # An erratum that both devices have is about a text that both manuals contain.
@@ -234,7 +234,7 @@ class _Cable(NamedTuple):
     @property
     def has_erratum(self) -> bool:
         """Whether an erratum affects the contacts of the cable."""
-        return has_erratum_at(self.document, "connectors", self.name, "contacts")
+        return is_explained_at(self.document, "connectors", self.name, "contacts")
 
 
 def _cable_at(document: Document, path: Path) -> Iterator[_Cable]:
@@ -290,7 +290,7 @@ def _compare_connector(
 
 def _has_erratum_at_contacts(*contacts: _Contact) -> bool:
     """Return whether an erratum affects the contacts of the connector to which one of these contacts belongs."""
-    return any(has_erratum_at(contact.document, "connectors", contact.connector, "contacts") for contact in contacts)
+    return any(is_explained_at(contact.document, "connectors", contact.connector, "contacts") for contact in contacts)
 
 
 def _report_contact(line: _Line, contact: _Contact, first_contact: _Contact, report: ProblemReport) -> None:
@@ -404,10 +404,10 @@ def _report_different_facts(
         texts = [fact.text for _, fact in facts]
         ((common_text, _),) = Counter(texts).most_common(1)
         common_document, common_fact = facts[texts.index(common_text)]
-        if has_erratum_at(common_document, *affected_place):
+        if is_explained_at(common_document, *affected_place):
             continue
         for document, fact in facts:
-            if fact.text == common_text or has_erratum_at(document, *affected_place):
+            if fact.text == common_text or is_explained_at(document, *affected_place):
                 continue
             line, _ = common_document.position((section, part_name, *common_fact.path))
             message = (

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from ..language.files import is_second
 from ..language.problems import DocumentReport, Path, join_words, quoted
-from ..language.rules.parts import has_erratum_at
+from ..language.rules.parts import is_explained_at
 from ..language.rules.walk import leaves
 from ..model import (
     Argument,
@@ -114,7 +114,7 @@ def _facts_of_interface(
         )
     if isinstance(interface, Biss):
         timeouts = _with_paths(raw_interface, (*path, "timeout"), interface.timeouts)
-        is_excused = has_erratum_at(report.document, *path, "timeout")
+        is_excused = is_explained_at(report.document, *path, "timeout")
         is_complete = (*path, "timeout") not in report.document.kept_indices
         yield ExclusiveFacts(
             noun="a timeout",

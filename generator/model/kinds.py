@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
-from itertools import count
 from math import gcd
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
@@ -418,7 +417,10 @@ class Scale:
             if is_exact:
                 return places
         # A tenth of a count is ``numerator / denominator / 10``.
-        return next(places for places in count() if 10**places * self.numerator >= 10 * self.denominator)
+        places = 0
+        while 10**places * self.numerator < 10 * self.denominator:
+            places += 1
+        return places
 
     def decimal(self, number: int) -> str:
         """Return the quantity for a number with ``places`` decimal places. Halves are rounded away from 0."""

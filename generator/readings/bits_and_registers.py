@@ -319,7 +319,7 @@ def continues_item(bit: BitMeaning, above: BitMeaning) -> bool:
         return False
     is_constant = bit.fixed is not None
     is_constant_above = above.fixed is not None
-    if is_constant is not is_constant_above:
+    if is_constant != is_constant_above:
         return False
     return bit.weight is None or above.weight is None or bit.weight + 1 == above.weight
 

@@ -145,16 +145,17 @@ def _differences_with_near_joined(old: Sequence[str], new: Sequence[str]) -> Ite
 
     Two ranges with at most 6 equal words between them are joined into one, which includes these words.
     """
-    joined_ranges: RangePair | None = None
-    for ranges in differing_ranges(old, new):
-        if joined_ranges is not None and ranges.low - joined_ranges.high <= _MAX_EQUAL_WORDS_BETWEEN:
-            joined_ranges = joined_ranges._replace(high=ranges.high, new_high=ranges.new_high)
-            continue
-        if joined_ranges is not None:
-            yield joined_ranges
-        joined_ranges = ranges
-    if joined_ranges is not None:
-        yield joined_ranges
+    joined_pair: RangePair | None = None
+    for next_pair in differing_ranges(old, new):
+        if joined_pair is not None:
+            equal_words_between = next_pair.low - joined_pair.high
+            if equal_words_between <= _MAX_EQUAL_WORDS_BETWEEN:
+                joined_pair = joined_pair._replace(high=next_pair.high, new_high=next_pair.new_high)
+                continue
+            yield joined_pair
+        joined_pair = next_pair
+    if joined_pair is not None:
+        yield joined_pair
 
 
 def _shown_text(words: Sequence[str], low: int, high: int) -> str:

@@ -8,7 +8,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from typing import Protocol
 
@@ -210,7 +210,7 @@ def _parse_fault(interface: str, text: str) -> tuple[str, float]:
     try:
         rate = float(rate_text) if rate_text else 1.0  # Without a rate, every reply has the fault.
     except ValueError:
-        rate = -1.0  # This invalid rate is rejected below.
+        rate = nan  # It is not valid, and is rejected below.
     possible_names = ", ".join(faults_of(interface))
     is_valid_rate = isfinite(rate) and 0 <= rate <= 1
     if name not in FAULTS or not is_valid_rate:

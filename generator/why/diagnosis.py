@@ -295,7 +295,7 @@ def _distinct_hypotheses(hypotheses: Iterable[Hypothesis]) -> list[Hypothesis]:
 
 def _ranking_key(hypothesis: Hypothesis) -> tuple[bool, float]:
     """Return a key for comparing hypotheses by score. Those that the frame contradicts rank below all others."""
-    return hypothesis.are_determined_right, hypothesis.score
+    return hypothesis.do_determined_bits_match, hypothesis.score
 
 
 def _resulting_frame(hypothesis: Hypothesis) -> object:

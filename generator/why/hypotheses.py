@@ -108,7 +108,7 @@ class Hypothesis:
 
     The CRC with the parameters ``crc`` (None if the frame has none) covers the ``covered_bits`` bits ``covered_data``.
     ``received_crc`` are the first ``received_crc_bits`` bits of the received CRC. ``determined_bits`` is the number of
-    other bits whose value the mistake determines, and ``are_determined_right`` is true if they have it.
+    other bits whose value the mistake determines, and ``do_determined_bits_match`` is true if they have it.
 
     ``right_constant_bits`` is the number of frame bits that have their constant value. They prove nothing, but make one
     reading more likely than another, just as inactive flags do (``likelihood``).
@@ -130,7 +130,7 @@ class Hypothesis:
     received_crc_bits: int
     is_crc_over_bytes: bool = False
     determined_bits: int = 0
-    are_determined_right: bool = True
+    do_determined_bits_match: bool = True
     right_constant_bits: int = 0
     likelihood: float = 1.0
     frame: int = 0
@@ -153,7 +153,7 @@ class Hypothesis:
 
         Without a CRC, only the determined bits are compared.
         """
-        if not self.are_determined_right:
+        if not self.do_determined_bits_match:
             return False
         if self.crc is None:
             return True
@@ -258,7 +258,7 @@ def frame_hypothesis(
     *,
     lost_bits: int = 0,
     determined_bits: int = 0,
-    are_determined_right: bool = True,
+    do_determined_bits_match: bool = True,
     order_codes: Sequence[str] = (),
 ) -> Hypothesis:
     """Return the hypothesis that the encoder sent ``frame``, and that a mistake changed it.
@@ -278,7 +278,7 @@ def frame_hypothesis(
         received_crc=0,
         received_crc_bits=0,
         determined_bits=determined_bits + max(constant_bits - lost_bits, 0),
-        are_determined_right=are_determined_right and are_constants_correct,
+        do_determined_bits_match=do_determined_bits_match and are_constants_correct,
         likelihood=likelihood(placed_layout, frame),
         frame=frame,
         frame_layout=placed_layout,

@@ -307,7 +307,7 @@ def _offset_hypotheses(
             frame=frame_without_last_bits | last_bits,
             lost_bits=assumed_bits if crc is None else offset.lost,
             determined_bits=len(start_bits),
-            are_determined_right=all(start_bits),
+            do_determined_bits_match=all(start_bits),
         )
         yield replace(
             hypothesis,

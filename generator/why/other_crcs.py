@@ -333,7 +333,7 @@ def _polynomial_hypothesis(
         received_crc=number_after_data >> zero_bits,
         received_crc_bits=received_crc_bits,
         determined_bits=zero_bits + (constant_bits if are_constants_evidence else 0),
-        are_determined_right=are_zero_bits_correct and (are_constants_correct or not are_constants_evidence),
+        do_determined_bits_match=are_zero_bits_correct and (are_constants_correct or not are_constants_evidence),
         right_constant_bits=zero_bits + (constant_bits if are_constants_correct else 0),
         likelihood=likelihood(placed_layout, frame_with_crc_0),
     )

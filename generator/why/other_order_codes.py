@@ -127,7 +127,7 @@ def _too_long_hypothesis(
         crc=crc,
         frame=frame,
         determined_bits=zero_bits,
-        are_determined_right=are_zero_bits_correct,
+        do_determined_bits_match=are_zero_bits_correct,
         order_codes=shape.order_codes,
     )
     return _with_common_template(hypothesis, length_text, mistake_text)

@@ -75,7 +75,7 @@ def _byte_order_hypotheses(
         crc=crc,
         frame=frame,
         determined_bits=padded_bits - placed_layout.bits,
-        are_determined_right=are_padding_bits_zero,
+        do_determined_bits_match=are_padding_bits_zero,
     )
 
 

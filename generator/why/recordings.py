@@ -288,7 +288,7 @@ def recording_hypotheses(
             crc=crc,
             frame=int(frame_bits, 2),
             determined_bits=bits_of_proof,
-            are_determined_right=frame_bits.startswith(repeated_bits),
+            do_determined_bits_match=frame_bits.startswith(repeated_bits),
         )
         yield replace(hypothesis, recording_parts=tuple(bits_by_part.items()))
 

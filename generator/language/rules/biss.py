@@ -16,8 +16,8 @@ from .parts import (
     bank_select_register,
     by_name,
     by_part_name,
-    has_erratum_at,
     interface_name_of,
+    is_explained_at,
     layouts_of_interfaces,
     position_names,
     with_groups_expanded,
@@ -93,7 +93,7 @@ def check_taken_biss_places(spec: WrittenSpec, report: DocumentReport) -> None:
         if has_fixed_name or not is_outside_banks:
             continue
         fixed_name = _profile_register_at(register)
-        if fixed_name is None or has_erratum_at(report.document, "registers", name, "address"):
+        if fixed_name is None or is_explained_at(report.document, "registers", name, "address"):
             continue
         first_address = register.address
         last_address = register.address + register.length - 1
@@ -132,7 +132,7 @@ def check_biss_byte_order(spec: WrittenSpec, report: DocumentReport) -> None:
         if name not in _STANDARD_PLACES or not is_outside_banks:
             continue
         is_low_byte_first = register.byte_order == "low_byte_first"
-        if is_low_byte_first and not has_erratum_at(report.document, "registers", name, "byte_order"):
+        if is_low_byte_first and not is_explained_at(report.document, "registers", name, "byte_order"):
             message = (
                 f"{quoted(name)} has its low byte first, but in BiSS the most significant byte has the lowest address."
                 f" If this is what the manual says, add an erratum that affects registers.{name}.byte_order"
@@ -164,7 +164,7 @@ def check_biss_frame(spec: WrittenSpec, report: DocumentReport) -> None:
         ]
         for contradiction in contradictions:
             affected_path = contradiction.path_for_erratum
-            if not has_erratum_at(report.document, affected_path):
+            if not is_explained_at(report.document, affected_path):
                 hint = f"If this is what the manual says, add an erratum that affects {affected_path}"
                 report.add("biss-protocol", contradiction.path, f"{contradiction.problem}. {hint}")
 
@@ -340,7 +340,7 @@ def check_slaves(spec: WrittenSpec, report: DocumentReport) -> None:
     topology, has_several_slaves = network.part.topology, network.part.multiple_slaves
     is_consistent = has_several_slaves == (topology == "bus")
     affected_path = ".".join(map(str, network.path))
-    if not is_consistent and not has_erratum_at(report.document, affected_path):
+    if not is_consistent and not is_explained_at(report.document, affected_path):
         slaves_text = "several slaves" if has_several_slaves else "one slave"
         message = (
             f"the topology is {quoted(topology)}, but the interface has {slaves_text}; correct one of"

@@ -13,7 +13,7 @@ from ..problems import DocumentReport, quoted
 from ..written_codes import WrittenCodePart, WrittenCodeValue
 from ..written_parts import WrittenSpec
 from .frames import gray_of, layouts_with_position
-from .parts import by_name, has_erratum_at, interfaces, layouts_of_interfaces, measurements
+from .parts import by_name, interfaces, is_explained_at, layouts_of_interfaces, measurements
 from .references import NameResolver
 
 #: Names of interfaces in manuals, without RS-485, which is also the name of the signals.
@@ -249,7 +249,7 @@ def check_alignment(spec: WrittenSpec, report: DocumentReport) -> None:
             named_alignments.add(_ALIGNMENTS[side.casefold()])
     if ssi is None or not ssi.alignment or len(named_alignments) != 1:
         return
-    if has_erratum_at(report.document, "interfaces", "ssi", "alignment"):
+    if is_explained_at(report.document, "interfaces", "ssi", "alignment"):
         return
     named_alignment = named_alignments.pop()
     if ssi.alignment != named_alignment:

@@ -14,7 +14,7 @@ from ..document import Path, value_at
 from ..problems import DocumentReport, quoted, suggest_word
 from ..written import LocatedPart
 from ..written_parts import WrittenManual, WrittenSection, WrittenSpec
-from .parts import has_erratum_at
+from .parts import is_explained_at
 from .walk import is_placeholder, leaves_of, mapping, sources, texts_in_our_words
 
 #: One citation, with or without the key of a document: ``6.4 p.35`` or ``errata: 2``.
@@ -443,7 +443,7 @@ def check_revision_in_history(spec: WrittenSpec, report: DocumentReport) -> None
     has_duplicates = len(set(listed_revisions)) < len(listed_revisions)  # Reported by another rule.
     if not listed_revisions or has_duplicates or not revision or revision in listed_revisions:
         return
-    if has_erratum_at(report.document, "manual", "history"):
+    if is_explained_at(report.document, "manual", "history"):
         return
     problem = f"the manual has revision {quoted(revision)}, but its history lists {', '.join(listed_revisions)}"
     remedy = "correct one of the two, or add an erratum that affects manual.history if the manual prints this"

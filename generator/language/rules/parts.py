@@ -417,7 +417,7 @@ def is_second_reading(document: Document) -> bool:
     return is_second(document.file)
 
 
-def has_erratum_at(document: Document, *keys: str) -> bool:
+def is_explained_at(document: Document, *keys: str) -> bool:
     """Return True if an erratum affects exactly this place, given by keys and names: ``"interfaces", "ssi", "clock"``.
 
     A second reading has no errata, so everything counts as explained there. It repeats the printed values, and its

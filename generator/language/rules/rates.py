@@ -18,8 +18,8 @@ from .parts import (
     WrittenInterface,
     as_affected_name,
     clocks_of,
-    has_erratum_at,
     interfaces,
+    is_explained_at,
     is_second_reading,
     share_order_codes,
 )
@@ -185,7 +185,7 @@ def _check_monoflop(timing: LocatedPart[Timing], ssi: WrittenSsi, report: Docume
     path_of_timings = timing.path[:-1]
     names_in_path = map(str, (*path_of_timings, _MONOFLOP, key))
     affected_path = as_affected_name(".".join(names_in_path))
-    if has_erratum_at(report.document, affected_path) or not time_us:
+    if is_explained_at(report.document, affected_path) or not time_us:
         return
     remedy = f"If this is what the manual says, add an erratum that affects {affected_path}"
     for clock in ssi.clock:
@@ -262,7 +262,7 @@ def _check_cable_clock(row: LocatedPart[CableLength], clock: Clock, report: Docu
     is_too_high = highest_hz is not None and limit_hz > highest_hz
     affected_path = "interfaces.ssi.clock.max_hz" if is_too_high else "interfaces.ssi.clock.min_hz"
     is_within_limits = not is_too_low and not is_too_high
-    if is_within_limits or has_erratum_at(report.document, affected_path):
+    if is_within_limits or is_explained_at(report.document, affected_path):
         return
     if is_too_high:
         message = f"{limit_hz} Hz is above 'max_hz: {highest_hz}'"
@@ -335,7 +335,7 @@ def check_cable_order(spec: WrittenSpec, report: DocumentReport) -> None:
     for name, interface in interfaces(spec):
         if not isinstance(interface, WrittenSsi):
             continue
-        if has_erratum_at(report.document, "interfaces", name, "cable_lengths"):
+        if is_explained_at(report.document, "interfaces", name, "cable_lengths"):
             continue
         affected_path = f"interfaces.{name}.cable_lengths"
         shortest_first = sorted(interface.cable_lengths, key=lambda row: row.part.shorter_than_m)

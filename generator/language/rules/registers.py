@@ -15,8 +15,8 @@ from .parts import (
     FieldOwner,
     by_name,
     field_lists,
-    has_erratum_at,
     interface_name_of,
+    is_explained_at,
     is_second_reading,
     last_address,
     parse_bit_range,
@@ -226,7 +226,7 @@ def check_repeated_access(spec: WrittenSpec, report: DocumentReport) -> None:
         is_explained_by_note = bool(register.note)
         if not has_only_fixed_fields or register.access != "read_write" or is_explained_by_note:
             continue
-        if not has_erratum_at(report.document, "registers", register.name, "access"):
+        if not is_explained_at(report.document, "registers", register.name, "access"):
             message = (
                 f"all fields of {quoted(register.name)} have a fixed value ('equals'), so it should be read_only; "
                 "if the manual says read_write, say so in a 'note'"

@@ -19,7 +19,7 @@ from ..written import LocatedPart
 from ..written_codes import WrittenBiss
 from ..written_fields import WrittenRegister
 from ..written_parts import WrittenSpec
-from .parts import PlacedPart, by_name, has_erratum_at, interfaces, share_order_codes, timings
+from .parts import PlacedPart, by_name, interfaces, is_explained_at, share_order_codes, timings
 from .walk import ErratumTargets, is_derived, leaves
 
 _NS_PER_S = 1_000_000_000
@@ -298,7 +298,7 @@ def check_timeouts_and_clocks(spec: WrittenSpec, report: DocumentReport) -> None
     if biss is None:
         return
     for timeout in biss.timeout:
-        if has_erratum_at(report.document, *_PATH_OF_TIMEOUT, "printed"):
+        if is_explained_at(report.document, *_PATH_OF_TIMEOUT, "printed"):
             continue
         remedy = (
             "correct one of the two. If this is what the manual says, "
@@ -364,7 +364,7 @@ def check_timeout_mismatch(spec: WrittenSpec, report: DocumentReport) -> None:
 
 def _check_clocks_of_timeouts(timeout: LocatedPart[Timeout], clock: Clock, report: DocumentReport) -> None:
     """Report timeouts that the manual prints for clocks outside the limits of ``clock``."""
-    if clock.max_hz is None or has_erratum_at(report.document, *_PATH_OF_TIMEOUT):
+    if clock.max_hz is None or is_explained_at(report.document, *_PATH_OF_TIMEOUT):
         return
     lowest_hz = clock.min_hz or 0
     highest_hz = clock.max_hz

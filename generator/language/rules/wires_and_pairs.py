@@ -14,7 +14,7 @@ from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
 from ..written_parts import WrittenSpec
 from .connectors import partner_of, signal_names
-from .parts import has_erratum_at, is_second_reading
+from .parts import is_explained_at, is_second_reading
 from .walk import KEYS_OF_EXPLANATIONS, texts_of
 
 _COLOURS = "white|black|brown|green|yellow|grey|gray|pink|blue|red|violet|orange|purple"
@@ -183,8 +183,8 @@ def _compare_signals(
         signal_of_wire = signal_by_wire.get(wire)
         if signal_of_wire is None or _plain_signal(signal_of_wire) == _plain_signal(contact.signal):
             continue
-        has_erratum_at_connector = has_erratum_at(report.document, "connectors", connector.part.name, "contacts")
-        has_erratum_at_cable = has_erratum_at(report.document, "connectors", cable.part.name, "contacts")
+        has_erratum_at_connector = is_explained_at(report.document, "connectors", connector.part.name, "contacts")
+        has_erratum_at_cable = is_explained_at(report.document, "connectors", cable.part.name, "contacts")
         if has_erratum_at_connector or has_erratum_at_cable:
             return
         message = (

@@ -337,8 +337,8 @@ class LengthCode:
         self.depends_on_registers = any(frame.depends_on_registers for frame in received_frames)
         #: Number of acknowledge bits that fit in a buffer, 0 if the interface has none.
         self.acknowledge = BISS_ACKNOWLEDGE if isinstance(interface, Biss) else 0
-        self.register_access = "".join(_register_access(context.device, interface, received_frames))
-        self._name_by_variant = {id(row.variant): row.name_in_macros for row in code_rows}
+        self.register_access_comment = "".join(_register_access(context.device, interface, received_frames))
+        self._name_by_variant_id = {id(row.variant): row.name_in_macros for row in code_rows}
         self._prefix = f"{context.PREFIX}_"
         #: Frames of the order code in all samples.
         self._sample_frames = [frame for frame in received_frames if frame.variant is sample_row.variant]
@@ -379,7 +379,7 @@ class LengthCode:
         The name of the frame is included if there are several frames, and then the user's answers to open questions on
         which the length depends.
         """
-        name_parts = [self._name_by_variant[id(frame.variant)]]
+        name_parts = [self._name_by_variant_id[id(frame.variant)]]
         if len(self.layouts) > 1:
             name_parts.append(frame.layout.name)
         name_parts += [answer.name for answer in frame.answers]
