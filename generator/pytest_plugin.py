@@ -31,8 +31,8 @@ def virtual_encoder() -> Iterator[Callable[..., Served]]:
         def start(order_code: str, *arguments: Any, tcp: bool = False, **options: Any) -> Served:
             """Start an encoder that ends with the test."""
             # The plugin is loaded in every test run, so the specs are read only when an encoder is needed.
-            from .virtual import serving
             from .virtual.encoder import VirtualEncoder
+            from .virtual.serving import serving
 
             encoder = VirtualEncoder(order_code, *arguments, **options)
             return Served(encoder, stack.enter_context(serving(encoder, tcp=tcp)))

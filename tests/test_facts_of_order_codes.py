@@ -45,7 +45,7 @@ READERS = {
         "reference/registers.py",
         "targets/docs/cross_family_pages.py",
         "targets/docs/interface_page.py",
-        "targets/docs/__init__.py",
+        "targets/docs/links_and_errata.py",
     },
     "builds the family, or passes its facts to one of the others": {
         "loading/order_code_facts.py",
@@ -88,7 +88,7 @@ READERS = {
         "targets/docs/cross_family_pages.py",
         "targets/docs/family_pages.py",
         "targets/docs/order_code_page.py",
-        "targets/docs/__init__.py",
+        "targets/docs/links_and_errata.py",
         "targets/docs/interface_page.py",
         "targets/docs/fact_tables.py",
         "targets/docs/timing_pictures.py",

@@ -19,7 +19,9 @@ from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_specs
 from codewheel.loading.library import Family, families_of
 from codewheel.loading.manufacturer_rules import check_shared_facts
-from codewheel.readings import (
+from codewheel.readings.compare import compare
+from codewheel.readings.reading import ComparedFacts, SpecReading
+from codewheel.readings.second_readings import (
     Coverage,
     SecondReading,
     comparable_specs,
@@ -29,8 +31,6 @@ from codewheel.readings import (
     read_beside,
     second_of,
 )
-from codewheel.readings.compare import compare
-from codewheel.readings.reading import ComparedFacts, SpecReading
 
 from .effects import Effect, Outputs
 from .mistakes import Change, Mutant, in_both, mutants, mutated

@@ -25,7 +25,7 @@ from codewheel.one_line.spec import device_of_line
 from codewheel.say import decimal
 from codewheel.say.names_and_evidence import GRADES, grade_below_manual, origin
 from codewheel.say.text import PLAIN_STYLE
-from codewheel.targets.masters import facts_of_order_codes, order_code_groups
+from codewheel.targets.masters.contents import facts_of_order_codes, order_code_groups
 from codewheel.targets.masters.files import file_text
 
 #: Placeholders in a line for the order code, and for the order code as an identifier.

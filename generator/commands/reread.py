@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ..loading.library import Family
-    from ..reread import TouchedFacts
     from ..reread.facts import CitingFact
     from ..reread.passages import Passage
     from ..reread.sections import Manual
+    from ..reread.touched_facts import TouchedFacts
 
 EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",)
 JSON_VERSION = 1
@@ -69,10 +69,10 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         CommandError: A manual cannot be read, or the family is not known.
     """
-    from ..reread import TouchedFacts
     from ..reread.facts import facts_with_citations
     from ..reread.passages import differing_passages, numbers_changed, same_language
     from ..reread.sections import NoText, read_manual
+    from ..reread.touched_facts import TouchedFacts
     from .read_specs import specs_to_judge
 
     paths = specs_to_judge(arguments.specs, "reread OLD NEW").paths
@@ -240,7 +240,7 @@ def _line_of_equal_facts(facts: Sequence[CitingFact]) -> str:
 
 def _groups_of_equal_facts(facts: Sequence[CitingFact]) -> list[list[CitingFact]]:
     """Return the facts in groups. Successive facts with the same key and value are one group, such as equal waits."""
-    from ..reread import key_of
+    from ..reread.touched_facts import key_of
 
     def key_and_value(fact: CitingFact) -> object:
         return key_of(fact), fact.value

@@ -14,7 +14,7 @@ from .terminal import CommandError
 if TYPE_CHECKING:
     import argparse
 
-    from ..virtual import VirtualEncoder
+    from ..virtual.encoder import VirtualEncoder
 
 EXAMPLES = (
     "codewheel simulate MY-ENCODER-13-SC --position 1000",
@@ -77,7 +77,7 @@ def _more_help() -> str:
     from textwrap import fill
 
     from ..model import INTERFACES
-    from ..virtual import FAULTS, faults_of
+    from ..virtual.simulation_options import FAULTS, faults_of
 
     lines = [fill(_HOW_TO_USE, _HELP_WIDTH)]
     interfaces: dict[str, None] = {}
@@ -96,7 +96,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         CommandError: An argument is wrong, with exit code 2, or the port cannot be opened, with exit code 1.
     """
-    from ..virtual import has_terminals, line_of, listen_tcp, serve, terminal
+    from ..virtual.serving import has_terminals, line_of, listen_tcp, serve, terminal
     from .find_encoder import find_order_code
     from .read_specs import specs_to_read
 
@@ -136,7 +136,8 @@ def _virtual_encoder(arguments: argparse.Namespace, paths: Sequence[Path]) -> Vi
     Raises:
         ValueError: An argument is wrong.
     """
-    from ..virtual import VirtualEncoder, motion
+    from ..virtual.encoder import VirtualEncoder
+    from ..virtual.simulation_options import motion
 
     answers: dict[str, str] = {}
     for pair in arguments.choose:

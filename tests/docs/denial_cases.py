@@ -72,7 +72,6 @@ from codewheel.say.text import PLAIN_STYLE, Statement
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate as generate_c
 from codewheel.targets.docs import (
-    ErrataLinks,
     bytes_to_send,
     cross_family_pages,
     family_pages,
@@ -84,6 +83,7 @@ from codewheel.targets.docs import (
     wiring_tables,
 )
 from codewheel.targets.docs import verdict_table as frame_facts
+from codewheel.targets.docs.links_and_errata import ErrataLinks
 from codewheel.targets.docs.verdict_table import verdict_table
 from codewheel.targets.registry import load_target
 

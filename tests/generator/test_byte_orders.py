@@ -17,7 +17,7 @@ from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import to_xml
 from codewheel.model import number_from_bytes, number_to_bytes
 from codewheel.reference import codec
-from codewheel.virtual import VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
 from codewheel.virtual.rs485_line import Rs485Line
 from five_engines import ENGINES, NOT_USABLE, SPECS, USABLE, Case, Import, MadeEncoder, load_made, named
 

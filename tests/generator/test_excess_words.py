@@ -22,7 +22,8 @@ from codewheel.model import Device
 from codewheel.reference import codec
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate as generate_page
-from codewheel.virtual import SsiLine, VirtualEncoder
+from codewheel.virtual.clocked_lines import SsiLine
+from codewheel.virtual.encoder import VirtualEncoder
 
 pytestmark = pytest.mark.slow
 

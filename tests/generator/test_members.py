@@ -24,9 +24,10 @@ from codewheel.model.keys_and_members import name_of_part
 from codewheel.model.members import PARTS, PARTS_BY_CLASS, ModelMember, ModelPart
 from codewheel.model.part import keys_of
 from codewheel.model.record import dataclass
-from codewheel.readings import facts_of, stated
+from codewheel.readings import stated
 from codewheel.readings.compare import compare
 from codewheel.readings.reading import FactClass, SpecReading
+from codewheel.readings.second_readings import facts_of
 from codewheel.targets.python import facts
 from codewheel.targets.python.facts import register_rows
 

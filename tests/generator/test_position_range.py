@@ -14,7 +14,7 @@ from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.plan.values import position_ranges
-from codewheel.virtual import VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
 
 ROOT = Path(__file__).parents[2]
 SPECS = [ROOT / "specs" / "lika" / name for name in ("manufacturer.yaml", "sma21.yaml")]

@@ -17,7 +17,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.reference import codec
 from codewheel.say.layout import crc_parameters
-from codewheel.virtual import VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
 
 ROOT = Path(__file__).parents[2]
 SPECS = [ROOT / "tests" / "specs" / name for name in ("manufacturer.yaml", "scale.yaml")]

@@ -23,7 +23,7 @@ from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, SettingsSheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.masters import content_of_file, facts_of_order_codes
+from codewheel.targets.masters.contents import content_of_file, facts_of_order_codes
 from codewheel.targets.masters.files import file_text, generate
 
 Raw = Mapping[str, Any]

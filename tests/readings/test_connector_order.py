@@ -8,7 +8,7 @@ from pathlib import Path
 from codewheel.language.problems import Problem, ProblemReport
 from codewheel.language.read import read_specs
 from codewheel.loading.library import families_of
-from codewheel.readings import comparable_specs, compare_readings
+from codewheel.readings.second_readings import comparable_specs, compare_readings
 
 LIKA = Path(__file__).parents[2] / "specs" / "lika"
 NEW_CONNECTOR = """\

@@ -9,8 +9,8 @@ import pytest
 from codewheel.commands.check.specs import check_specs
 from codewheel.language.problems import ProblemReport
 from codewheel.loading.library import load_families
-from codewheel.readings import Coverage, comparable_specs, compare_readings
 from codewheel.readings.reading import FactClass
+from codewheel.readings.second_readings import Coverage, comparable_specs, compare_readings
 from codewheel.readings.stated import numbers_in
 
 pytestmark = pytest.mark.slow

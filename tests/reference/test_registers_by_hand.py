@@ -21,7 +21,7 @@ from codewheel.reference.registers import (
     values_of_older_edition,
     without_edition_registers,
 )
-from codewheel.virtual import VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
 
 SPECS = Path(__file__).resolve().parents[1] / "plan" / "specs"
 AMM5 = "AMM5A21/65KSC1"

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
-from codewheel.reread import TouchedFacts
 from codewheel.reread.facts import facts_with_citations
 from codewheel.reread.passages import Passage
 from codewheel.reread.sections import Section
+from codewheel.reread.touched_facts import TouchedFacts
 
 SPEC = Path(__file__).parents[2] / "specs/lika/sma21.yaml"
 

@@ -25,7 +25,7 @@ from codewheel.model import Device
 from codewheel.one_line.line import LineError
 from codewheel.one_line.spec import device_of_line
 from codewheel.order_codes.labels import LabelMatch, find_code
-from codewheel.targets.masters import facts_of_order_codes
+from codewheel.targets.masters.contents import facts_of_order_codes
 from codewheel.targets.masters.files import file_text
 from exhaustive import mostly_exhaustive
 

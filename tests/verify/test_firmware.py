@@ -14,7 +14,10 @@ from threading import Event, Thread
 from c_harness import devices_of
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
-from codewheel.virtual import BissLine, ByteLine, Rs485Line, VirtualEncoder, listener, serve
+from codewheel.virtual.clocked_lines import BissLine
+from codewheel.virtual.encoder import VirtualEncoder
+from codewheel.virtual.rs485_line import Rs485Line
+from codewheel.virtual.serving import ByteLine, listener, serve
 from machines import _BARE, Machine
 from tools import tool
 

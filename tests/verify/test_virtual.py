@@ -17,7 +17,8 @@ import pytest
 from bench import codes_with
 from codewheel.model import Flag, Layout, Unused, number_to_bytes
 from codewheel.targets import Library
-from codewheel.virtual import FAULTS, VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
+from codewheel.virtual.simulation_options import FAULTS
 from tree import library as by_name
 from tree import number_from_environment
 

@@ -7,7 +7,8 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
-from codewheel.virtual import Rs485Line, VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
+from codewheel.virtual.rs485_line import Rs485Line
 
 #: Seconds between two requests, and until a reply must be complete.
 INTERVAL_S = 0.0002

@@ -13,7 +13,8 @@ import pytest
 from bench import codes_with
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.virtual import BissLine, VirtualEncoder
+from codewheel.virtual.clocked_lines import BissLine
+from codewheel.virtual.encoder import VirtualEncoder
 from exhaustive import mostly_exhaustive
 
 pytestmark = pytest.mark.slow

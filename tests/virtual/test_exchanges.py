@@ -16,7 +16,9 @@ from zlib import crc32
 import pytest
 from bench import Bench
 from codewheel.commands.cli import main
-from codewheel.virtual import FAULTS, Rs485Line, VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
+from codewheel.virtual.rs485_line import Rs485Line
+from codewheel.virtual.simulation_options import FAULTS
 from exhaustive import mostly_exhaustive
 from test_link_faults import ERRORS
 

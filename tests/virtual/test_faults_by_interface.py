@@ -14,8 +14,11 @@ from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import INTERFACES, Device, Layout, Rs485, Spi, number_to_bytes
 from codewheel.reference import codec
-from codewheel.virtual import FAULTS, BissLine, Faults, Rs485Line, SpiLine, SsiLine, VirtualEncoder, faults_of
-from codewheel.virtual.clocked_lines import ByLevels
+from codewheel.virtual.clocked_lines import BissLine, ByLevels, SsiLine
+from codewheel.virtual.encoder import VirtualEncoder
+from codewheel.virtual.rs485_line import Rs485Line
+from codewheel.virtual.simulation_options import FAULTS, Faults, faults_of
+from codewheel.virtual.spi_line import SpiLine
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "specs"

@@ -10,7 +10,7 @@ from zlib import crc32
 import pytest
 from bench import Bench, codes_with, shares
 from codewheel.targets import Library
-from codewheel.virtual import FAULTS
+from codewheel.virtual.simulation_options import FAULTS
 
 pytestmark = pytest.mark.slow
 

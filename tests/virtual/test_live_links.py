@@ -19,11 +19,11 @@ from typing import Any
 
 import pytest
 from bench import codes_with
-from codewheel import virtual
 from codewheel.commands.cli import main
 from codewheel.commands.simulate import EXAMPLES
 from codewheel.targets import Library
-from codewheel.virtual import FAULTS
+from codewheel.virtual import serving
+from codewheel.virtual.simulation_options import FAULTS
 
 pytestmark = pytest.mark.slow
 
@@ -307,7 +307,7 @@ def test_a_procedure_is_not_interrupted_by_another_thread(
         assert encoder.position() == 0
 
 
-@pytest.mark.skipif(not virtual.has_terminals(), reason="a TCP port accepts one client after another")
+@pytest.mark.skipif(not serving.has_terminals(), reason="a TCP port accepts one client after another")
 def test_a_port_is_opened_once(generated_python: Package, virtual_encoder: Callable[..., Any]) -> None:
     lika: Any = generated_python[1]
     served = virtual_encoder(CODE, position=7)

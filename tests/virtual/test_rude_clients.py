@@ -10,8 +10,8 @@ from contextlib import closing, contextmanager, suppress
 from threading import Event, Thread
 
 import pytest
-from codewheel import virtual
-from codewheel.virtual import VirtualEncoder
+from codewheel.virtual import serving
+from codewheel.virtual.encoder import VirtualEncoder
 
 pytestmark = pytest.mark.slow
 
@@ -38,10 +38,10 @@ class Counting:
 
 
 @contextmanager
-def served(port: virtual._Port, line: virtual.ByteLine) -> Iterator[None]:
+def served(port: serving._Port, line: serving.ByteLine) -> Iterator[None]:
     stop = Event()
     arguments = (VirtualEncoder("AMM5A23/65KJP1"), line, port, stop)
-    thread = Thread(target=virtual.serve, args=arguments, daemon=True)
+    thread = Thread(target=serving.serve, args=arguments, daemon=True)
     thread.start()
     try:
         yield
@@ -52,13 +52,13 @@ def served(port: virtual._Port, line: virtual.ByteLine) -> Iterator[None]:
         port.close()
 
 
-def connected(port: virtual._Port) -> socket.socket:
+def connected(port: serving._Port) -> socket.socket:
     host, number = port.name.removeprefix("socket://").split(":")
     return socket.create_connection((host, int(number)), timeout=20)
 
 
 def test_requests_of_a_client_that_has_gone_are_not_answered() -> None:
-    port, line = virtual.listen_tcp(), Counting(pause_s=0.02)
+    port, line = serving.listen_tcp(), Counting(pause_s=0.02)
     with served(port, line):
         with closing(connected(port)) as rude:
             rude.sendall(FLOOD)
@@ -71,7 +71,7 @@ def test_requests_of_a_client_that_has_gone_are_not_answered() -> None:
 
 
 def test_a_client_that_never_reads_is_disconnected() -> None:
-    port, line = virtual.listen_tcp(), Counting()
+    port, line = serving.listen_tcp(), Counting()
     with served(port, line), closing(connected(port)) as rude:
         rude.settimeout(20)
         with pytest.raises(OSError):
@@ -82,7 +82,7 @@ def test_a_client_that_never_reads_is_disconnected() -> None:
 
 
 def test_a_client_that_only_ends_its_requests_gets_all_replies() -> None:
-    port, line = virtual.listen_tcp(), Counting()
+    port, line = serving.listen_tcp(), Counting()
     with served(port, line), closing(connected(port)) as client:
         client.sendall(b"\x01" * 500)
         client.shutdown(socket.SHUT_WR)
@@ -92,9 +92,9 @@ def test_a_client_that_only_ends_its_requests_gets_all_replies() -> None:
     assert answer == b"\x01" * 5500
 
 
-@pytest.mark.skipif(not virtual.has_terminals(), reason="there are no pseudo-terminals")
+@pytest.mark.skipif(not serving.has_terminals(), reason="there are no pseudo-terminals")
 def test_a_terminal_that_nobody_reads_can_be_stopped() -> None:
-    port, line = virtual.terminal(), Counting()
+    port, line = serving.terminal(), Counting()
     device = os.open(port.name, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     with closing(os.fdopen(device, "wb", buffering=0, closefd=True)), served(port, line):
         for _ in range(200):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from codewheel.virtual import VirtualEncoder
 from codewheel.virtual.clocked_lines import SsiLine
+from codewheel.virtual.encoder import VirtualEncoder
 from codewheel.virtual.spi_line import SpiLine
 
 

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.virtual import SpiLine, VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
+from codewheel.virtual.spi_line import SpiLine
 from python_path import import_anew
 from working_tools import require
 

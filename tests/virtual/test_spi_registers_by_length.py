@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.virtual import SpiLine, VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
+from codewheel.virtual.spi_line import SpiLine
 
 pytestmark = pytest.mark.slow
 

@@ -7,7 +7,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from codewheel.virtual import VirtualEncoder
+from codewheel.virtual.encoder import VirtualEncoder
 from codewheel.virtual.strategies import disturbed_frames, frames, positions
 from hypothesis import given, settings
 from hypothesis import strategies as st

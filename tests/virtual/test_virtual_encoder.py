@@ -6,7 +6,10 @@ from pathlib import Path
 
 import pytest
 from codewheel.reference import codec
-from codewheel.virtual import BissLine, Rs485Line, SsiLine, VirtualEncoder, motion
+from codewheel.virtual.clocked_lines import BissLine, SsiLine
+from codewheel.virtual.encoder import VirtualEncoder
+from codewheel.virtual.rs485_line import Rs485Line
+from codewheel.virtual.simulation_options import motion
 
 #: A made-up encoder with fields of every kind.
 WORDS = Path(__file__).parents[1] / "c/specs/words.yaml"

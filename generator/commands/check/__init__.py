@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ...language.document import Path as SpecPath
     from ...language.problems import Problem, ProblemReport
     from ...loading.configuration import Configuration
-    from ...readings import Coverage
+    from ...readings.second_readings import Coverage
 
 JSON_VERSION = 1
 EXAMPLES = ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json")

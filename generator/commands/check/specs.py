@@ -18,8 +18,16 @@ from ...loading.history import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
 from ...loading.overlays import Family
 from ...model import TimesRead
-from ...readings import Coverage, Reader, SecondReading, add_counts, comparable_specs, compare_readings, read_beside
 from ...readings.reading import FactClass
+from ...readings.second_readings import (
+    Coverage,
+    Reader,
+    SecondReading,
+    add_counts,
+    comparable_specs,
+    compare_readings,
+    read_beside,
+)
 from ...say import count_with_unit
 from ...targets import Target
 from ..cloze import Reader as SheetReader

@@ -15,9 +15,9 @@ from ...say.layout import crc_sent
 from ...say.names_and_evidence import addresses_text, name_in_words, title_of, titled_in_lists
 from ...say.order_code import describe_settings, parameter_value
 from ...say.text import MARKDOWN, citation, code_span, escape, join_filled, markdown_link, volts
-from . import (
+from . import fact_tables
+from .links_and_errata import (
     errata_of_manual,
-    fact_tables,
     link_to_alarm,
     link_to_erratum,
     link_to_layout,

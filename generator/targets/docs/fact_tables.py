@@ -52,7 +52,6 @@ from ...say.text import (
     statement,
     volts,
 )
-from . import ERRATA
 from .layout_tables import (
     field_cell,
     field_place_cell,
@@ -63,6 +62,7 @@ from .layout_tables import (
     name_cell,
     value_rows,
 )
+from .links_and_errata import ERRATA
 from .order_code_tables import order_codes
 
 _SEVERITY_TEXTS = {

@@ -23,23 +23,20 @@ from ...say.text import (
     link_list,
     markdown_link,
 )
-from . import (
+from . import fact_tables, masters_page, order_code_tables, verdict_page
+from .interface_page import subjects
+from .links_and_errata import (
     ERRATA,
     ErrataLines,
     errata_of_manual,
-    fact_tables,
     interface_page_path,
     link_to_layout,
     link_to_procedure,
-    masters_page,
-    order_code_tables,
     page_in_folder,
     path_to_anchor,
     status_badge,
     style_in_folder,
-    verdict_page,
 )
-from .interface_page import subjects
 from .order_code_page import ManualProcedure, OrderCodes, manual_procedures
 from .order_code_tables import order_codes
 

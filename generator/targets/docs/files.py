@@ -15,21 +15,23 @@ from ...say.text import as_sentence, count_with_unit, escape, markdown_link
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..registry import licence_in
 from . import (
-    ERRATA,
     cross_family_pages,
     fact_tables,
     family_pages,
     interface_page,
-    interface_page_path,
     masters_page,
     order_code_page,
-    page_in_folder,
     timing_pictures,
     verdict_page,
+)
+from .interface_page import Rows, Section
+from .links_and_errata import (
+    ERRATA,
+    interface_page_path,
+    page_in_folder,
     with_errata_linked,
     with_other_subjects_linked,
 )
-from .interface_page import Rows, Section
 
 
 class _Page(NamedTuple):

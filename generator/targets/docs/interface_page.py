@@ -54,8 +54,9 @@ from ...say.text import (
     markdown_link,
     statement,
 )
-from . import ErrataLines, fact_tables, layout_tables, links_to_steps, order_code_tables, verdict_page
+from . import fact_tables, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
+from .links_and_errata import ErrataLines, links_to_steps
 from .order_code_tables import order_codes
 from .page_pictures import Pictures
 from .timing_pictures import TimingDiagram, timing_diagram

@@ -37,8 +37,9 @@ from ...say.names_and_evidence import describe_grade, field_at, heading, hexadec
 from ...say.order_code import not_on_label, parameter_value
 from ...say.text import MARKDOWN, Statement, as_sentence, citation, code_span, escape, markdown_link, statement
 from ..registry import names_of_codes
-from . import ErrataLinks, bytes_to_send, fact_tables, layout_pictures, order_code_tables, verdict_table, wiring_tables
+from . import bytes_to_send, fact_tables, layout_pictures, order_code_tables, verdict_table, wiring_tables
 from .interface_page import InterfaceValues, Section, Sections, interface_values, page_sections
+from .links_and_errata import ErrataLinks
 from .page_pictures import Pictures, pictures_of_family, pictures_of_order_codes
 from .wiring_tables import no_leds, no_supply
 

@@ -25,7 +25,7 @@ from ...say.layout import describe_measurement, describe_position_range, own_ran
 from ...say.names_and_evidence import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.text import MARKDOWN, citation, code_span, escape, join_filled, markdown_link
-from . import style_in_folder
+from .links_and_errata import style_in_folder
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:

@@ -29,7 +29,7 @@ from ...say.text import (
     markdown_link,
     statement,
 )
-from . import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
+from .links_and_errata import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 from .verdict_table import EFFECTS
 
 #: File name of the page on verdicts, which no family can have.

@@ -25,7 +25,7 @@ from ...say.text import PLAIN_STYLE
 from ...say.text import escape as escape_markdown
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
-from . import Channel, Content, GroupSheets, YamlMapping, content_of_file, sheets_of
+from .contents import Channel, Content, GroupSheets, YamlMapping, content_of_file, sheets_of
 
 _TEXT_WIDTH = 120
 _ONE_FILE_EACH = "each"
