@@ -1,6 +1,6 @@
 """Problems in a spec: the place, the error and the correction. Also the error in a user's template.
 
-A broken spec never raises an exception. Every step adds to a :class:`Report` and continues with the remaining data,
+A broken spec never raises an exception. Every step adds to a ``ProblemReport`` and continues with the remaining data,
 so that one run reports everything.
 """
 

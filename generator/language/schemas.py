@@ -138,8 +138,6 @@ def _inline_references(schema: Any, definitions: dict[str, Any]) -> Any:
 #: Modules with parts.
 _MODULES_WITH_PARTS = (
     interface_parts,
-    interface_parts,
-    manual,
     manual,
     facts,
     fields,

@@ -385,7 +385,7 @@ def _values_set_by_codes(
 def exceeds_work_limit(raw_spec: Raw, context: LayoutContext) -> bool:
     """Return whether checking a spec would take too long, and report it.
 
-    Each field is placed_layout once for each set of parameters, so the numbers of both are limited.
+    Each field is placed once for each set of parameters, so the numbers of both are limited.
     """
     number_of_sets = sum(map(len, context.parameter_sets.values()))
     spec = WrittenSpec(dict(raw_spec))

@@ -35,7 +35,7 @@ else:
 from collections.abc import Iterable
 from typing import Protocol, TypeVar
 
-__all__ = ["dataclass"]
+__all__ = ["assert_never", "dataclass", "first_or_raise", "member_named"]
 
 
 @functools.cache

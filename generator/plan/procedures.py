@@ -51,7 +51,7 @@ def plan_procedure(device: Device, procedure: Procedure) -> ProcedurePlan:
 
     The plan also contains the checks of the arguments, which are made before the first operation.
     """
-    # A procedure may unlock a register, write it, and lock it again. That last write gets ``closes=True``.
+    # A procedure may unlock a register, write it, and lock it again. That last write gets ``locks_again=True``.
     indices_that_lock_again = _indices_of_steps_that_lock_again(device, procedure.steps)
     operations: list[PlannedStep] = []
     for index, step in enumerate(procedure.steps):

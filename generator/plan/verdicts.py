@@ -329,15 +329,15 @@ def reportings(device: Device) -> dict[str, ReportsAndVerdict]:
     reports = _index_reports(device)
     reporting_by_frame: dict[str, ReportsAndVerdict] = {}
     for interface, layout in _sent_layouts(device):
-        codec = layout_plan_of(device, layout)
+        layout_plan = layout_plan_of(device, layout)
         causes: list[ReportCause] = []
-        for cause in verdict_causes(codec):
+        for cause in verdict_causes(layout_plan):
             for field, only in by_order_code(cause.field):
                 if _is_reported(field):
                     causes.append(ReportCause(reports[layout.name, field.name], cause=cause, code_condition=only))
-        verdict_rules = verdict_rules_of(codec) if device.has_verdict(interface.name, layout) else None
+        verdict_rules = verdict_rules_of(layout_plan) if device.has_verdict(interface.name, layout) else None
         if causes or verdict_rules is not None:
-            reporting_by_frame[layout.name] = ReportsAndVerdict(interface, codec, tuple(causes), verdict_rules)
+            reporting_by_frame[layout.name] = ReportsAndVerdict(interface, layout_plan, tuple(causes), verdict_rules)
     return reporting_by_frame
 
 
@@ -414,7 +414,7 @@ def _reported_fields(device: Device) -> list[_ReportedField]:
 
 
 def _index_reports(device: Device) -> Mapping[tuple[str, str], NumberedReport]:
-    """Return the reports by the names of frame and field: ``{("status_frame", "overheat"): Report(...)}``.
+    """Return the reports by the names of frame and field: ``{("status_frame", "overheat"): NumberedReport(...)}``.
 
     Fields share a report if their report names are equal. ``_report_name`` gives them the name of the field if all
     reported fields with this name have the same kind, group and meaning. Otherwise the name of the interface precedes

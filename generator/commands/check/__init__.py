@@ -101,7 +101,6 @@ def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
 
     Only results without problems are cached.
     """
-
     specs_read = result.get()
     if specs_read is None:
         return False
@@ -126,28 +125,27 @@ def _check_and_print(
     from ...targets.registry import WITH_PROBLEMS
     from ..outputs import are_built_in, targets_named
     from ..read_specs import report_unknown_families
-    from . import specs as coverage
-    from .specs import check_specs
+    from . import specs as spec_checks
 
     targets = targets_named(arguments.target, WITH_PROBLEMS)
     with Progress("codewheel: checking the specs"):
-        checked_specs = check_specs(paths, targets, NO_CACHE if arguments.coverage else cache)
+        checked_specs = spec_checks.check_specs(paths, targets, NO_CACHE if arguments.coverage else cache)
     report = checked_specs.report
     family_names = [family.device.name for family in checked_specs.families]
     report_unknown_families(settings, family_names, report)
     coverage_by_family: Sequence[Coverage] = []
     coverage_data: dict[str, Any] = {}
     if arguments.coverage:
-        coverage.check_counts(checked_specs, write=arguments.write)
+        spec_checks.check_counts(checked_specs, write=arguments.write)
         coverage_by_family = checked_specs.readings
-        coverage_data = coverage.as_data(coverage_by_family)
+        coverage_data = spec_checks.as_data(coverage_by_family)
     _print_problems(family_names, report, coverage_data, arguments)
     if arguments.coverage and not arguments.json:
-        print(coverage.as_text(coverage_by_family, checked_specs))
+        print(spec_checks.as_text(coverage_by_family, checked_specs))
     # With other targets, or without the packages of some, the next run may find other problems.
     if not report and are_built_in(targets, WITH_PROBLEMS):
         result.put(specs_read(family_names, report))
-    return 0 if coverage.is_complete(coverage_by_family, report) else 1
+    return 0 if spec_checks.is_complete(coverage_by_family, report) else 1
 
 
 def _print_problems(
@@ -199,13 +197,11 @@ def as_text(families: Sequence[str], report: ProblemReport, form: str = "text") 
 
 def _review_text(report: ProblemReport, form: str) -> str:
     """Return the problems in a form for review tools, ``github`` or ``sarif``."""
-
     return as_review([_review_finding(problem) for problem in report.shown], form)
 
 
 def _review_finding(problem: Problem) -> ReviewFinding:
     """Return a problem in the form for review tools."""
-
     return ReviewFinding(
         file=problem.file,
         line=problem.line,

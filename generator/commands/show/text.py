@@ -30,10 +30,7 @@ from ...order_codes.reduction import for_interface, reduced_to_codes
 from ...say import WIDTH, decimal, two_columns, wrap_text
 from ...say import errata as say_errata
 from ...say import layout as say_layout
-from ...say import layout as say_measurement
-from ...say import order_code as say_interface
 from ...say import order_code as say_order_code
-from ...say import register as say_field
 from ...say import register as say_register
 from ...say.errata import describe_answer as say_answer
 from ...say.errata import describe_question, needed_answers
@@ -214,7 +211,7 @@ def _position_lines(
     for title, measurement in measurements:
         if measurement is None:
             continue
-        unit_and_range = style_with(parameters).phrase(say_measurement.describe_measurement(measurement))
+        unit_and_range = style_with(parameters).phrase(say_layout.describe_measurement(measurement))
         length = _whole_length(measurement, parameters)
         range_text = f"{unit_and_range}{length}  [{cite(measurement.source)}]"
         title_and_range_rows.append((title or measurement.of, range_text))
@@ -245,8 +242,8 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
     """Return a line for each layout that has its own range of the position, such as ``in short 4,096 counts …``."""
     style = style_with(parameters)
     range_rows = []
-    for layout_name, own_range in say_measurement.own_ranges(device, interface):
-        range_text = style.phrase(say_measurement.describe_position_range(own_range))
+    for layout_name, own_range in say_layout.own_ranges(device, interface):
+        range_text = style.phrase(say_layout.describe_position_range(own_range))
         range_rows.append((f"in {layout_name}", f"{range_text}  [{cite(own_range.source)}]"))
     return two_columns(range_rows, indent=2)
 
@@ -256,7 +253,7 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
 
 def interface_lines(device: Device, interface: Interface) -> list[str]:
     """Return the title of an interface, and a line for each fact about it, such as its clock or its port."""
-    facts = say_interface.describe_interface_facts(device, interface)
+    facts = say_order_code.describe_interface_facts(device, interface)
     fact_rows = [(fact.label, f"{PLAIN_STYLE.phrase(fact)}  {PLAIN_STYLE.cited(fact.source)}") for fact in facts]
     return [f"{interface.title}  [{cite(interface.source)}]", *two_columns(fact_rows, indent=2)]
 
@@ -372,7 +369,7 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
     fields = register.layout.fields
     facts = list(say_register.describe_register_facts(device, register))
     if len(fields) == 1:
-        facts += say_field.rules(device, fields[0])
+        facts += say_register.rules(device, fields[0])
     if facts:
         lines.append(wrap_text(style.paragraph(facts), WIDTH, prefix="    "))
     if len(fields) > 1:
@@ -402,10 +399,10 @@ def _about_value(value: Value) -> str:
 
 def _about_field(device: Device, field: Field, style: Style) -> str:
     """Return the name of a field with its values and its rules."""
-    statements = list(say_field.rules(device, field))
+    statements = list(say_register.rules(device, field))
     if field.values:
         # The values come before the rules.
-        statements.insert(0, say_field.choices(field.values))
+        statements.insert(0, say_register.choices(field.values))
     values_and_rules = style.paragraph(statements)
     return f"{field.name}: {values_and_rules}" if values_and_rules else field.name
 

@@ -1,4 +1,4 @@
-"""Tests, filters and functions of the templates.
+"""The files of the Python target, and the filters, tests and functions of its templates.
 
 A layout becomes a NamedTuple with ``decode`` and ``encode``. A register of one choice becomes an IntEnum with the same
 methods. A procedure becomes a function that returns its steps. Their operations come from the plan, the statements from
