@@ -47,7 +47,7 @@ class NumberLimits:
 def limits_of(device: Device, register: Register, meaning: RegisterMeaning | None = None) -> NumberLimits:
     """Return the limits of the number in a register or, with ``meaning``, of one of the meanings of this number.
 
-    ``can_be_below`` and ``can_be_above`` are true if the bits can represent numbers outside the limits for any order code.
+    ``can_be_below`` and ``can_be_above`` are true if the bits can hold numbers outside the limits for any order code.
     """
     part_with_limits = register if meaning is None else meaning
     low, high = part_with_limits.min, part_with_limits.max

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ...loading.configuration import FamilyFilters
     from ...loading.library import Family
     from ...model import Device
-    from ..check import ReviewFinding
+    from ..review_formats import ReviewFinding
 
 EXAMPLES = (
     "codewheel diff old/my_encoder.yaml my_encoder.yaml",
@@ -121,7 +121,7 @@ def run(arguments: argparse.Namespace) -> int:
     relevant_changes, notices_about_accepted = _without_accepted(comparison.changes, arguments)
     comparison = replace(comparison, notices=(*comparison.notices, *notices_about_accepted))
     if arguments.format in ("github", "sarif"):
-        from ..check import as_review
+        from ..review_formats import as_review
 
         print(as_review(_findings_in_new_specs(relevant_changes, new), arguments.format))
     else:
@@ -382,7 +382,7 @@ def _findings_in_new_specs(changes: Sequence[Change], side: _Side) -> list[Revie
 
     A change in a family that is not in the new specs is reported at the beginning of the first spec.
     """
-    from ..check import place_in_spec
+    from ..review_formats import place_in_spec
 
     documents = {family.device.name: family.document for family in side.families}
     if not documents:
@@ -406,7 +406,7 @@ def _review_finding(
     ``original_names`` has the names of files from a git revision, by the names of the temporary files that were read.
     """
     from ...changes.report import describe_effect
-    from ..check import ReviewFinding
+    from ..review_formats import ReviewFinding
 
     line_number, column = document.position(path)
     file = document.file_of(path) or document.file
