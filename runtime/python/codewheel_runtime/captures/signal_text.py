@@ -8,7 +8,7 @@ import re
 from collections.abc import Generator, Sequence
 from typing import Any, BinaryIO, Final
 
-from ..bulk.words import short
+from ..bulk.words import quote
 from ..errors import InputError
 from ..packages import load
 from .signals import Edges, Samples, SignalNames, Signals, pack_bits, read_samples
@@ -44,14 +44,15 @@ def _read_blocks(file: BinaryIO, path: str, file_format: str) -> Generator[tuple
     while data := file.read(_BLOCK):
         bytes_read += len(data)
         data = remainder + data
-        end = data.rfind(b"\n") + 1
-        if not end and len(data) > _BLOCK:
-            raise InputError(
-                path, f"a line is too long: this is not a {file_format} file", place=f"offset {bytes_read - len(data)}"
-            )
-        remainder = data[end:]
-        if end:
-            yield data[:end], bytes_read
+        # End of the last whole line, or 0 if there is none.
+        lines_end = data.rfind(b"\n") + 1
+        if not lines_end and len(data) > _BLOCK:
+            line_start = bytes_read - len(data)
+            reason = f"a line is too long: this is not a {file_format} file"
+            raise InputError(path, reason, place=f"offset {line_start}")
+        remainder = data[lines_end:]
+        if lines_end:
+            yield data[:lines_end], bytes_read
     if remainder.strip():
         yield remainder + b"\n", bytes_read
 
@@ -69,11 +70,11 @@ def read_table_signals(
     their range. ``head`` contains the first bytes of the file, and ``rate`` is the chosen sample rate in Hz, or None.
     """
     form = find_table_form(path, head)
-    places = names.places(form.channels, path)
-    columns = [form.columns_before_channels + place for place in places]
+    channel_indices = names.find_channels(form.channels, path)
+    columns = [form.columns_before_channels + index for index in channel_indices]
     parts = _read_table_parts(file, path, form, columns, threshold)
     # The levels of the signals are packed, so their bits are numbered from 0.
-    masks = tuple(1 << bit for bit in range(len(places)))
+    masks = tuple(1 << bit for bit in range(len(channel_indices)))
     edges = read_samples(parts, masks)
     total = measure_size(file)
     if form.has_times:
@@ -101,7 +102,7 @@ def _read_table_parts(
             if not (last_time <= times[0] and (np.diff(times) >= 0).all()):
                 raise InputError(path, "the times are not in ascending order", place=f"from line {first_line}")
             last_time = float(times[-1])
-        yield Samples(levels, done=bytes_read, times=times)
+        yield Samples(levels, amount_read=bytes_read, times=times)
 
 
 class _RowReader:
@@ -320,8 +321,8 @@ def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
         if bits == "1":
             codes.append(code.encode())
             signal_names.append(name)
-    places = names.places(signal_names, path)
-    edges = _read_changes(file, path, [codes[place] for place in places])
+    channel_indices = names.find_channels(signal_names, path)
+    edges = _read_changes(file, path, [codes[index] for index in channel_indices])
     return Signals(edges, seconds=time_unit, is_sampled=False, total=size)
 
 
@@ -397,4 +398,4 @@ class _ValueChanges:
 
 def _format_token(token: bytes) -> str:
     """Return a token of a value change dump as text, for a message."""
-    return short(token.decode("ascii", "replace"))
+    return quote(token.decode("ascii", "replace"))

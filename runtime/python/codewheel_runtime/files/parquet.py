@@ -9,7 +9,7 @@ from typing import Any, BinaryIO, Final
 
 from ..bulk.arrow import NoFrame, read_arrow
 from ..bulk.shape import Shape
-from ..bulk.words import short
+from ..bulk.words import quote
 from ..errors import InputError
 from ..packages import load
 from . import inputs
@@ -67,10 +67,10 @@ def _read_batches(
             frames = read_arrow(batch.column(column), shape, storage.digits, rows_read)
         except NoFrame as error:
             raise InputError(
-                name, str(error), place=f"row {rows_read + error.row + 1} of column {short(column)}"
+                name, str(error), place=f"row {rows_read + error.row + 1} of column {quote(column)}"
             ) from None
         except TypeError as error:
-            raise InputError(name, str(error), place=f"column {short(column)}") from None
+            raise InputError(name, str(error), place=f"column {quote(column)}") from None
         rows_read += len(batch)
         yield FrameBatch(frames, rows_read, {column_name: batch.column(column_name) for column_name in kept_names})
 

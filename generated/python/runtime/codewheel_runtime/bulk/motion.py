@@ -94,7 +94,7 @@ def compute_speeds(motion: Motion, unit: str, encoder: Any, count: int) -> Any:
     return speeds
 
 
-def check_times(seconds: Any, count: int) -> Any:
+def list_times(seconds: Any, count: int) -> Any:
     """Return the time of each frame.
 
     ``seconds`` is the time between two frames, or an array of times. ``count`` is the number of frames.
@@ -105,16 +105,18 @@ def check_times(seconds: Any, count: int) -> Any:
     """
     np: Any = load("numpy")
     times: Any = np.asarray(seconds)
+    # The kinds of NumPy types for numbers: u and i for integers, f for floats, and O for objects such as decimals.
     if times.dtype.kind not in "uifO":
         raise ValueError(f"times must be numbers in seconds, got an array of {times.dtype}")
     try:
-        # Differences of unsigned integers would wrap around.
+        # Speeds need the differences of times, and those of unsigned integers would wrap around.
         times = times.astype(np.float64)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"times must be numbers in seconds, got {shorten(seconds)}") from None
     if times.ndim == 0:
         if not 0 < times < np.inf:
             raise ValueError(f"the time between two frames must be above 0 s, got {seconds}")
+        # This is the time between two frames, and the first frame is at 0.
         return np.arange(count) * times
     if times.ndim > 1:
         raise ValueError(f"expected one time per frame, got an array of the shape {times.shape}")

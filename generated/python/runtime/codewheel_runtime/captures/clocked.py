@@ -107,7 +107,7 @@ class _CycleFinder:
         #: Beginning of the capture, whose first cycle may be cut off. Minus infinity after the first cycles.
         self._begin = -np.inf
         #: End of the capture so far, and the amount of the file that has been read.
-        self._end, self._done = 0.0, 0
+        self._end, self._amount_read = 0.0, 0
         #: Time without an edge of the clock after which a cycle has ended. 0 while the clock period is not known.
         self._pause = 0.0
         #: True once the clock has an edge, and True until the first stretch of the capture has arrived.
@@ -145,7 +145,7 @@ class _CycleFinder:
             self._is_new = False
         self._clock = np.concatenate([self._clock, part.times[_CLOCK_INDEX]])
         self._data = np.concatenate([self._data, part.times[_DATA_INDEX]])
-        self._end, self._done = part.end, part.done
+        self._end, self._amount_read = part.end, part.amount_read
         self.is_clocked = self.is_clocked or len(self._clock) > 0
 
     def finish(self) -> CapturedFrames:
@@ -233,13 +233,13 @@ class _CycleFinder:
             frames=_join_bits(levels[:, bits_before_frame:]),
             times=cycles.begin_times[complete] * self._unit,
             lost=self._list_lost_cycles(cycles, bits, is_last),
-            done=self._done,
+            amount_read=self._amount_read,
             control=self._find_control_bits(cycles, complete, levels) if self._is_biss else None,
         )
 
     def _make_empty_result(self) -> CapturedFrames:
         """Return the result of a stretch without a cycle."""
-        return CapturedFrames(_join_bits(np.zeros((0, self._bits), np.uint8)), np.zeros(0), [], self._done)
+        return CapturedFrames(_join_bits(np.zeros((0, self._bits), np.uint8)), np.zeros(0), [], self._amount_read)
 
     def _find_control_bits(self, cycles: Cycles, complete: Any, levels: Any) -> ControlBits:
         """Return the CDS and CDM bits of all cycles, which carry register accesses over BiSS.

@@ -77,7 +77,7 @@ class _Saleae:
         """
         last_time = -np.inf
         level, _ = self._ready
-        yield SignalEdges(level, np.zeros(0), done=self._file.tell())
+        yield SignalEdges(level, np.zeros(0), amount_read=self._file.tell())
         for chunk_index in range(self.chunks):
             first_level, count = self._ready if chunk_index == 0 else self._read_chunk()
             if self._start < last_time:
@@ -87,11 +87,11 @@ class _Saleae:
                 level_before = level
                 level = first_level
                 last_time = self._start
-                yield SignalEdges(level_before, np.array([self._start]), done=self._file.tell())
+                yield SignalEdges(level_before, np.array([self._start]), amount_read=self._file.tell())
             while count:
                 read_count = min(count, _EDGES_AT_ONCE)
                 edge_times = self._read_edge_times(read_count, last_time)
-                yield SignalEdges(level, edge_times, done=self._file.tell())
+                yield SignalEdges(level, edge_times, amount_read=self._file.tell())
                 count -= read_count
                 last_time = float(edge_times[-1])
                 # An odd number of edges inverts the level.

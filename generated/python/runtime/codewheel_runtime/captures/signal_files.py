@@ -16,7 +16,7 @@ from configparser import Error as ConfigError
 from contextlib import ExitStack, contextmanager
 from typing import Any, BinaryIO, Final, NamedTuple
 
-from ..bulk.words import listed, short
+from ..bulk.words import list_names, quote
 from ..errors import InputError, UsageError
 from ..packages import load
 from .array_files import read_array_archive, read_array_file
@@ -192,7 +192,7 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
         clock=_find_numbered_probe(names.clock, probes, probe_numbers, path),
         data=_find_numbered_probe(names.data, probes, probe_numbers, path),
     )
-    chosen_probes = [probe_numbers[index] for index in numbered_names.places(channels, path)]
+    chosen_probes = [probe_numbers[index] for index in numbered_names.find_channels(channels, path)]
     # The lowest bit of a sample is probe 1.
     masks = tuple(1 << (number - 1) for number in chosen_probes)
     entries = _list_sample_files(archive, metadata.file_stem, path)
@@ -216,7 +216,7 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
     if not is_number or text in probes.values():
         return name
     if int(text) not in numbers:
-        raise InputError(path, f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
+        raise InputError(path, f"no channel {quote(text)}; the channels are {list_names([*probes.values()])}")
     return str(numbers.index(int(text)) + 1)
 
 
@@ -272,7 +272,7 @@ def _unpack_samples(
                     sample_count = len(data) // size
                     remainder = data[sample_count * size :]
                     samples = np.frombuffer(data, f"<u{size}", count=sample_count)
-                    yield Samples(samples, done=bytes_read)
+                    yield Samples(samples, amount_read=bytes_read)
     except _ERRORS_OF_DAMAGED_ZIP as error:
         raise InputError(
             path, f"the samples are damaged: {error or 'they end early'}", place=f"offset {bytes_read}"

@@ -12,7 +12,7 @@ from typing import BinaryIO, Final, NamedTuple
 
 from ..bulk.cells import TextCells, read_text
 from ..bulk.shape import Shape
-from ..bulk.words import DigitKind, listed, short
+from ..bulk.words import DigitKind, list_names, quote
 from ..errors import InputError
 from . import inputs
 from .fast_csv import Block, BlockReader, JoinedBlocks, ends_with_row, has_a_row_per_line, split_into_blocks
@@ -414,7 +414,7 @@ def _find_frame_column(first_row: list[str], file_name: str, storage: StorageFor
         column_index = int(requested) - 1 if is_number else -1
         if not 0 <= column_index < len(names):
             raise InputError(
-                file_name, f"no column {short(requested)}; the columns are {listed(names)}", place="line 1"
+                file_name, f"no column {quote(requested)}; the columns are {list_names(names)}", place="line 1"
             )
     elif len(names) == 1:
         column_index = 0
@@ -422,7 +422,7 @@ def _find_frame_column(first_row: list[str], file_name: str, storage: StorageFor
         usual_index = find_usual_column(names)
         if usual_index is None:
             raise InputError(
-                file_name, f"choose the column with the frames; the columns are {listed(names)}", place="line 1"
+                file_name, f"choose the column with the frames; the columns are {list_names(names)}", place="line 1"
             )
         return _FrameColumn(usual_index, has_header=True)
     # An empty cell is a missing frame, not a header.

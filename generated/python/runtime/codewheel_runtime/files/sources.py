@@ -12,7 +12,7 @@ from pathlib import PurePath
 from typing import Any, BinaryIO, Final, cast, get_args
 
 from ..bulk.shape import Shape
-from ..bulk.words import WORDS, WordKind, numbers
+from ..bulk.words import WORDS, WordKind, rows_to_numbers
 from ..errors import InputError, UsageError
 from ..packages import load
 from . import inputs
@@ -164,7 +164,7 @@ def _read_binary(
         if extra_bytes and not storage.cut:
             raise _incomplete_frame_error(name, bytes_read, frame_bytes)
         rows = np.frombuffer(data, np.uint8, count=len(data) - extra_bytes).reshape(-1, frame_bytes)
-        yield FrameBatch(rows if has_bytes else numbers(rows, storage.words), bytes_read)
+        yield FrameBatch(rows if has_bytes else rows_to_numbers(rows, storage.words), bytes_read)
 
 
 def _check_first_words(
@@ -226,4 +226,4 @@ def _read_first_frames(head: bytes, words: WordKind, shape: Shape) -> Any:
     length = _find_word_length(words, shape)
     count = min(len(head) // length, FIRST)
     rows = np.frombuffer(head, np.uint8, count=count * length).reshape(-1, length)
-    return numbers(rows, words)
+    return rows_to_numbers(rows, words)
