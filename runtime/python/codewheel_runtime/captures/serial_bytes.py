@@ -94,6 +94,7 @@ class _SerialLine:
         first_falling_edge = 1 - self._level
         falling_edges = self._edges[first_falling_edge::2]
         if not is_end:
+            # A byte that begins later may continue in the next part of the capture.
             last_complete_start = self._end - BITS_PER_BYTE * self._bit_time
             complete_count = int(np.searchsorted(falling_edges, last_complete_start, "right"))
             falling_edges = falling_edges[:complete_count]

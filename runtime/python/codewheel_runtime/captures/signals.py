@@ -211,10 +211,12 @@ def read_samples(parts: Iterable[Samples], masks: tuple[int, ...]) -> Generator[
     for samples, amount_read, times in parts:
         if not len(samples):
             continue
-        levels_before = int(samples[0]) if last_sample is None else last_sample
-        edge_indices, changed_bits = _find_changes(samples, levels_before, signals_mask)
+        # The first sample of a capture is not an edge, so it also counts as the sample before it.
+        sample_before = int(samples[0]) if last_sample is None else last_sample
+        changed_indices, changed_bits = _find_changes(samples, sample_before, signals_mask)
         sample_type = samples.dtype.type
-        indices_by_signal = [edge_indices[(changed_bits & sample_type(mask)) != 0] for mask in masks]
+        # A signal has an edge at the samples in which its bit has changed.
+        indices_by_signal = [changed_indices[(changed_bits & sample_type(mask)) != 0] for mask in masks]
         if times is None:
             edge_times = [(indices + first_number).astype(np.float64) for indices in indices_by_signal]
             begin = float(first_number)
@@ -225,8 +227,8 @@ def read_samples(parts: Iterable[Samples], masks: tuple[int, ...]) -> Generator[
             end = float(times[-1])
         first_number += len(samples)
         last_sample = int(samples[-1])
-        first_levels = tuple(int((levels_before & mask) != 0) for mask in masks)
-        yield Edges(levels=first_levels, times=tuple(edge_times), begin=begin, end=end, amount_read=amount_read)
+        levels_before = tuple(int((sample_before & mask) != 0) for mask in masks)
+        yield Edges(levels=levels_before, times=tuple(edge_times), begin=begin, end=end, amount_read=amount_read)
 
 
 def _find_changes(samples: Any, sample_before: int, mask: int) -> tuple[Any, Any]:
@@ -235,16 +237,17 @@ def _find_changes(samples: Any, sample_before: int, mask: int) -> tuple[Any, Any
     Only the bits in ``mask`` are considered. ``sample_before`` is the sample before the first one.
     """
     sample_type = samples.dtype.type
+    # Element n has the bits that change from sample n to sample n + 1.
     changes = np.bitwise_xor(samples[1:], samples[:-1])
     changes &= sample_type(mask)
     indices_before_change = np.flatnonzero(changes != 0)
     changed_bits = changes[indices_before_change]
-    indices = indices_before_change + 1
+    changed_indices = indices_before_change + 1
     change_of_first = (sample_before ^ int(samples[0])) & mask
     if change_of_first:
-        indices = np.insert(indices, 0, 0)
+        changed_indices = np.insert(changed_indices, 0, 0)
         changed_bits = np.insert(changed_bits, 0, sample_type(change_of_first))
-    return indices, changed_bits
+    return changed_indices, changed_bits
 
 
 def pack_bits(columns: Any) -> Any:

@@ -251,21 +251,23 @@ def _write_columns(chunk: Chunk, shape: Shape, columns: Mapping[str, Any]) -> No
 def _write_joined_number(chunk: Chunk, shape: Shape, join: Join, fields: Mapping[str, Column], out: Any) -> None:
     """Write a number that consists of several fields into ``out``, an array of 64-bit numbers.
 
-    ``join.fields`` lists the fields, each with the place of its lowest bit in the joined number. The first field
+    ``join.fields`` lists the names of the fields, each with its lowest bit in the joined number. The first field
     provides the lowest bits. ``fields`` contains the descriptions of all fields by name.
     """
     first_name, _ = join.fields[0]
-    first = fields[first_name]
-    are_adjacent_in_frame = all(fields[name].low == first.low + place for name, place in join.fields)
+    first_field = fields[first_name]
+    are_adjacent_in_frame = all(
+        fields[name].low == first_field.low + low_in_number for name, low_in_number in join.fields
+    )
     if are_adjacent_in_frame:
         # The frame contains the joined number as it is.
-        chunk.write_bits(first.low, find_width(shape, join), out)
+        chunk.write_bits(first_field.low, find_width(shape, join), out)
         return
-    chunk.write_bits(first.low, first.width, out)
-    for name, place in join.fields[1:]:
+    chunk.write_bits(first_field.low, first_field.width, out)
+    for name, low_in_number in join.fields[1:]:
         field = fields[name]
         bits = chunk.take(field.low, field.width).astype(np.uint64, copy=False)
-        out |= shift_left(bits, place)
+        out |= shift_left(bits, low_in_number)
 
 
 def _write_unused_bits(chunk: Chunk, shape: Shape, out: Any) -> None:
@@ -284,6 +286,7 @@ def _write_unused_bits(chunk: Chunk, shape: Shape, out: Any) -> None:
         else:
             bits = chunk.take(group.low, width) & np.uint64(group.mask)
         if group.value:
+            # The bits that are 1 in the manual count as different if they are 0.
             bits = bits ^ bits.dtype.type(group.value)
         differing_bits = bits.astype(number_type, copy=False)
         if group.place:
@@ -302,9 +305,10 @@ def _write_field(chunk: Chunk, field: Column, columns: Mapping[str, Any]) -> Non
             columns[field.name][:] = chunk.take(field.low, field.width)
         case "digits":
             bits = chunk.take(field.low, field.width).astype(np.uint64, copy=False)
+            # The number 1234 has the groups 12 and 34. The group 12 has the divisor 100 and the modulus 100.
             for name, divisor, modulus in field.runs:
-                bits_without_lower_groups = bits // np.uint64(divisor)
-                columns[name][:] = bits_without_lower_groups % np.uint64(modulus)
+                number_without_lower_groups = bits // np.uint64(divisor)
+                columns[name][:] = number_without_lower_groups % np.uint64(modulus)
         case "text":
             columns[field.name][:] = _read_text(chunk, field)
         case "number":

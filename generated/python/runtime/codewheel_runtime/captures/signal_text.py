@@ -129,9 +129,10 @@ class _RowReader:
         ranges: list[Any] = []
         for block, line, _ in self.blocks_of_rows(file):
             cells = self._read_numbers(block, line, self._columns)
-            is_logic = ((cells == 0) | (cells == 1)).all()
-            has_voltages = np.isfinite(cells).all() and (cells != np.floor(cells)).any()
-            if not ranges and threshold is None and (is_logic or not has_voltages):
+            has_fractions = (cells != np.floor(cells)).any()
+            has_voltages = np.isfinite(cells).all() and has_fractions
+            is_first_block = not ranges
+            if is_first_block and threshold is None and not has_voltages:
                 break
             ranges += [cells.min(axis=0), cells.max(axis=0)]
         file.seek(0)
@@ -241,28 +242,29 @@ class _RowReader:
 class Voltages:
     """Converter from voltages to levels. A voltage must pass the threshold by a margin to change the level.
 
-    ``_last`` contains the level of each column in the last row that was converted, or None before the first.
+    ``_last_levels`` contains the level of each column in the last row that was converted, or None before the first.
     """
 
     def __init__(self, lowest: Any, highest: Any, threshold: float | None) -> None:
         self._threshold = (lowest + highest) / 2 if threshold is None else np.full(len(lowest), threshold)
         self._margin = (highest - lowest) * _HYSTERESIS
-        self._last: Any = None
+        self._last_levels: Any = None
 
     def levels(self, cells: Any) -> Any:
         """Return the level, 0 or 1, for each voltage. Successive calls must pass successive rows."""
         is_high = cells > self._threshold + self._margin
         is_low = cells < self._threshold - self._margin
-        if self._last is None:
-            self._last = cells[0] > self._threshold
+        if self._last_levels is None:
+            self._last_levels = cells[0] > self._threshold
         # A voltage near the threshold has the level of the last row above that is clearly high or low. Rows are
-        # numbered from 1 here, and 0 is the last row of the previous call.
+        # numbered from 1 here, and row 0 has the last levels of the previous call.
         row_numbers = np.arange(1, len(cells) + 1)[:, None]
-        clear_rows = np.where(is_high | is_low, row_numbers, 0)
-        last_clear_row = np.maximum.accumulate(clear_rows, axis=0)
-        clear_levels = np.concatenate([self._last[None, :], is_high])
-        levels = np.take_along_axis(clear_levels, last_clear_row, axis=0)
-        self._last = levels[-1]
+        clear_row_numbers = np.where(is_high | is_low, row_numbers, 0)
+        # In each column, the highest number so far belongs to the last clear row.
+        last_clear_rows = np.maximum.accumulate(clear_row_numbers, axis=0)
+        levels_from_row_0 = np.concatenate([self._last_levels[None, :], is_high])
+        levels = np.take_along_axis(levels_from_row_0, last_clear_rows, axis=0)
+        self._last_levels = levels[-1]
         return levels.astype(np.uint8)
 
 
