@@ -228,19 +228,18 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     Return None if there is no cell, or if a cell has a different length or is not hexadecimal. ``pc`` is the module
     ``pyarrow.compute``.
     """
-    packed_cells = pc.replace_substring(cells, " ", "")
-    count = len(packed_cells)
-    # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``, followed by the end of
-    # the last cell. An array can be a slice of a longer array, which begins at the cell ``first``.
-    _, offsets, data = packed_cells.buffers()
-    first = packed_cells.offset
-    after_last = first + count
-    starts = np.frombuffer(offsets, np.int32)[first : after_last + 1]
-    cell_lengths = np.diff(starts)
+    cells_without_spaces = pc.replace_substring(cells, " ", "")
+    count = len(cells_without_spaces)
+    # Arrow stores the characters of all cells one after another in ``data``. Another buffer has the place of each cell
+    # there, and the end of the last one. The array can be a slice of a longer array, which begins at ``first_cell``.
+    _, places_buffer, data = cells_without_spaces.buffers()
+    first_cell = cells_without_spaces.offset
+    places = np.frombuffer(places_buffer, np.int32)[first_cell : first_cell + count + 1]
+    cell_lengths = np.diff(places)
     digits_per_cell = 2 * length
     if not count or (cell_lengths != digits_per_cell).any():
         return None
-    characters = np.frombuffer(data, np.uint8, count=digits_per_cell * count, offset=int(starts[0]))
+    characters = np.frombuffer(data, np.uint8, count=digits_per_cell * count, offset=int(places[0]))
     digits = _HEX_DIGIT_VALUES[characters]
     # 255 represents a character that is not a hexadecimal digit.
     if digits.max() > 15:

@@ -147,9 +147,9 @@ def read_array_archive(
     number named ``rate`` or similar gives the sample rate in Hz, and an array named ``time`` or similar gives the
     times in seconds.
     """
-    total = sum(info.file_size for info in archive.infolist())
-    if total > MOST_UNPACKED:
-        raise InputError(path, f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
+    unpacked_bytes = sum(info.file_size for info in archive.infolist())
+    if unpacked_bytes > MOST_UNPACKED:
+        raise InputError(path, f"the samples have {unpacked_bytes / 1e9:.1f} GB unpacked: save a shorter capture")
     channels, times, rate_in_file = _load_arrays(archive, path)
     sample_rate = rate or rate_in_file
     arrays = list(channels.values())
@@ -161,7 +161,8 @@ def read_array_archive(
         except TypeError as error:
             raise InputError(path, str(error)) from None
     _check_columns(arrays if times is None else [times, *arrays], path)
-    signal_arrays = [arrays[channel_index] for channel_index in names.find_channels([*channels], path)]
+    channel_indices = names.find_channels([*channels], path)
+    signal_arrays = [arrays[index] for index in channel_indices]
     levels = _convert_to_levels(np.stack(signal_arrays, axis=1), threshold, path)
     # Bit 0 of a packed sample is the level of the first signal.
     samples = pack_bits(levels)
