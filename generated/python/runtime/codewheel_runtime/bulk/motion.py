@@ -33,8 +33,9 @@ def unwrap_positions(positions: Any, usable: Any, position_range: PositionRange,
     steps = np.diff(usable_positions)
     modulus = position_range.modulus
     if modulus is not None:
-        # The shorter way around: from minus half of the modulus to half of it.
-        steps = (steps + modulus // 2) % modulus - modulus // 2
+        # The shorter way around: from minus half of the modulus to half of it. With the modulus 360, 350 becomes -10.
+        half_modulus = modulus // 2
+        steps = (steps + half_modulus) % modulus - half_modulus
     # Index 0 is the count before the first usable position, and index n the count at the n-th usable position.
     count_before = first_count if previous is None else previous
     counts = np.concatenate([[count_before, first_count], first_count + np.cumsum(steps)])
@@ -87,8 +88,10 @@ def compute_speeds(motion: Motion, unit: str, encoder: Any, count: int) -> Any:
     The speed is NaN in rows without motion.
     """
     np: Any = load("numpy")
-    seconds_per_unit_of_time = 60 if unit == "rpm" else 1
-    numerator, denominator = find_unit_size(encoder, "turns" if unit == "rpm" else unit)
+    # ``rpm`` is turns per minute. All other speeds are per second.
+    is_rpm = unit == "rpm"
+    seconds_per_unit_of_time = 60 if is_rpm else 1
+    numerator, denominator = find_unit_size(encoder, "turns" if is_rpm else unit)
     speeds = np.full(count, np.nan)
     speeds[motion.rows] = motion.counts * (seconds_per_unit_of_time * numerator) / denominator / motion.seconds
     return speeds

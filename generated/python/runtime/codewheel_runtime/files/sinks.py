@@ -95,7 +95,8 @@ class TextConverter:
         counted in ``lost``.
         """
         if isinstance(cells, self._pyarrow.Array):
-            if self.kind is not None and self.kind != self._pyarrow.string():
+            has_number_type = self.kind is not None and self.kind != self._pyarrow.string()
+            if has_number_type:
                 try:
                     return cells.cast(self.kind)
                 except self._pyarrow.ArrowInvalid:
@@ -114,7 +115,8 @@ class TextConverter:
         except self._pyarrow.ArrowInvalid:
             numbers = [self._cast_cell(cell) for cell in texts]
             # Cells that were null before are empty, not lost.
-            self.lost += sum(cell is None for cell in numbers) - texts.null_count
+            null_count = sum(number is None for number in numbers)
+            self.lost += null_count - texts.null_count
             return self._pyarrow.array(numbers, self.kind)
 
     def _find_type(self, texts: Any) -> Any:
@@ -326,7 +328,8 @@ class _ArrowFormatter:
         hidden = None if self._plan.raw else table.hidden(name)
         if name in WORDS:
             # A fault or a verdict is the index of its word.
-            return self._pyarrow.array(WORDS[name], self._pyarrow.string()).take(self._pyarrow.array(column))
+            words = self._pyarrow.array(WORDS[name], self._pyarrow.string())
+            return words.take(self._pyarrow.array(column))
         is_bool_or_integer = column.dtype.kind in "bui"
         if is_bool_or_integer:
             return self._pyarrow.array(column, mask=hidden)

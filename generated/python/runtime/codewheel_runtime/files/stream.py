@@ -321,7 +321,7 @@ def decode_parts(
         raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
     for part in frame_source.parts:
-        # A slice up to None takes all rows.
+        # The first rows up to the limit. A slice up to None takes all rows.
         rows_left = None if limit is None else limit - counts.frames
         rows = slice(rows_left)
         table = decode_many(part.frames[rows], shape, encoder)
@@ -397,9 +397,10 @@ class _Counts:
             if kind:
                 self._faults[kind] = self._faults.get(kind, 0) + count
         if "verdict" in table:
-            valid_verdicts = table.verdict[table.ok]
+            verdicts_of_valid_frames = table.verdict[table.ok]
             for index in range(len(Verdict)):
-                self._verdicts[index] = self._verdicts.get(index, 0) + int((valid_verdicts == index).sum())
+                count = int((verdicts_of_valid_frames == index).sum())
+                self._verdicts[index] = self._verdicts.get(index, 0) + count
 
     def summary(self, lost_cells: int) -> Summary:
         """Return the counts, without verdicts that do not occur.
