@@ -17,7 +17,7 @@ import numpy
 import pytest
 from codewheel_runtime import biss
 from codewheel_runtime.captures import signals
-from codewheel_runtime.captures.accesses import Accesses, ControlBits
+from codewheel_runtime.captures.accesses import AccessFinder, ControlBits
 from codewheel_runtime.captures.any_biss import biss_layout
 from codewheel_runtime.captures.capture import Captures
 from codewheel_runtime.captures.serial_bytes import read_serial_bytes
@@ -192,7 +192,7 @@ def test_a_read_that_is_cut_off_after_a_write_is_not_a_write() -> None:
         follow(1)
     # After S, the bits from CTS to the CRC of the address.
     follow(15)
-    finder = Accesses()
+    finder = AccessFinder()
     times = numpy.arange(len(cds_bits), dtype=float)
     bits = ControlBits(times, cds=numpy.array(cds_bits), cdm=numpy.array(cdm_bits[1:]))
     written, cut_off = [*finder.feed(bits), *finder.finish()]

@@ -350,7 +350,8 @@ def make_crc_tables(
     ``gap`` bits are between the two. There are ``count`` tables, the first one for the lowest 16 bits.
     """
     crc_of_zero = crc(0, covered)
-    # How each bit of the word changes the XOR, the lowest bit first.
+    # The tables XOR the CRC in the word with the CRC of its covered bits. A CRC is linear: each bit of the word changes
+    # this XOR in the same way, whatever the other bits are. These are the changes, for the lowest bit first.
     changes_of_crc_bits = [1 << bit for bit in range(width)]
     changes_of_gap = [0] * gap
     changes_of_covered_bits = [crc(1 << bit, covered) ^ crc_of_zero for bit in range(covered)]
@@ -361,10 +362,13 @@ def make_crc_tables(
     # An entry of at most 8 bits fits into a byte.
     make_table = _make_byte_table if width <= 8 else _make_table
     tables: list[Sequence[int]] = []
-    for lowest_bit in range(0, table_bits * count, table_bits):
-        # The CRC of the word 0 is in one table only.
-        first_entry = 0 if tables else crc_of_zero
-        tables.append(make_table(first_entry, changes[lowest_bit : lowest_bit + table_bits]))
+    for table_index in range(count):
+        # The CRC of the word 0 is in the first table only, because the XOR of all tables must contain it once.
+        is_first_table = table_index == 0
+        first_entry = crc_of_zero if is_first_table else 0
+        lowest_bit = table_bits * table_index
+        changes_of_table = changes[lowest_bit : lowest_bit + table_bits]
+        tables.append(make_table(first_entry, changes_of_table))
     return tuple(tables)
 
 

@@ -286,10 +286,11 @@ class Encoder:
     def _comparison_key(self) -> tuple[object, ...]:
         """Return the values that are compared for equality.
 
-        It omits the text on the label, because two labels can denote the same encoder.
+        ``unlisted`` are the names of parts whose values the manual does not list, and ``special_code`` is the suffix
+        ``/Sxxx``. The text on the label is omitted, because two labels can denote the same encoder.
         """
-        values = (getattr(self, name) for name in self._parameters)
-        return (type(self), self.code, self.parts, self.unlisted, self.special_code, *values)
+        parameter_values = (getattr(self, name) for name in self._parameters)
+        return (type(self), self.code, self.parts, self.unlisted, self.special_code, *parameter_values)
 
     def _with_changes(self: _Same, **changes: Any) -> _Same:
         """Return a copy of the encoder with other values for these attributes."""

@@ -41,16 +41,18 @@ class QuietTimes:
 
         This is the settling time. It is at least 2 ms, unless the reply comes first and cannot be part of an echo.
         """
-        # In this time, the reply to this request would follow if the reply were an extra one to an earlier request.
+        # If this is an extra reply to an earlier request, the reply to this request follows within the settling time.
         settle_s = self.find_settle_time(pending)
-        # A reply begins with the first byte of its request.
-        echo_and_reply = pending.data + pending.data[:1]
-        is_first = received.startswith(reply)
-        may_be_echo = received.startswith(echo_and_reply)
-        # After other bytes or an echo, part of a reply could look like a reply by chance. If the reply can begin with
-        # any byte, so could other bytes before it.
-        is_certain = pending.kind.repeats_first and is_first and not may_be_echo
-        return settle_s if is_certain else max(settle_s, _QUIET_S)
+        longer_time_s = max(settle_s, _QUIET_S)
+        # Such a reply repeats the first byte of its request. Other replies can begin with any byte.
+        begins_like_request = pending.kind.repeats_first
+        # After other bytes, part of a longer reply can look like a reply by chance.
+        if not begins_like_request or not received.startswith(reply):
+            return longer_time_s
+        # If the line carries an echo, the reply follows the request. It begins with the first byte of the request.
+        echo_and_first_byte = pending.data + pending.data[:1]
+        may_be_echo = received.startswith(echo_and_first_byte)
+        return longer_time_s if may_be_echo else settle_s
 
     def find_settle_time(self, pending: PendingRequest) -> float:
         """Return the time in seconds after which no other reply to an earlier request follows.

@@ -77,7 +77,7 @@ class Pipeline:
         registers: Mapping[type, tuple[int, int]],
     ) -> None:
         self._encoder = encoder
-        self._late = late
+        self._has_late_replies = late
         self._replies = {
             request_class: cached_decoder(reply_class._make_decoder, encoder, raise_error)
             for request_class, reply_class in replies.items()
@@ -165,8 +165,8 @@ class Pipeline:
         """
         if self._sent is None:
             raise RuntimeError("no request has been sent since the last word was taken")
-        # A late reply belongs to the request before the one whose word was just exchanged.
-        answered_request = self._previous if self._late else self._sent
+        # Late replies come one word later, so they belong to the request before the one that was just sent.
+        answered_request = self._previous if self._has_late_replies else self._sent
         length = self._sent.bits
         self._previous = self._sent
         self._sent = None
@@ -271,9 +271,9 @@ class RegisterBus:
         """
         read_request = self._line._make_read_request(address)
         answer = self._send_request(read_request)
-        if self._line._late:
-            # The first answer belongs to an earlier request. The reply comes with the next word, for which the same
-            # request is sent again.
+        if self._line._has_late_replies:
+            # Replies come one word late, so this answer belongs to an earlier request. The same request is sent again,
+            # because the reply to the first one arrives with it.
             answer = self._send_request(read_request)
         data: int = answer.reply.data
         return data.to_bytes(length, "big")

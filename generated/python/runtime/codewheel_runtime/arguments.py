@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
+import operator
 from enum import Enum, IntEnum
-from operator import index
 from typing import Any, Final, NoReturn, SupportsIndex, TypeAlias, TypeVar, cast, get_args
 
 from .errors import FrameError, LengthError, RangeError
@@ -67,7 +67,7 @@ def whole_number(name: str, value: SupportsIndex) -> int:
     """
     if not isinstance(value, bool):
         try:
-            return index(value)
+            return operator.index(value)
         except TypeError:
             pass
     raise TypeError(f"{name} must be an integer, got {shorten(value)}")
@@ -179,7 +179,7 @@ def check_flag(field: str, value: object) -> bool:
     if getattr(numpy_type, "kind", "") == "b":
         return bool(value)
     try:
-        number = index(cast(SupportsIndex, value))
+        number = operator.index(cast(SupportsIndex, value))
     except TypeError:
         raise TypeError(f"{field} must be True or False, got {shorten(value)}") from None
     if number not in (0, 1):
@@ -240,11 +240,11 @@ def text_number(field: str, text: str, length: int) -> int:
     The text must be Latin-1. It has a character for each byte, so every decoded text can be encoded again. Raises
     RangeError for other characters or a different length.
     """
+    allowed = f"{length} Latin-1 characters"
     try:
         data = text.encode("latin-1")
     except UnicodeEncodeError:
-        # No bytes are of the wrong length, so the error below follows.
-        data = b""
+        raise RangeError(field, text, allowed) from None
     if len(data) != length:
-        raise RangeError(field, text, f"{length} Latin-1 characters")
+        raise RangeError(field, text, allowed)
     return int.from_bytes(data, "big")

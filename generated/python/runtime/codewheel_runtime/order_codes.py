@@ -162,17 +162,18 @@ class OrderCode(NamedTuple):
             TypeError: ``label`` is not a string.
         """
         text = check_label(label)
-        # A part of the code itself may look like /Sxxx, so only text after the code is treated as this suffix.
-        match = re.fullmatch(f"{self._make_expression()}{_TEXT_AFTER_CODE}", text, re.IGNORECASE)
+        match = _match_label(text, self._make_expression())
         if match is not None:
             part_texts = {part.name: match[part.name] for part in self.parts}
             return self._make_label(text, match, part_texts, codes)
         for spelling in self.also_written:
-            match = re.fullmatch(f"{self._make_spelling_expression(spelling)}{_TEXT_AFTER_CODE}", text, re.IGNORECASE)
+            match = _match_label(text, self._make_spelling_expression(spelling))
             if match is not None:
+                # The parts are converted to the usual spelling.
                 part_texts = {part.name: spelling.listed_text(part.name, match[part.name]) for part in self.parts}
                 split_label = self._make_label(text, match, part_texts, codes)
-                return split_label._replace(written_as_in=spelling.where)
+                document_with_spelling = spelling.where
+                return split_label._replace(written_as_in=document_with_spelling)
         raise self._unknown_code_error(text, family, codes)
 
     def _make_label(
@@ -291,8 +292,7 @@ class OrderCode(NamedTuple):
     def _find_wrong_parts(self, text: str) -> Iterator[_WrongPart]:
         """Yield each part whose letters and digits, if they were others, could make a text an order code."""
         for part in self.parts:
-            expression = self._make_expression(free_part=part.name) + _TEXT_AFTER_CODE
-            match = re.fullmatch(expression, text, re.IGNORECASE)
+            match = _match_label(text, self._make_expression(free_part=part.name))
             if match is None:
                 continue
             other_parts = [other_part for other_part in self.parts if other_part is not part]
@@ -335,21 +335,30 @@ def find_nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
     The tail of the text is ignored: ``X-24-TAIL`` is compared with the code ``X-25`` as ``X-24``, because the code has
     two pieces between hyphens.
     """
+    upper_text = text.upper()
+    most_similar_first = sorted(codes, key=lambda code: _measure_similarity(code.upper(), upper_text), reverse=True)
+    return tuple(most_similar_first[:3])
+
+
+def _measure_similarity(code: str, text: str) -> tuple[bool, float]:
+    """Return whether a code begins with a text, and the similarity (0 to 1) of the code and the text without its tail.
+
+    The text is compared up to the number of hyphens in the code.
+    """
     from difflib import SequenceMatcher
 
-    upper_text = text.upper()
-    pieces = upper_text.split("-")
+    piece_count = code.count("-") + 1
+    text_without_tail = "-".join(text.split("-")[:piece_count])
+    similarity = SequenceMatcher(None, code, text_without_tail).ratio()
+    return code.startswith(text), similarity
 
-    def measure_similarity(code: str) -> tuple[bool, float]:
-        """Return whether a code begins with the text, and its similarity (0 to 1) to as many pieces of the text."""
-        upper_code = code.upper()
-        piece_count = code.count("-") + 1
-        text_without_tail = "-".join(pieces[:piece_count])
-        similarity = SequenceMatcher(None, upper_code, text_without_tail).ratio()
-        return upper_code.startswith(upper_text), similarity
 
-    most_similar_first = sorted(codes, key=measure_similarity, reverse=True)
-    return tuple(most_similar_first[:3])
+def _match_label(text: str, code_expression: str) -> re.Match[str] | None:
+    """Return the match of a label that consists of a code, a tail and a suffix ``/Sxxx``, or None for other text.
+
+    The tail and the suffix can be missing. A part of the code can look like the suffix, so the code is matched first.
+    """
+    return re.fullmatch(f"{code_expression}{_TEXT_AFTER_CODE}", text, re.IGNORECASE)
 
 
 def _can_be_combined(part: Part, listed_values: Mapping[str, str | None]) -> bool:

@@ -14,7 +14,7 @@ from ..errors import CrcError, LengthError
 #: Number of zeros that must precede a control frame, and that end a control frame at any time.
 ZEROS: Final = 14
 #: Number of bits after S up to the CRC of the address, after S up to W, and in a byte with its CRC.
-ADDRESS_BITS: Final = 15
+HEAD_AND_CRC_BITS: Final = 15
 HEADER_BITS: Final = 17
 BYTE_BITS: Final = 12
 #: Number of IDs that slaves can take. ID 0 is the only slave, or the last slave in a chain, whose SLI is 0.

@@ -145,24 +145,31 @@ class Master:
         return 0
 
     def _follow_header(self, cds: int) -> int:
-        """Process an answer to the header, and return the next CDM bit: CTS, ID, ADR, their CRC, R and W in turn.
+        """Process the answer to the bit that was sent last, and return the next bit of the header.
 
-        The bit after W is S. If the answers do not accept the access, this bit is 0 and ends the control frame.
+        The master has sent the start bit S before. The header consists of CTS, ID, ADR, their CRC, R and W, and its
+        first bit is the highest of ``_bits_to_send``. The slaves answer S and each bit of the header.
         """
         self._answer_bits = append_bit(self._answer_bits, cds)
         self._bit_count += 1
-        if self._bit_count <= HEADER_BITS:
-            # The first call, with one answer, returns CTS, the highest bit.
-            return bit_at(self._bits_to_send, HEADER_BITS - self._bit_count)
-        # R and W, the last two answers, follow the IDL bits.
-        idl = self._answer_bits >> 2
-        self.slaves = count_slaves(idl)
+        # The first answer belongs to S.
+        sent_header_bits = self._bit_count - 1
+        if sent_header_bits < HEADER_BITS:
+            return bit_at(self._bits_to_send, HEADER_BITS - 1 - sent_header_bits)
+        return self._finish_header()
+
+    def _finish_header(self) -> int:
+        """Check all answers to the header, and return the next CDM bit: S, or 0 to end the control frame.
+
+        The control frame ends if the answers do not accept the access.
+        """
+        # The last two answers are the echo of R and W. Those before are the IDL bits, which count the slaves.
+        id_lock_bits = self._answer_bits >> 2
+        self.slaves = count_slaves(id_lock_bits)
         # The header belongs to the first register.
         first_request = self._requests[0]
-        echo = first_request._check_echo(self._answer_bits)
-        if echo is not Outcome.RUNNING:
-            return self._end_access(echo)
-        return self._request_register()
+        outcome = first_request._check_echo(self._answer_bits)
+        return self._request_register() if outcome is Outcome.RUNNING else self._end_access(outcome)
 
     def _request_register(self) -> int:
         """Return the CDM bit S = 1, which requests a register from the slave, and start waiting for the answer."""

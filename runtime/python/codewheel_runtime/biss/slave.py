@@ -8,8 +8,8 @@ from enum import Enum
 
 from ..errors import CrcError
 from .control import (
-    ADDRESS_BITS,
     BYTE_BITS,
+    HEAD_AND_CRC_BITS,
     HEADER_BITS,
     IDS,
     REGISTERS,
@@ -60,7 +60,7 @@ class Slave:
         #: True if the access is a write.
         self._is_write = False
         #: Byte to read and its CRC. None for a write, or until ``give`` is called.
-        self._byte_to_send: int | None = None
+        self._bits_to_send: int | None = None
         #: Address of the register that is read or written next.
         self._register_address = 0
         #: Number of zeros that were received since the last 1.
@@ -78,10 +78,10 @@ class Slave:
         Raises:
             RangeError: ``value`` is not 0 to 255.
         """
-        bits = encode_byte(value)
+        byte_and_crc = encode_byte(value)
         if self.wants is Wants.BYTE:
             self.wants = Wants.NOTHING
-            self._byte_to_send = bits
+            self._bits_to_send = byte_and_crc
 
     def stored(self) -> None:
         """Confirm that the value has been stored. This has no effect if nothing is to be stored."""
@@ -130,7 +130,7 @@ class Slave:
 
         Nothing is requested if the byte is already known, or while an earlier value has not been stored.
         """
-        if not self._is_write and self._byte_to_send is None and self.wants is Wants.NOTHING:
+        if not self._is_write and self._bits_to_send is None and self.wants is Wants.NOTHING:
             self.wants = Wants.BYTE
             self.address = self._register_address
 
@@ -146,7 +146,7 @@ class Slave:
     def _await_start(self) -> None:
         """Wait for S, after W or P. In a read, ask the program for the byte of the current register."""
         self._phase = Phase.START
-        self._byte_to_send = None
+        self._bits_to_send = None
         self._request_byte()
 
     def _answer_id_bit(self, upstream: int) -> int:
@@ -170,9 +170,9 @@ class Slave:
         """
         self._received = append_bit(self._received, cdm)
         self._bit_count += 1
-        if self._bit_count <= ADDRESS_BITS:
+        if self._bit_count <= HEAD_AND_CRC_BITS:
             cds = self._answer_id_bit(upstream)
-            if self._bit_count == ADDRESS_BITS:
+            if self._bit_count == HEAD_AND_CRC_BITS:
                 self._take_address()
             return cds
         is_r_bit = self._bit_count == HEADER_BITS - 1
@@ -233,8 +233,8 @@ class Slave:
         self._bit_count += 1
         if self._bit_count > BYTE_BITS:
             return self._answer_p_bit(cdm)
-        if self._byte_to_send is not None:
-            return bit_at(self._byte_to_send, BYTE_BITS - self._bit_count)
+        if self._bits_to_send is not None:
+            return bit_at(self._bits_to_send, BYTE_BITS - self._bit_count)
         if self._bit_count == BYTE_BITS:
             self._take_byte()
         return cdm

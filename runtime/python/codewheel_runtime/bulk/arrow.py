@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..packages import load
 from .cells import TextCells
 from .shape import Shape
-from .words import DigitKind, numbers, read_floats
+from .words import DigitKind, read_floats, rows_to_numbers
 
 np: Any = load("numpy")
 
@@ -80,12 +80,13 @@ def read_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, rows_b
 
 def _read_bytes(array: Any, shape: Shape) -> Any:
     """Convert a column of bytes. It is faster if no item is missing and all have the length of a frame."""
-    # Rounded up to whole bytes.
-    bytes_per_frame = shape.length or (shape.bits + 7) // 8
+    # A frame is either a row of bytes or a number of some bits, which are rounded up to whole bytes.
+    has_rows_of_bytes = shape.length > 0
+    bytes_per_frame = shape.length if has_rows_of_bytes else (shape.bits + 7) // 8
     rows = None if array.null_count else _read_rows(array, bytes_per_frame)
     if rows is None:
         return read_byte_cells(array.to_pylist(), shape)
-    return rows if shape.length else numbers(rows)
+    return rows if has_rows_of_bytes else rows_to_numbers(rows)
 
 
 def _convert_views(array: Any) -> Any:
@@ -116,24 +117,24 @@ def _read_rows(array: Any, length: int) -> Any:
     row_count = len(array)
     if not row_count:
         return np.zeros((0, length), np.uint8)
-    # Arrow stores the bytes of all strings in one buffer, the last one. With a fixed size, this is the second of two
-    # buffers. Otherwise it is the third, and the second contains the offset of each string, and of the end.
-    buffers = array.buffers()
-    if load("pyarrow").types.is_fixed_size_binary(arrow_type):
+    # Arrow stores the bytes of all strings one after another in the buffer ``data``. ``first_byte`` is the place of the
+    # first string there, because an array can be a slice of a longer array, which begins at ``array.offset``.
+    types = load("pyarrow").types
+    if types.is_fixed_size_binary(arrow_type):
         if arrow_type.byte_width != length:
             return None
-        # Place of the first byte in the buffer. An array can be a slice of a longer array.
-        start = array.offset * length
-        data = buffers[1]
+        _, data = array.buffers()
+        first_byte = array.offset * length
     else:
-        has_wide_offsets = load("pyarrow").types.is_large_binary(arrow_type)
-        all_offsets = np.frombuffer(buffers[1], np.int64 if has_wide_offsets else np.int32)
-        offsets = all_offsets[array.offset : array.offset + row_count + 1]
-        if (np.diff(offsets) != length).any():
+        # If lengths can differ, another buffer has the place of each string in ``data``, and the end of the last one.
+        _, places_buffer, data = array.buffers()
+        place_type = np.int64 if types.is_large_binary(arrow_type) else np.int32
+        all_places = np.frombuffer(places_buffer, place_type)
+        places = all_places[array.offset : array.offset + row_count + 1]
+        if (np.diff(places) != length).any():
             return None
-        start = int(offsets[0])
-        data = buffers[2]
-    return np.frombuffer(data, np.uint8, count=row_count * length, offset=start).reshape(row_count, length)
+        first_byte = int(places[0])
+    return np.frombuffer(data, np.uint8, count=row_count * length, offset=first_byte).reshape(row_count, length)
 
 
 def read_byte_cells(items: Iterable[bytes | None], shape: Shape) -> list[Any]:

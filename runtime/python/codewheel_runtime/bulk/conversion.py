@@ -68,9 +68,9 @@ def convert_to_quantities(numbers: Any, scale: Scale) -> Any:
     """Return a column of numbers converted to quantities, such as degrees Celsius, as decimals."""
     np: Any = load("numpy")
     # Numbers such as temperatures repeat, so each different number is converted only once.
-    different_numbers, index_in_numbers = np.unique(numbers, return_inverse=True)
-    quantities = np.array([scale.decimal(number) for number in different_numbers.tolist()], object)
-    return quantities[index_in_numbers]
+    different_numbers, indices_of_numbers = np.unique(numbers, return_inverse=True)
+    different_quantities = np.array([scale.decimal(number) for number in different_numbers.tolist()], object)
+    return different_quantities[indices_of_numbers]
 
 
 def read_cells(columns: Columns, name: str, rows: slice) -> list[Any]:
@@ -110,7 +110,8 @@ def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> di
         scale = table.scale(name)
         if name in WORDS:
             # The numbers of the column are indices of its words. They are small, so int8 is enough.
-            arrays[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(WORDS[name]))
+            word_indices = pa.array(column.view("i1"))
+            arrays[name] = pa.DictionaryArray.from_arrays(word_indices, pa.array(WORDS[name]))
         elif scale is not None:
             decimal_type = pa.decimal128(_DECIMAL_PRECISION, scale.places)
             arrays[name] = pa.array(column, decimal_type, mask=hidden)

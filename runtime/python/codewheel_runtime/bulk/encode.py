@@ -150,7 +150,9 @@ def _encode_flag(values: Any, column: Column, first_error: FirstError) -> Any:
     if not column.width:
         first_error.add(is_active, column.name, values, allowed=NO_SUCH_FLAG)
     is_active_high = column.kind == "flag"
-    return (is_active == is_active_high).astype(np.uint64)
+    # The bit is 1 for an active flag that is active high, and for an inactive flag that is active low.
+    is_bit_set = is_active == is_active_high
+    return is_bit_set.astype(np.uint64)
 
 
 def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Any:
@@ -158,10 +160,11 @@ def _encode_digits(arrays: Mapping[str, Any], column: Column, first_error: First
 
     Groups and numbers that are too large are recorded in ``first_error``.
     """
+    # The groups 12 and 34 form the number 1234. The group 12 has the divisor 100 and, with two digits, the modulus 100.
     first_name, *_ = column.runs[0]
     number = np.zeros(len(arrays[first_name]), np.uint64)
     for name, divisor, modulus in column.runs:
-        digits = _check_unsigned(arrays[name], first_error, name, modulus - 1)
+        digits = _check_unsigned(arrays[name], first_error, name, highest=modulus - 1)
         number += digits * np.uint64(divisor)
     if column.width < 64:
         allowed = f"0 to {(1 << column.width) - 1}"
@@ -199,8 +202,7 @@ def _encode_number(values: Any, column: Column, first_error: FirstError) -> Any:
     if column.zero_means:
         first_error.add(values == 0, column.name, values, allowed=f"1 to {column.zero_means}")
         values = np.where(values == column.zero_means, values.dtype.type(0), values)
-    highest = (1 << column.width) - 1
-    return _check_unsigned(values, first_error, column.name, highest)
+    return _check_unsigned(values, first_error, column.name, highest=(1 << column.width) - 1)
 
 
 def _check_unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
@@ -247,14 +249,13 @@ def _insert_joined_number(
     number, the error is recorded in ``first_error``.
     """
     width = find_width(shape, join)
-    joined_numbers = _check_unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
+    joined_numbers = _check_unsigned(arrays[join.name], first_error, join.name, highest=(1 << width) - 1)
     by_name = {column.name: column for column in shape.columns}
-    # Each field is listed with the place of its lowest bit in the joined number.
-    for name, place in join.fields:
+    for name, low_in_number in join.fields:
         column = by_name[name]
         if not column.width:
             continue
-        bits = shift_right(joined_numbers, place) & bit_mask(column.width)
+        bits = shift_right(joined_numbers, low_in_number) & bit_mask(column.width)
         is_given_separately = all(field_name in arrays for field_name in list_names(column))
         if is_given_separately:
             separate_bits = Chunk(words, shape.bits).take(column.low, column.width)
@@ -274,6 +275,7 @@ def _insert_unused_bits(words: list[Any], arrays: Mapping[str, Any], shape: Shap
     differences = arrays.get("unused", no_differences)
     differing_bits = differences.astype(np.uint64)
     unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
+    # NumPy requires that the mask fits into 64 bits.
     other_bits_mask = ~np.uint64(unused_mask & ((1 << 64) - 1))
     has_other_bits = (differing_bits & other_bits_mask) != 0
     first_error.add(has_other_bits, "unused", differences, allowed=f"within the mask {unused_mask:#x}")
@@ -288,14 +290,15 @@ def _check_values(words: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
 
     ``words`` are the frames so far, and ``arrays`` the values of each field by name, for the error.
     """
-    columns_by_place = {(column.low, column.width): column for column in shape.columns}
+    # The column of a check is the one that covers exactly the same bits of the frame.
+    columns_by_bits = {(column.low, column.width): column for column in shape.columns}
     for check in shape.checks:
         if check.joined and check.limit is not None:
             joined_numbers = take_checked_bits(Chunk(words, shape.bits), check)
             is_within = are_within_limits(joined_numbers, check, check.limit)
             first_error.add(~is_within, shape.position, joined_numbers, allowed=f"at most {check.limit}")
             continue
-        column = columns_by_place.get((check.low, check.width))
+        column = columns_by_bits.get((check.low, check.width))
         # No column covers constants, and parity bits are computed.
         if column is None or check.parity_of:
             continue
@@ -355,11 +358,12 @@ def _convert_to_digits(words: list[Any], coding: DigitCoding) -> None:
     number = shift_right(words[0], coding.low) & bit_mask(coding.width)
     # Clear the bits of the number, which the codes replace.
     words[0] ^= shift_left(number, coding.low)
-    for place in range(0, coding.width, coding.digit_bits):
+    # Take the digits of the number one by one, the lowest digit first.
+    for code_shift in range(0, coding.width, coding.digit_bits):
         lowest_digit = (number % base).astype(np.intp)
         # The highest digit can have fewer bits than its code.
-        code_within_field = codes[lowest_digit] & bit_mask(coding.width - place)
-        words[0] |= shift_left(code_within_field, coding.low + place)
+        code_within_field = codes[lowest_digit] & bit_mask(coding.width - code_shift)
+        words[0] |= shift_left(code_within_field, coding.low + code_shift)
         number = number // base
 
 

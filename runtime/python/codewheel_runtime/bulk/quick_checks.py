@@ -62,7 +62,7 @@ def find_quick_checks(shape: Shape) -> QuickChecks:
         else:
             remaining.append(check)
     allowed_by_byte = _combine_checks_of_bytes(checks_by_byte, fixed_bits, remaining)
-    fixed = _split_into_words(fixed_bits.mask, fixed_bits.values, shape.bits)
+    fixed = _split_into_words(fixed_bits.mask, fixed_bits.values, bit_count=shape.bits)
     return QuickChecks(fixed=fixed, bytes=allowed_by_byte, remaining=tuple(remaining))
 
 
@@ -110,12 +110,12 @@ def _has_all_values(values: list[int], constant_mask: int) -> bool:
     return len(values) == (1 << free_bits)
 
 
-def _split_into_words(mask: int, required_bits: int, bits: int) -> tuple[tuple[int, int], ...]:
-    """Return the mask and the required bits of a frame of ``bits`` bits as 64-bit words, lowest word first."""
+def _split_into_words(mask: int, required_bits: int, bit_count: int) -> tuple[tuple[int, int], ...]:
+    """Return the mask and the required bits of a frame of ``bit_count`` bits as 64-bit words, lowest word first."""
     word_mask = (1 << 64) - 1
     return tuple(
         ((mask >> lowest_bit) & word_mask, (required_bits >> lowest_bit) & word_mask)
-        for lowest_bit in range(0, bits, 64)
+        for lowest_bit in range(0, bit_count, 64)
     )
 
 

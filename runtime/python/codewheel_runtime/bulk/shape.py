@@ -127,7 +127,8 @@ def compare_bytes(
         """Return the XOR of the CRC in a frame and the computed CRC."""
         data = number.to_bytes(length, order)
         sent_crc = int.from_bytes(data[-width:], order)
-        computed_crc = function(exchange_bytes(data, exchanged_bytes)[:-width])
+        sent_bytes = exchange_bytes(data, exchanged_bytes)
+        computed_crc = function(sent_bytes[:-width])
         return computed_crc ^ sent_crc
 
     return find_difference
@@ -335,16 +336,18 @@ def group_unused_bits(shape: Shape) -> tuple[UnusedGroup, ...]:
     Bits form a group if they have the same distance from the frame to the column, and begin in the same byte of the
     frame.
     """
-    bits_by_group: dict[tuple[int, int], list[Unused]] = {}
+    unused_by_group: dict[tuple[int, int], list[Unused]] = {}
     for unused in shape.unused:
-        distance = unused.low - unused.place
+        distance_to_column = unused.low - unused.place
         byte_index = unused.low // 8
-        bits_by_group.setdefault((distance, byte_index), []).append(unused)
+        unused_by_group.setdefault((distance_to_column, byte_index), []).append(unused)
     groups: list[UnusedGroup] = []
-    for group in bits_by_group.values():
-        lowest = min(group, key=lambda unused: unused.low)
-        mask = value = 0
-        for unused in group:
+    for unused_of_group in unused_by_group.values():
+        lowest = min(unused_of_group, key=lambda unused: unused.low)
+        mask = 0
+        value = 0
+        for unused in unused_of_group:
+            # Bit 0 of the mask and the value is the lowest bit of the group.
             offset = unused.low - lowest.low
             unused_mask = ((1 << unused.width) - 1) << offset
             mask |= unused_mask
@@ -365,14 +368,17 @@ def find_deferred_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]
     The table extracts these fields from the joined number on access, instead of when frames are decoded. Only the first
     joined number of a frame has such fields, and only if it has fewer than 64 bits.
     """
-    by_name = {column.name: column for column in shape.columns}
-    if find_width(shape, join) > 63 or join is not shape.joins[0]:
+    is_first_join = join is shape.joins[0]
+    if find_width(shape, join) > 63 or not is_first_join:
         return []
+    columns_by_name = {column.name: column for column in shape.columns}
     deferred_fields: list[tuple[str, int, int]] = []
-    for name, low in join.fields:
-        column = by_name[name]
-        if column.kind == "number" and not column.zero_means:
-            deferred_fields.append((name, low, column.width))
+    for name, low_in_number in join.fields:
+        column = columns_by_name[name]
+        # A field with another value for 0 is not just bits of the number.
+        is_plain = column.kind == "number" and not column.zero_means
+        if is_plain:
+            deferred_fields.append((name, low_in_number, column.width))
     return deferred_fields
 
 
@@ -384,9 +390,13 @@ def find_position_columns(shape: Shape) -> frozenset[str]:
     verdict.
     """
     if shape.position:
-        parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
-        return frozenset((shape.position, *parts))
-    if shape.default_verdict is None:
+        position_columns = {shape.position}
+        for join in shape.joins:
+            if join.name == shape.position:
+                position_columns |= {name for name, _ in join.fields}
+        return frozenset(position_columns)
+    has_verdict = shape.default_verdict is not None
+    if not has_verdict:
         return frozenset()
     return frozenset(column.name for column in shape.columns if column.kind in ("number", "signed"))
 

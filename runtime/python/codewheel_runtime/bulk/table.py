@@ -21,7 +21,7 @@ from .conversion import (
     pandas_columns,
     read_cells,
 )
-from .motion import check_times, compute_speeds, find_motion, unwrap_positions
+from .motion import compute_speeds, find_motion, list_times, unwrap_positions
 from .shape import ReportCause, find_active
 from .table_base import ColumnName, FrameSource, PositionUnit, TableOf
 from .units import POSITION_UNITS, AngleUnit, LengthUnit, SpeedUnit, Unit, find_unit_size
@@ -258,8 +258,8 @@ class Table(TableOf[ColumnName, PositionUnit]):
             number_name, scale = self._scales[name]
             self._columns[name] = convert_to_quantities(self._find_column(number_name), scale)
         if name in self._parts and name not in self._columns:
-            whole, low, width = self._parts[name]
-            self._columns[name] = (self._columns[whole] >> low) & ((1 << width) - 1)
+            joined_name, low, width = self._parts[name]
+            self._columns[name] = (self._columns[joined_name] >> low) & ((1 << width) - 1)
         if name not in self._columns:
             raise KeyError(make_unknown_column_message(name, self.names))
         return self._columns[name]
@@ -366,7 +366,7 @@ class Table(TableOf[ColumnName, PositionUnit]):
             if "time" not in self._others:
                 raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
             seconds = self._others["time"]
-        times = check_times(seconds, self.count)
+        times = list_times(seconds, self.count)
         if unit not in (*POSITION_UNITS, "rpm"):
             raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*POSITION_UNITS, 'rpm'))}")
         previous_count = None if previous is None else previous[0]

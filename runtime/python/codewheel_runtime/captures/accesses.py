@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from ..biss.control import (
-    ADDRESS_BITS,
     BYTE_BITS,
     CRC_BITS,
+    HEAD_AND_CRC_BITS,
     HEADER_BITS,
     ZEROS,
     ControlHead,
@@ -69,13 +69,13 @@ class Access(NamedTuple):
         return text
 
 
-class Accesses:
+class AccessFinder:
     """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave.
 
     ``_state`` is the method that follows the next cycle. ``_begin_time`` is the time at which the control frame began,
     and ``_is_write`` is True if it writes. ``_is_outside_frame`` is True outside a control frame. ``_zeros`` is the
     number of CDM zeros since the last 1. ``_sent_bits`` and ``_answer_bits`` are the CDM and CDS bits of the header or
-    byte, the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_header_bits`` contains CTS,
+    byte, the last one in bit 0, and ``_bit_count`` is the number of its cycles so far. ``_head_bits`` contains CTS,
     ID and address.
     """
 
@@ -84,9 +84,9 @@ class Accesses:
         self._bit_count = 0
         self._sent_bits = 0
         self._answer_bits = 0
-        self._state = self._follow_idle
+        self._state = self._skip_cycle
         self._begin_time = 0.0
-        self._header_bits = 0
+        self._head_bits = 0
         self._is_write, self._is_outside_frame = False, True
 
     def feed(self, bits: ControlBits) -> Iterator[Access]:
@@ -121,7 +121,7 @@ class Accesses:
         if not self._is_outside_frame and self._has_unfinished_access():
             yield self._make_access(None, _ENDED_WITHIN_ACCESS)
 
-    def _follow_idle(self, cds: int, cdm: int) -> Iterator[Access]:
+    def _skip_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
         """Ignore the bits of a cycle outside a control frame, and yield no access."""
         yield from ()
 
@@ -132,7 +132,7 @@ class Accesses:
         self._bit_count = 0
         self._sent_bits = 0
         self._answer_bits = 0
-        self._header_bits = 0
+        self._head_bits = 0
         # A header that ends before R and W counts as the header of a read.
         self._is_write = False
         self._state = self._follow_header
@@ -140,7 +140,7 @@ class Accesses:
     def _end_access(self) -> None:
         """Stop following the control frame."""
         self._is_outside_frame = True
-        self._state = self._follow_idle
+        self._state = self._skip_cycle
 
     def _follow_cycle(self, cds: int, cdm: int) -> Iterator[Access]:
         """Track the bits of one cycle within a control frame. Yield the access if it ends.
@@ -167,11 +167,11 @@ class Accesses:
         """
         if self._state == self._follow_byte:
             return self._bit_count < BYTE_BITS
-        return self._state != self._follow_header or self._bit_count >= ADDRESS_BITS
+        return self._state != self._follow_header or self._bit_count >= HEAD_AND_CRC_BITS
 
     def _make_access(self, value: int | None, result: str, done: bool = False) -> Access:
         """Return the access to the transmitted ID and address, with this value and result."""
-        head = ControlHead.decode(self._header_bits)
+        head = ControlHead.decode(self._head_bits)
         return Access(
             time=self._begin_time,
             slave_id=head.slave_id,
@@ -183,39 +183,52 @@ class Accesses:
         )
 
     def _follow_header(self, cds: int, cdm: int) -> Iterator[Access]:
-        """Process a cycle of the header: CTS, ID, address, CRC, R and W. Then the answer to W is decisive.
+        """Process one cycle of the header, or the cycle after it. Yield the access if the slave refuses it.
 
-        The CDS bit of a cycle answers the CDM bit of the previous cycle, so the header ends one cycle after W. An
-        access that the slave refuses is yielded.
+        The master sends the head (CTS, ID and address), its CRC, R and W, one bit per cycle. The slave answers each bit
+        in the next cycle, so the answer to W comes in the cycle after the header.
         """
         self._bit_count += 1
         self._answer_bits = append_bit(self._answer_bits, cds)
-        if self._bit_count <= HEADER_BITS:
-            self._sent_bits = append_bit(self._sent_bits, cdm)
-        if self._bit_count == ADDRESS_BITS:
-            self._header_bits = self._sent_bits >> CRC_BITS
-            head = ControlHead.decode_with_crc(self._sent_bits)
-            # Commands have no registers, and a damaged header reaches no slave.
-            if head is None or not head.is_register_access:
-                self._end_access()
+        is_after_header = self._bit_count > HEADER_BITS
+        if is_after_header:
+            yield from self._finish_header(cdm)
+            return
+        self._sent_bits = append_bit(self._sent_bits, cdm)
+        if self._bit_count == HEAD_AND_CRC_BITS:
+            self._take_head()
         elif self._bit_count == HEADER_BITS:
             # The last two bits are R and W. Only one of them is 1: R for a read, W for a write.
             r_and_w = self._sent_bits & 0b11
             self._is_write = r_and_w == 0b01
-        elif self._bit_count == HEADER_BITS + 1:
-            outcome = self._check_echo()
-            if outcome is not Outcome.RUNNING:
-                yield self._make_access(None, outcome.value)
-                self._end_access()
-                return
-            # The master continues with S, or ends the control frame, which then has no access.
+
+    def _take_head(self) -> None:
+        """Keep the head of the control frame, after its CRC has been sent.
+
+        Commands have no registers, and a head with a CRC error reaches no slave. Stop following such control frames.
+        """
+        self._head_bits = self._sent_bits >> CRC_BITS
+        head = ControlHead.decode_with_crc(self._sent_bits)
+        if head is None or not head.is_register_access:
+            self._end_access()
+
+    def _finish_header(self, cdm: int) -> Iterator[Access]:
+        """Check the answers to the header, which are now complete. Yield the access if the slave refuses it.
+
+        The CDM bit of this cycle is 1 (S) if the master continues, or 0 if it ends the control frame without an access.
+        """
+        outcome = self._check_echo()
+        is_refused = outcome is not Outcome.RUNNING
+        if is_refused:
+            yield self._make_access(None, outcome.value)
+        if is_refused or not cdm:
+            self._end_access()
+        else:
             self._state = self._follow_start
-            if not cdm:
-                self._end_access()
 
     def _check_echo(self) -> Outcome:
         """Return the outcome that the answers to the header show. It is RUNNING if the slave accepts the access."""
-        head = ControlHead.decode(self._header_bits)
+        head = ControlHead.decode(self._head_bits)
         # The value is not known yet. Any value turns the access into a write.
         value = 0 if self._is_write else None
         return Request(head.slave_id, head.address, value)._check_echo(self._answer_bits)
@@ -239,28 +252,36 @@ class Accesses:
         """Process a cycle of a byte: eight bits, their CRC, and a bit P, after which S can start the next register.
 
         In a read, the slave sends the byte. In a write, the master sends it, and the slave repeats it. The access is
-        yielded after the last bit of the CRC.
+        yielded after the last bit of the CRC. The first CDM bit came in the cycle before, so the CDS bits of the byte
+        are one cycle behind its CDM bits.
         """
         self._bit_count += 1
+        is_after_p = self._bit_count > BYTE_BITS
+        if is_after_p:
+            self._finish_byte(cdm)
+            return
+        self._answer_bits = append_bit(self._answer_bits, cds)
         if self._bit_count < BYTE_BITS:
-            self._answer_bits = append_bit(self._answer_bits, cds)
             self._sent_bits = append_bit(self._sent_bits, cdm)
-        elif self._bit_count == BYTE_BITS:
-            self._answer_bits = append_bit(self._answer_bits, cds)
-            byte_and_crc = self._sent_bits if self._is_write else self._answer_bits
-            value = _decode_value(byte_and_crc)
-            outcome = self._judge_byte(value)
-            is_done = outcome is Outcome.DONE
-            yield self._make_access(value, outcome.value, done=is_done)
-            # This CDM bit is P. The control frame ends if it is 1.
-            if not is_done or cdm:
-                self._end_access()
-        elif cdm:
-            # The master continues with the next register. The address is in the lowest bits of the head.
-            self._header_bits += 1
-            self._state = self._follow_start
-        else:
+            return
+        # The byte and its CRC are complete. The CDM bit of this cycle is P.
+        byte_and_crc = self._sent_bits if self._is_write else self._answer_bits
+        value = _decode_value(byte_and_crc)
+        outcome = self._judge_byte(value)
+        is_done = outcome is Outcome.DONE
+        yield self._make_access(value, outcome.value, done=is_done)
+        # A P of 1 ends the control frame.
+        if not is_done or cdm:
             self._end_access()
+
+    def _finish_byte(self, cdm: int) -> None:
+        """Process the CDM bit after P: 1 (S) to continue with the next register, or 0 to end the control frame."""
+        if not cdm:
+            self._end_access()
+            return
+        # The address is in the lowest bits of the head.
+        self._head_bits += 1
+        self._state = self._follow_start
 
     def _judge_byte(self, value: int | None) -> Outcome:
         """Return the outcome of an access whose byte was transmitted. ``value`` is None if the byte has a CRC error.

@@ -73,14 +73,17 @@ def _fit_lines(times: Any, has_edge: Any) -> _EdgeLines:
     # Times after the last edge have the weight 0.
     weights = has_edge.astype(np.float64)
     edge_counts = np.maximum(weights.sum(axis=1, keepdims=True), 1)
+    # Edges are numbered from 0 in each cycle.
     numbers = np.arange(times.shape[1], dtype=np.float64)[None, :]
     mean_number = (weights * numbers).sum(axis=1, keepdims=True) / edge_counts
     mean_time = (weights * times).sum(axis=1, keepdims=True) / edge_counts
     number_offsets = (numbers - mean_number) * weights
     time_offsets = times - mean_time
+    # The slope of the line is the covariance of numbers and times divided by the variance of the numbers.
     covariance = (number_offsets * time_offsets).sum(axis=1, keepdims=True)
     variance = (number_offsets * number_offsets).sum(axis=1, keepdims=True)
     periods = covariance / np.maximum(variance, _SMALLEST_DIVISOR)
+    # The line passes through the mean number and the mean time.
     line_times = mean_time + periods * (numbers - mean_number)
     distances = np.abs(line_times - times) * weights
     return _EdgeLines(line_times, periods, are_even=distances.max(axis=1) < _LONGEST_DISTANCE)
@@ -92,10 +95,13 @@ def _average_distance(expected_changes: Any, longest_distance: Any, data_edges: 
     ``expected_changes`` has a row for each cycle and a column for each bit. Bits without a change within
     ``longest_distance`` of the expected time are ignored. If no bit has such a change, the result is 0.
     """
-    edges_and_end = np.append(data_edges, np.inf)
-    # Index of the first edge that is not too early. It can still be too late.
-    edge_indices = np.searchsorted(data_edges, (expected_changes - longest_distance).ravel())
-    distances = edges_and_end[edge_indices].reshape(expected_changes.shape) - expected_changes
+    # After the last edge, the data line never changes again: its next edge is at infinity.
+    edges_and_infinity = np.append(data_edges, np.inf)
+    # For each bit, the first edge that is not too early. It can still be too late.
+    earliest_changes = expected_changes - longest_distance
+    edge_indices = np.searchsorted(data_edges, earliest_changes.ravel())
+    changes = edges_and_infinity[edge_indices].reshape(expected_changes.shape)
+    distances = changes - expected_changes
     is_near = distances < longest_distance
     change_counts = np.maximum(is_near.sum(axis=1), 1)
     return np.where(is_near, distances, 0.0).sum(axis=1) / change_counts

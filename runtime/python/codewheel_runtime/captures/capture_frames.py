@@ -95,8 +95,8 @@ def open_capture(capture_input: CaptureInput) -> Generator[CaptureFrames, None, 
                 line = read_exported_bytes(file, paths[0], columns)
                 yield _find_replies(encoder, line, paths[0], probes, layout, answers)
             return
-    names = probes.names(is_serial)._replace(exchanged=swap_lines)
-    with open_captured_signals(source, names, probes) as (signals, name):
+    signal_names = probes.signal_names(has_clock=not is_serial)._replace(exchanged=swap_lines)
+    with open_captured_signals(source, signal_names, probes) as (signals, name):
         yield _find_frames(encoder, signals, name, probes, layout, answers)
 
 
@@ -159,7 +159,8 @@ def _find_frames(
     shape = find_shape(encoder, layout, answers) if isinstance(encoder, Encoder) else encoder.shape
     if shape.bits > 64:
         raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
-    parts = find_clocked_frames(signals, name, interface_name, shape.bits, probes.rest)
+    # ``rest`` is the shortest pause between two frames that the user has chosen, or None.
+    parts = find_clocked_frames(signals, name, kind=interface_name, bits=shape.bits, pause=probes.rest)
     return CaptureFrames(parts=parts, shape=shape, time_column=time_column, total=signals.total)
 
 

@@ -31,7 +31,7 @@ class CapturedFrames(NamedTuple):
         times: Beginning of each frame: the first falling edge of the clock, or the start bit of the first byte. In
             seconds, or in samples if the sample rate is unknown.
         lost: Cycles without a frame.
-        done: Amount of the file that has been read.
+        amount_read: Amount of the file that has been read.
         control: Over BiSS, the bits of register accesses.
         kind: Over RS-485, the kind of the frames. Empty if none is requested, and no valid frame was found.
         others: Number of frames of other kinds, by name.
@@ -40,7 +40,7 @@ class CapturedFrames(NamedTuple):
     frames: Any
     times: Any
     lost: list[Lost]
-    done: int = 0
+    amount_read: int = 0
     control: ControlBits | None = None
     kind: str = ""
     others: Mapping[str, int] = MappingProxyType({})

@@ -12,7 +12,7 @@ from ..files.stream import (
     Summary,
     count_units,
 )
-from .accesses import Access, Accesses
+from .accesses import Access, AccessFinder
 from .captured_frames import CapturedFrames, Lost
 
 
@@ -113,7 +113,7 @@ class Log:
         self.lost_by_reason: dict[str, int] = {}
         #: Number of frames of other kinds, by the name of the kind.
         self.other_frames: dict[str, int] = {}
-        self._access_finder = Accesses()
+        self._access_finder = AccessFinder()
 
     def add(self, part: CapturedFrames) -> None:
         """Count the lost cycles, accesses and frames of other kinds in a part of the capture."""

@@ -45,15 +45,15 @@ class Probes(NamedTuple):
         if self.threshold is not None and not _is_finite(self.threshold):
             raise UsageError(f"threshold must be a number, got {self.threshold!r}")
 
-    def names(self, is_serial: bool) -> SignalNames:
-        """Return the chosen channels of the clock and the data line, or of one serial line.
+    def signal_names(self, *, has_clock: bool) -> SignalNames:
+        """Return the chosen channels of the clock and the data line. Without a clock, return that of the data line.
 
         Raises UsageError if a channel is neither a name nor a number.
         """
         for channel in (self.clock, self.data):
             if not isinstance(channel, (str, int)) or isinstance(channel, bool):
                 raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
-        clock = None if is_serial else str(self.clock)
+        clock = str(self.clock) if has_clock else None
         return SignalNames(clock=clock, data=str(self.data))
 
 

@@ -212,7 +212,7 @@ class _Screen:
             self._draw()
         elif self.frames + self.failures:
             last_error = f"; the last error: {self._last_error}" if self._last_error else ""
-            self._out.write(f"{self._count_failures()}{last_error}\n")
+            self._out.write(f"{self._describe_failures()}{last_error}\n")
             self._out.flush()
 
     def _unwrap(self, frame_class: type, position: int) -> int:
@@ -276,11 +276,11 @@ class _Screen:
         return [
             ("alarms", ", ".join(report.name for report in reports) or "none"),
             ("rate", f"{rate:.0f} readings/s"),
-            ("errors", self._count_failures()),
+            ("errors", self._describe_failures()),
             ("", self._last_error),
         ]
 
-    def _count_failures(self) -> str:
+    def _describe_failures(self) -> str:
         """Return the number of failures of each kind as text, such as ``2 of 9 readings failed: 2 no reply``."""
         total = self.frames + self.failures
         kinds = ", ".join(f"{count} {kind}" for kind, count in self._errors.most_common())

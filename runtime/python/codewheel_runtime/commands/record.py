@@ -106,17 +106,19 @@ class _Parquet:
 
     def __init__(self, file: Any) -> None:
         """Write the header of ``file``, whose columns are the fields of ``RecordedReading``."""
-        self._pa: Any = import_module("pyarrow")
-        text_type = self._pa.string()
-        number_types = {"time": self._pa.float64(), "position": self._pa.int64()}
-        self._schema = self._pa.schema([(name, number_types.get(name, text_type)) for name in RecordedReading._fields])
+        self._pyarrow: Any = import_module("pyarrow")
+        text_type = self._pyarrow.string()
+        number_types = {"time": self._pyarrow.float64(), "position": self._pyarrow.int64()}
+        self._schema = self._pyarrow.schema(
+            [(name, number_types.get(name, text_type)) for name in RecordedReading._fields]
+        )
         self._writer = import_module("pyarrow.parquet").ParquetWriter(file, self._schema)
         #: Rows that have not been written yet.
-        self._rows: list[dict[str, Any]] = []
+        self._pending_rows: list[dict[str, Any]] = []
 
     def write(self, reading: RecordedReading) -> None:
-        self._rows.append(reading._asdict())
-        if len(self._rows) == _ROWS_AT_ONCE:
+        self._pending_rows.append(reading._asdict())
+        if len(self._pending_rows) == _ROWS_AT_ONCE:
             self._write_rows()
 
     def close(self) -> None:
@@ -124,8 +126,8 @@ class _Parquet:
         self._writer.close()
 
     def _write_rows(self) -> None:
-        self._writer.write_table(self._pa.Table.from_pylist(self._rows, self._schema))
-        self._rows.clear()
+        self._writer.write_table(self._pyarrow.Table.from_pylist(self._pending_rows, self._schema))
+        self._pending_rows.clear()
 
 
 _RECORDERS: Final[dict[RecordKind, Callable[[Any], Recorder]]] = {

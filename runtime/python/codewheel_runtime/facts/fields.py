@@ -73,17 +73,18 @@ class Scale(NamedTuple):
     @property
     def places(self) -> int:
         """Number of decimals: as many as an exact value needs, otherwise enough for a tenth of a count."""
-        # Decimals are exact if the reduced denominator divides a power of ten. This power has at most as many zeros as
-        # the denominator has bits.
-        reduced = self.denominator // gcd(self.numerator, self.offset, self.denominator)
-        for places in range(reduced.bit_length()):
-            if 10**places % reduced == 0:
-                return places
-        # The last decimal must be at most a tenth of a count, which is numerator / denominator.
-        places = 0
-        while 10**places * self.numerator < 10 * self.denominator:
-            places += 1
-        return places
+        # The quantity is (number * numerator + offset) / denominator. A factor that all three share cancels out.
+        reduced_denominator = self.denominator // gcd(self.numerator, self.offset, self.denominator)
+        # Decimals are exact if the denominator divides a power of ten, which has at most as many zeros as the
+        # denominator has bits. For example, 8 divides 1000, so eighths have three decimals.
+        for decimals in range(reduced_denominator.bit_length()):
+            if 10**decimals % reduced_denominator == 0:
+                return decimals
+        # The last decimal must be at most a tenth of a count: 10**-decimals <= (numerator / denominator) / 10.
+        decimals = 0
+        while 10**decimals * self.numerator < 10 * self.denominator:
+            decimals += 1
+        return decimals
 
     def decimal(self, number: int) -> Decimal:
         """Return the quantity for a number with ``places`` decimals.

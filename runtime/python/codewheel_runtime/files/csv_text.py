@@ -12,7 +12,7 @@ from typing import BinaryIO, Final, NamedTuple
 
 from ..bulk.cells import TextCells, read_text
 from ..bulk.shape import Shape
-from ..bulk.words import DigitKind, listed, short
+from ..bulk.words import DigitKind, list_names, quote
 from ..errors import InputError
 from . import inputs
 from .fast_csv import Block, BlockReader, JoinedBlocks, ends_with_row, has_a_row_per_line, split_into_blocks
@@ -212,6 +212,7 @@ class _SlowReader:
         if cells:
             # The cell before the last one can be in the previous batch.
             cell_before = cells[-2] if len(cells) > 1 else self._last_cell
+            # A file that ends without a line end can have been cut off within its last cell.
             may_miss_digits = lines.is_cut and len(cells[-1]) < len(cell_before)
             if may_miss_digits:
                 cells[-1] = ""
@@ -410,24 +411,23 @@ def _find_frame_column(first_row: list[str], file_name: str, storage: StorageFor
         return _FrameColumn(names.index(requested), has_header=True)
     if requested:
         is_number = requested.isascii() and requested.isdigit() and len(requested) < 9
-        # -1 is the index of no column.
-        column_index = int(requested) - 1 if is_number else -1
-        if not 0 <= column_index < len(names):
-            raise InputError(
-                file_name, f"no column {short(requested)}; the columns are {listed(names)}", place="line 1"
-            )
+        column_number = int(requested) if is_number else 0
+        if not 1 <= column_number <= len(names):
+            reason = f"no column {quote(requested)}; the columns are {list_names(names)}"
+            raise InputError(file_name, reason, place="line 1")
+        column_index = column_number - 1
     elif len(names) == 1:
         column_index = 0
     else:
         usual_index = find_usual_column(names)
         if usual_index is None:
-            raise InputError(
-                file_name, f"choose the column with the frames; the columns are {listed(names)}", place="line 1"
-            )
+            reason = f"choose the column with the frames; the columns are {list_names(names)}"
+            raise InputError(file_name, reason, place="line 1")
         return _FrameColumn(usual_index, has_header=True)
     # An empty cell is a missing frame, not a header.
     first_cell = first_row[column_index]
-    return _FrameColumn(column_index, has_header=bool(first_cell.strip()) and not _is_frame(first_cell, shape))
+    is_empty = not first_cell.strip()
+    return _FrameColumn(column_index, has_header=not is_empty and not _is_frame(first_cell, shape))
 
 
 def _is_frame(text: str, shape: Shape) -> bool:

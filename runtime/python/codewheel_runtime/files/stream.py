@@ -21,7 +21,7 @@ from ..packages import load
 from ..reports import Verdict
 from .inputs import FileKind, Source, StorageFormat, read_seconds
 from .layouts import Layout, find_shape
-from .partitions import PartitionDecoder, check_apart
+from .partitions import PartitionDecoder, check_distinct_names
 from .sinks import SINKS, Plan, Sink, TargetKind, find_target_kind
 from .sources import open_source
 from .targets import open_for_writing
@@ -294,7 +294,7 @@ def _check_columns_for_speeds(frame_source: Source, empty_result: Table, source:
     if "time" not in frame_source.empty_columns:
         raise UsageError(f"{source} has no column 'time', which speeds in SI units need")
     added_names = [name for name in empty_result.others if name != "time"]
-    check_apart(frame_source.empty_columns, added_names, source)
+    check_distinct_names(frame_source.empty_columns, added_names, source)
 
 
 def decode_parts(
@@ -321,7 +321,7 @@ def decode_parts(
         raise UsageError(f"limit must be at least 0, got {limit}")
     counts = _Counts()
     for part in frame_source.parts:
-        # A slice up to None takes all rows.
+        # The first rows up to the limit. A slice up to None takes all rows.
         rows_left = None if limit is None else limit - counts.frames
         rows = slice(rows_left)
         table = decode_many(part.frames[rows], shape, encoder)
@@ -331,7 +331,7 @@ def decode_parts(
             extended_table = table if add_columns is None else add_columns(table, other_columns)
             sink.write(extended_table, other_columns)
         if progress is not None:
-            progress(part.done, frame_source.total, counts.frames)
+            progress(part.amount_read, frame_source.total, counts.frames)
         if limit is not None and counts.frames >= limit:
             break
     return counts.summary(sink.lost)
@@ -397,9 +397,10 @@ class _Counts:
             if kind:
                 self._faults[kind] = self._faults.get(kind, 0) + count
         if "verdict" in table:
-            valid_verdicts = table.verdict[table.ok]
+            verdicts_of_valid_frames = table.verdict[table.ok]
             for index in range(len(Verdict)):
-                self._verdicts[index] = self._verdicts.get(index, 0) + int((valid_verdicts == index).sum())
+                count = int((verdicts_of_valid_frames == index).sum())
+                self._verdicts[index] = self._verdicts.get(index, 0) + count
 
     def summary(self, lost_cells: int) -> Summary:
         """Return the counts, without verdicts that do not occur.
@@ -427,7 +428,7 @@ def make_plan(empty_result: Table, frame_source: Source, columns: Sequence[str],
     if unknown_names:
         raise UsageError(f"no column '{unknown_names[0][:40]}'; the columns are {', '.join(existing_names)}")
     field_names = [name for name in empty_result.names if name not in empty_result.others]
-    check_apart(frame_source.empty_columns, field_names, source)
+    check_distinct_names(frame_source.empty_columns, field_names, source)
     written_names = columns or (*frame_source.empty_columns, *empty_result.names)
     # Each name is written once, in the order of its first occurrence.
     names = tuple(dict.fromkeys(written_names))

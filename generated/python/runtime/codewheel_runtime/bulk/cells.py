@@ -7,7 +7,7 @@ import re
 from typing import Final
 
 from .shape import Shape
-from .words import DigitKind, short
+from .words import DigitKind, quote
 
 _PREFIXED_NUMBER: Final = re.compile(r"0([xX][0-9a-fA-F]+|[bB][01]+)")
 _HEX_DIGITS: Final = re.compile(r"[0-9a-fA-F]+")
@@ -30,16 +30,16 @@ def read_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
     is_decimal = _DECIMAL_DIGITS.fullmatch(compact) is not None
     if digits == "decimal":
         if not is_decimal:
-            raise ValueError(f"{short(text)} is not a decimal number")
+            raise ValueError(f"{quote(text)} is not a decimal number")
         return int(compact, 10)
     if not _HEX_DIGITS.fullmatch(compact):
-        raise ValueError(f"{short(text)} is not a hexadecimal number")
+        raise ValueError(f"{quote(text)} is not a hexadecimal number")
     if digits is None and is_decimal:
         choice = "choose --digits decimal or --digits hex (in Python: digits='hex'), or put 0x in front"
-        raise ValueError(f"{short(text)} can be decimal or hexadecimal: {choice}")
+        raise ValueError(f"{quote(text)} can be decimal or hexadecimal: {choice}")
     if digits is None:
         choice = "choose --digits hex (in Python: digits='hex'), or put 0x in front"
-        raise ValueError(f"{short(text)} is hexadecimal: {choice}")
+        raise ValueError(f"{quote(text)} is hexadecimal: {choice}")
     return int(compact, 16)
 
 
@@ -51,7 +51,7 @@ def _read_bytes(compact: str, text: str) -> bytes:
     has_prefix = compact[:2] in ("0x", "0X")
     hex_digits = compact[2:] if has_prefix else compact
     if not _HEX_DIGITS.fullmatch(hex_digits) or len(hex_digits) % 2:
-        raise ValueError(f"{short(text)} is not a row of hexadecimal bytes")
+        raise ValueError(f"{quote(text)} is not a row of hexadecimal bytes")
     return bytes.fromhex(hex_digits)
 
 

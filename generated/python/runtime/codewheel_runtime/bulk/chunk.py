@@ -251,12 +251,13 @@ def _read_short_rows(rows: Any, is_little_endian: bool) -> Any:
     copied and padded, because eight bytes would reach beyond the array.
     """
     row_count, row_bytes = rows.shape
-    # At least eight bytes follow each of these rows.
-    unpadded_count = max(row_count - _WORD_BYTES, 0)
+    # A row has at least one byte, so eight bytes can be read from the beginning of every row before the last eight.
+    padded_count = min(row_count, _WORD_BYTES)
+    unpadded_count = row_count - padded_count
     numbers = np.empty(row_count, np.uint64)
     if unpadded_count:
         numbers[:unpadded_count] = _view_word(rows, unpadded_count, 0, is_little_endian)
-    padded_rows = np.zeros((row_count - unpadded_count, _WORD_BYTES), np.uint8)
+    padded_rows = np.zeros((padded_count, _WORD_BYTES), np.uint8)
     padded_rows[:, :row_bytes] = rows[unpadded_count:]
     numbers[unpadded_count:] = padded_rows.view(_get_word_type(is_little_endian))[:, 0]
     # The bytes of the next row are the high bytes in little-endian order, otherwise the low bytes.
@@ -402,10 +403,12 @@ def _make_crc_tables(compute_difference: Callable[[int], int], bits: int) -> tup
     zero_difference = compute_difference(0)
     tables: list[Any] = []
     for lowest_bit in range(0, bits, 8):
-        first_entry = 0 if tables else zero_difference
+        is_first_table = lowest_bit == 0
+        first_entry = zero_difference if is_first_table else 0
         table = np.array([first_entry], np.uint64)
         # Each bit doubles the table: its second half has the entries with this bit set.
         for bit in range(lowest_bit, lowest_bit + 8):
+            # Bits above the frame are always 0, so their entries are never used.
             contribution = compute_difference(1 << bit) ^ zero_difference if bit < bits else 0
             table = np.concatenate([table, table ^ np.uint64(contribution)])
         tables.append(table)

@@ -159,9 +159,18 @@ def _decode_chunk(frames: Any, shape: Shape, columns: Mapping[str, Any], faults:
     words_of_failed = [word.take(failed_rows) for word in words]
     faults[failed_rows] = _find_faults(frames.take(failed_rows, axis=0), words_of_failed, shape)
     if shape.default_verdict is not None:
-        # The verdict NOT_USABLE is 0. True and False multiply by 1 and 0, which sets the verdict of invalid frames.
-        verdicts: Any = columns["verdict"]
-        verdicts *= faults == 0
+        _set_where(faults != 0, VERDICTS.index(Verdict.NOT_USABLE), out=columns["verdict"])
+
+
+def _set_where(condition: Any, value: int, out: Any) -> None:
+    """Set the elements of ``out``, an array of bytes, to ``value`` where ``condition`` is True.
+
+    Arithmetic with 0 and 1 takes the same time for any condition. An assignment with a mask takes much longer if True
+    and False alternate at random.
+    """
+    out *= np.logical_not(condition).view(np.uint8)
+    if value:
+        out += condition.view(np.uint8) * np.uint8(value)
 
 
 def _run_quick_checks(chunk: Chunk, shape: Shape) -> list[Any]:
@@ -188,20 +197,21 @@ def _find_faults(frames: Any, words: list[Any], shape: Shape) -> Any:
     passed. The extra bits of a frame that is too long are still set in them.
     """
     chunk = Chunk(words, shape.bits)
+    is_made_of_bytes = shape.length > 0
     # Each kind of error, with an array that is True for the frames with this error.
     errors: list[tuple[ErrorKind, Any]] = []
     if shape.crc is not None:
         errors.append((ErrorKind.CRC, find_crc_difference(chunk, shape.crc) != 0))
+    # The CRC covers the bits as they are sent. Other checks need binary numbers instead of Gray code.
     chunk.convert_to_binary(shape)
     errors += [(check.fault, np.logical_not(_pass_check(chunk, check))) for check in shape.checks]
-    if not shape.length and shape.bits < 64:
+    if not is_made_of_bytes and shape.bits < 64:
         errors.append((ErrorKind.LENGTH, shift_right(frames, shape.bits) != 0))
     faults = np.zeros(len(frames), np.uint8)
     # The highest kind comes first, so that lower kinds replace it.
     highest_kind_first = sorted(errors, key=lambda error: -error[0])
     for error_kind, has_error in highest_kind_first:
-        faults *= np.logical_not(has_error)
-        faults += has_error * np.uint8(error_kind)
+        _set_where(has_error, error_kind, out=faults)
     return faults
 
 
@@ -216,9 +226,11 @@ def _pass_check(chunk: Chunk, check: Check) -> Any:
     possible_values = [value for value in check.values if not (value >> check.width)]
     if len(possible_values) > _MANY_VALUES:
         return np.isin(bits, np.array(possible_values, bits.dtype))
+    # A few comparisons are faster than a search. They are fastest if both sides have the same NumPy type.
+    bits_type = bits.dtype.type
     is_allowed = np.zeros(len(bits), bool)
     for value in possible_values:
-        is_allowed |= bits == bits.dtype.type(value)
+        is_allowed |= bits == bits_type(value)
     return is_allowed
 
 
@@ -239,21 +251,23 @@ def _write_columns(chunk: Chunk, shape: Shape, columns: Mapping[str, Any]) -> No
 def _write_joined_number(chunk: Chunk, shape: Shape, join: Join, fields: Mapping[str, Column], out: Any) -> None:
     """Write a number that consists of several fields into ``out``, an array of 64-bit numbers.
 
-    ``join.fields`` lists the fields, each with the place of its lowest bit in the joined number. The first field
+    ``join.fields`` lists the names of the fields, each with its lowest bit in the joined number. The first field
     provides the lowest bits. ``fields`` contains the descriptions of all fields by name.
     """
     first_name, _ = join.fields[0]
-    first = fields[first_name]
-    are_adjacent_in_frame = all(fields[name].low == first.low + place for name, place in join.fields)
+    first_field = fields[first_name]
+    are_adjacent_in_frame = all(
+        fields[name].low == first_field.low + low_in_number for name, low_in_number in join.fields
+    )
     if are_adjacent_in_frame:
         # The frame contains the joined number as it is.
-        chunk.write_bits(first.low, find_width(shape, join), out)
+        chunk.write_bits(first_field.low, find_width(shape, join), out)
         return
-    chunk.write_bits(first.low, first.width, out)
-    for name, place in join.fields[1:]:
+    chunk.write_bits(first_field.low, first_field.width, out)
+    for name, low_in_number in join.fields[1:]:
         field = fields[name]
         bits = chunk.take(field.low, field.width).astype(np.uint64, copy=False)
-        out |= shift_left(bits, place)
+        out |= shift_left(bits, low_in_number)
 
 
 def _write_unused_bits(chunk: Chunk, shape: Shape, out: Any) -> None:
@@ -272,6 +286,7 @@ def _write_unused_bits(chunk: Chunk, shape: Shape, out: Any) -> None:
         else:
             bits = chunk.take(group.low, width) & np.uint64(group.mask)
         if group.value:
+            # The bits that are 1 in the manual count as different if they are 0.
             bits = bits ^ bits.dtype.type(group.value)
         differing_bits = bits.astype(number_type, copy=False)
         if group.place:
@@ -290,9 +305,10 @@ def _write_field(chunk: Chunk, field: Column, columns: Mapping[str, Any]) -> Non
             columns[field.name][:] = chunk.take(field.low, field.width)
         case "digits":
             bits = chunk.take(field.low, field.width).astype(np.uint64, copy=False)
+            # The number 1234 has the groups 12 and 34. The group 12 has the divisor 100 and the modulus 100.
             for name, divisor, modulus in field.runs:
-                bits_without_lower_groups = bits // np.uint64(divisor)
-                columns[name][:] = bits_without_lower_groups % np.uint64(modulus)
+                number_without_lower_groups = bits // np.uint64(divisor)
+                columns[name][:] = number_without_lower_groups % np.uint64(modulus)
         case "text":
             columns[field.name][:] = _read_text(chunk, field)
         case "number":
@@ -339,15 +355,12 @@ def _write_verdicts(shape: Shape, columns: Mapping[str, Any]) -> None:
     warnings = activity_by_verdict.get(Verdict.USABLE_WITH_WARNING)
     # A warning cannot improve an unknown verdict.
     if warnings and shape.default_verdict is not Verdict.UNKNOWN:
-        # The difference is subtracted where there is a warning. It can be negative, modulo 256.
-        difference = np.uint8((default - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
         has_warning = reduce(np.logical_or, warnings)
-        verdicts -= has_warning.view(np.uint8) * difference
+        _set_where(has_warning, VERDICTS.index(Verdict.USABLE_WITH_WARNING), out=verdicts)
     errors = activity_by_verdict.get(Verdict.NOT_USABLE)
     if errors:
-        # NOT_USABLE has the index 0.
-        is_usable = np.logical_not(reduce(np.logical_or, errors))
-        verdicts *= is_usable.view(np.uint8)
+        has_error = reduce(np.logical_or, errors)
+        _set_where(has_error, VERDICTS.index(Verdict.NOT_USABLE), out=verdicts)
 
 
 def _find_active_causes(shape: Shape, columns: Mapping[str, Any]) -> dict[Verdict, list[Any]]:

@@ -138,15 +138,15 @@ def _check_names(
     for join in shape.joins:
         if join.name in columns:
             optional.update(name for name, _ in join.fields)
-    missing = sorted(fields.keys() - {*columns} - optional)
+    missing_names = sorted(fields.keys() - {*columns} - optional)
     joined_names = {join.name for join in shape.joins}
-    ignored = {*other_names, *find_scales(shape), "unused", "fault", "verdict"}
-    unknown = sorted(map(str, {*columns} - ignored - fields.keys() - joined_names))
-    known_columns = ", ".join([*fields, *sorted(joined_names)])
-    if unknown:
-        raise TypeError(f"unknown columns: {', '.join(unknown)}; the columns are {known_columns}")
-    if missing:
-        raise TypeError(f"missing columns: {', '.join(missing)}; the columns are {known_columns}")
+    ignored_names = {*other_names, *find_scales(shape), "unused", "fault", "verdict"}
+    unknown_names = sorted(map(str, {*columns} - ignored_names - fields.keys() - joined_names))
+    known_names = ", ".join([*fields, *sorted(joined_names)])
+    if unknown_names:
+        raise TypeError(f"unknown columns: {', '.join(unknown_names)}; the columns are {known_names}")
+    if missing_names:
+        raise TypeError(f"missing columns: {', '.join(missing_names)}; the columns are {known_names}")
 
 
 def list_names(column: Column) -> tuple[str, ...]:

@@ -33,8 +33,9 @@ def unwrap_positions(positions: Any, usable: Any, position_range: PositionRange,
     steps = np.diff(usable_positions)
     modulus = position_range.modulus
     if modulus is not None:
-        # The shorter way around: from minus half of the modulus to half of it.
-        steps = (steps + modulus // 2) % modulus - modulus // 2
+        # The shorter way around: from minus half of the modulus to half of it. With the modulus 360, 350 becomes -10.
+        half_modulus = modulus // 2
+        steps = (steps + half_modulus) % modulus - half_modulus
     # Index 0 is the count before the first usable position, and index n the count at the n-th usable position.
     count_before = first_count if previous is None else previous
     counts = np.concatenate([[count_before, first_count], first_count + np.cumsum(steps)])
@@ -87,14 +88,16 @@ def compute_speeds(motion: Motion, unit: str, encoder: Any, count: int) -> Any:
     The speed is NaN in rows without motion.
     """
     np: Any = load("numpy")
-    seconds_per_unit_of_time = 60 if unit == "rpm" else 1
-    numerator, denominator = find_unit_size(encoder, "turns" if unit == "rpm" else unit)
+    # ``rpm`` is turns per minute. All other speeds are per second.
+    is_rpm = unit == "rpm"
+    seconds_per_unit_of_time = 60 if is_rpm else 1
+    numerator, denominator = find_unit_size(encoder, "turns" if is_rpm else unit)
     speeds = np.full(count, np.nan)
     speeds[motion.rows] = motion.counts * (seconds_per_unit_of_time * numerator) / denominator / motion.seconds
     return speeds
 
 
-def check_times(seconds: Any, count: int) -> Any:
+def list_times(seconds: Any, count: int) -> Any:
     """Return the time of each frame.
 
     ``seconds`` is the time between two frames, or an array of times. ``count`` is the number of frames.
@@ -105,16 +108,18 @@ def check_times(seconds: Any, count: int) -> Any:
     """
     np: Any = load("numpy")
     times: Any = np.asarray(seconds)
+    # The kinds of NumPy types for numbers: u and i for integers, f for floats, and O for objects such as decimals.
     if times.dtype.kind not in "uifO":
         raise ValueError(f"times must be numbers in seconds, got an array of {times.dtype}")
     try:
-        # Differences of unsigned integers would wrap around.
+        # Speeds need the differences of times, and those of unsigned integers would wrap around.
         times = times.astype(np.float64)
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"times must be numbers in seconds, got {shorten(seconds)}") from None
     if times.ndim == 0:
         if not 0 < times < np.inf:
             raise ValueError(f"the time between two frames must be above 0 s, got {seconds}")
+        # This is the time between two frames, and the first frame is at 0.
         return np.arange(count) * times
     if times.ndim > 1:
         raise ValueError(f"expected one time per frame, got an array of the shape {times.shape}")

@@ -27,7 +27,7 @@ WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
 )
 
 
-def numbers(rows: Any, words: WordKind = "packed") -> Any:
+def rows_to_numbers(rows: Any, words: WordKind = "packed") -> Any:
     """Return rows of bytes as 64-bit numbers: the row ``01 02`` as ``0x102``, or little-endian as ``0x201``.
 
     Rows of ``packed`` words have one to eight bytes, most significant first. For other words, each row has as many
@@ -69,12 +69,12 @@ def read_floats(frames: Any, bits: int, rows_before: int = 0) -> Any:
     return np.ma.masked_array(frame_values.astype(np.uint64), ~is_frame)
 
 
-def short(text: str) -> str:
+def quote(text: str) -> str:
     """Return the text in quotes for a message, shortened if it is longer than 40 characters."""
     return repr(text if len(text) <= 40 else f"{text[:40]}...")
 
 
-def listed(names: list[str]) -> str:
+def list_names(names: list[str]) -> str:
     """Return at most eight of the names for a message, and the number of remaining names."""
-    first_names = ", ".join(short(name) for name in names[:8])
+    first_names = ", ".join(quote(name) for name in names[:8])
     return f"{first_names} and {len(names) - 8} more" if len(names) > 8 else first_names

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any, Final, NamedTuple
 
 from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Unused, VerdictCause, compare_bits
-from ..bulk.words import short
+from ..bulk.words import quote
 from ..codec import PositionRange, crc_of_bits
 from ..errors import ErrorKind, UsageError
 from ..reports import Verdict
@@ -98,7 +98,7 @@ class BissLayout(NamedTuple):
         """
         from ..bulk.decode import decode_many
 
-        return decode_many(frames, self.shape, self)
+        return decode_many(frames, self.shape, encoder=self)
 
 
 def biss_layout(text: str) -> BissLayout:
@@ -154,11 +154,12 @@ def _check_fields(fields: Sequence[_Field]) -> None:
 
 def _join_position(widths: Mapping[str, int]) -> Join:
     """Return the position as a number that consists of the singleturn and, if there is one, the multiturn."""
-    fields_with_lowest_bits = [("singleturn", 0)]
+    # Name of each part, and its lowest bit in the position.
+    parts = [("singleturn", 0)]
     if "multiturn" in widths:
         # The multiturn is above the singleturn.
-        fields_with_lowest_bits.append(("multiturn", widths["singleturn"]))
-    return Join("position", tuple(fields_with_lowest_bits))
+        parts.append(("multiturn", widths["singleturn"]))
+    return Join("position", tuple(parts))
 
 
 def _make_shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
@@ -235,7 +236,7 @@ def _parse_field(text: str) -> _Field:
     Raises:
         UsageError: The text is not a field.
     """
-    not_a_field = UsageError(f"{short(text)} is not a field; {_FIELDS_HELP}")
+    not_a_field = UsageError(f"{quote(text)} is not a field; {_FIELDS_HELP}")
     name, equals_sign, numbers_text = text.strip().partition("=")
     is_flag = name in _VERDICT_BY_FLAG
     # Only a flag needs no width: it has 1 bit.
@@ -275,11 +276,11 @@ def _parse_crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     is_narrow = width <= 32
     if numbers and is_narrow and not is_odd:
         reason = f"the last term of its polynomial must be 1, so {poly:#x} needs bit 0 set"
-        raise UsageError(f"{short(text)} is not a CRC: {reason}")
+        raise UsageError(f"{quote(text)} is not a CRC: {reason}")
     # The polynomial may be written with its top bit.
     fits = poly < 2 * top_bit and init < top_bit
     if not is_narrow or not is_odd or not fits or len(numbers) > 2:
-        raise UsageError(f"{short(text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
+        raise UsageError(f"{quote(text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
     return _Field("crc", width, poly & (top_bit - 1), init)
 
 

@@ -8,7 +8,7 @@ import zipfile
 from collections.abc import Generator, Sequence
 from typing import Any, BinaryIO, Final, NamedTuple
 
-from ..bulk.words import short
+from ..bulk.words import quote
 from ..errors import InputError
 from ..packages import load
 from .signal_text import Voltages
@@ -18,12 +18,12 @@ np: Any = load("numpy")
 
 
 class _ArrayForm(NamedTuple):
-    """Form of an array of samples: its NumPy type, number of channels and number of samples.
+    """Form of an array of samples: its NumPy type (``dtype``), number of channels and number of samples.
 
     If ``channels`` is None, each number is a sample whose bits are the channels.
     """
 
-    kind: Any
+    dtype: Any
     channels: int | None
     sample_count: int
 
@@ -54,27 +54,36 @@ def _read_array_form(file: BinaryIO, path: str) -> _ArrayForm:
 
 
 def read_array_file(file: BinaryIO, path: str, names: SignalNames, rate: float | None) -> Signals:
-    """Return the signals of a ``.npy`` file."""
-    form = _read_array_form(file, path)
-    channels = form.channels
-    channel_count = 8 * form.kind.itemsize if channels is None else channels
-    places = names.places([str(number) for number in range(1, channel_count + 1)], path)
-    # Bits of the signals in a sample. The chosen columns of rows are packed, so their bits are numbered from 0.
-    bits = places if channels is None else range(len(places))
-    parts = _read_array_parts(file, path, form, places)
-    edges = read_samples(parts, tuple(1 << bit for bit in bits))
+    """Return the signals of a ``.npy`` file, which contains an array with a row per sample, or a number per sample.
+
+    ``path`` is for errors, ``names`` are the chosen channels, and ``rate`` is the sample rate in Hz, if known.
+    """
+    array_form = _read_array_form(file, path)
+    if array_form.channels is not None:
+        channel_count = array_form.channels
+    else:
+        # Each bit of a number is a channel.
+        channel_count = 8 * array_form.dtype.itemsize
+    # The channels of an array have no names, only numbers.
+    channel_names = [str(number) for number in range(1, channel_count + 1)]
+    channel_indices = names.find_channels(channel_names, path)
+    # In rows, the chosen columns are packed into one number per sample, so the signals are its bits 0 and 1.
+    has_rows = array_form.channels is not None
+    signal_bits = range(len(channel_indices)) if has_rows else channel_indices
+    samples = _read_array_parts(file, path, array_form, channel_indices)
+    edges = read_samples(samples, masks=tuple(1 << bit for bit in signal_bits))
     return Signals.at_rate(edges, rate)
 
 
 def _read_array_parts(
-    file: BinaryIO, path: str, form: _ArrayForm, places: Sequence[int]
+    file: BinaryIO, path: str, form: _ArrayForm, channel_indices: Sequence[int]
 ) -> Generator[Samples, None, None]:
     """Yield the samples in some rows as unsigned numbers. The amount read is the number of bytes so far.
 
-    ``places`` are the columns of the signals. If the array has no columns, each number is a sample, and all its bits
-    are kept. Raises InputError at the end if samples are missing there.
+    ``channel_indices`` are the columns of the signals. If the array has no columns, each number is a sample, and all
+    its bits are kept. Raises InputError at the end if samples are missing there.
     """
-    dtype = form.kind
+    dtype = form.dtype
     channels = form.channels
     row_width = 1 if channels is None else channels
     row_bytes = row_width * dtype.itemsize
@@ -85,12 +94,12 @@ def _read_array_parts(
         samples = np.frombuffer(data, dtype, count=row_count * row_width)
         if channels is not None:
             rows = samples.reshape(-1, row_width)
-            yield Samples(pack_bits(rows[:, places]), done=bytes_read)
+            yield Samples(pack_bits(rows[:, channel_indices]), amount_read=bytes_read)
             continue
         byte_order = dtype.byteorder if dtype.itemsize > 1 else ""
         # Signed numbers are read as unsigned ones of the same bits, and then in the byte order of this machine.
         samples = samples.view(f"{byte_order}u{dtype.itemsize}")
-        yield Samples(samples.astype(f"u{dtype.itemsize}", copy=False), done=bytes_read)
+        yield Samples(samples.astype(f"u{dtype.itemsize}", copy=False), amount_read=bytes_read)
     if bytes_read < form.sample_count * row_bytes:
         reason = f"this NumPy file ends early: it has {bytes_read // row_bytes} of {form.sample_count} samples"
         raise InputError(path, reason)
@@ -116,7 +125,7 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
         name = file_name.removesuffix(".npy")
         array = _read_array_in(archive, file_name, path)
         if array.dtype.kind not in "uibf":
-            raise InputError(path, f"expected numbers in {short(name)}, got {array.dtype}")
+            raise InputError(path, f"expected numbers in {quote(name)}, got {array.dtype}")
         if array.ndim == 1 and name.lower() in _NAMES_OF_TIMES:
             times = array.astype(np.float64)
         elif array.ndim:
@@ -124,7 +133,7 @@ def _load_arrays(archive: zipfile.ZipFile, path: str) -> _Arrays:
         elif name.lower() in _NAMES_OF_RATES:
             # An array without dimensions is a single number. If there are several rates, the first one counts.
             if not 0 < array < np.inf:
-                raise InputError(path, f"expected a sample rate above 0 in {short(name)}, got {array}")
+                raise InputError(path, f"expected a sample rate above 0 in {quote(name)}, got {array}")
             rate = rate or float(array)
     return _Arrays(channels, times, rate)
 
@@ -138,9 +147,9 @@ def read_array_archive(
     number named ``rate`` or similar gives the sample rate in Hz, and an array named ``time`` or similar gives the
     times in seconds.
     """
-    total = sum(info.file_size for info in archive.infolist())
-    if total > MOST_UNPACKED:
-        raise InputError(path, f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
+    unpacked_bytes = sum(info.file_size for info in archive.infolist())
+    if unpacked_bytes > MOST_UNPACKED:
+        raise InputError(path, f"the samples have {unpacked_bytes / 1e9:.1f} GB unpacked: save a shorter capture")
     channels, times, rate_in_file = _load_arrays(archive, path)
     sample_rate = rate or rate_in_file
     arrays = list(channels.values())
@@ -152,12 +161,13 @@ def read_array_archive(
         except TypeError as error:
             raise InputError(path, str(error)) from None
     _check_columns(arrays if times is None else [times, *arrays], path)
-    signal_arrays = [arrays[place] for place in names.places([*channels], path)]
+    channel_indices = names.find_channels([*channels], path)
+    signal_arrays = [arrays[index] for index in channel_indices]
     levels = _convert_to_levels(np.stack(signal_arrays, axis=1), threshold, path)
     # Bit 0 of a packed sample is the level of the first signal.
     samples = pack_bits(levels)
     masks = tuple(1 << bit for bit in range(len(signal_arrays)))
-    edges = read_samples([Samples(samples, done=len(samples), times=times)], masks)
+    edges = read_samples([Samples(samples, amount_read=len(samples), times=times)], masks)
     if times is None:
         return Signals.at_rate(edges, sample_rate, total=len(samples))
     is_ascending = (np.diff(times) >= 0).all()
@@ -191,7 +201,7 @@ def _read_array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
     try:
         return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
     except Exception:  # The parser of the header raises many types.
-        raise InputError(path, f"{short(name)} is not a valid NumPy array") from None
+        raise InputError(path, f"{quote(name)} is not a valid NumPy array") from None
 
 
 #: Names for a sample rate in Hz that a file contains next to its arrays.

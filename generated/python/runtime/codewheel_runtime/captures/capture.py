@@ -164,19 +164,23 @@ class _Channels(Protocol):
 def read_channel_capture(layout: _Channels, source: Captured, probes: Probes) -> ChannelCapture:
     """Decode a capture of BiSS frames with several data channels. ``source`` is its files, or an array of samples."""
     probes.check_numbers()
-    names = probes.names(is_serial=False)
+    signal_names = probes.signal_names(has_clock=True)
     log = Log(limit=None)
-    frames: list[Any] = []
-    times: list[Any] = []
-    with open_captured_signals(source, names, probes) as (signals, name):
-        for part in find_clocked_frames(signals, name, "biss", layout.bits, probes.rest):
+    frames_of_parts: list[Any] = []
+    times_of_parts: list[Any] = []
+    with open_captured_signals(source, signal_names, probes) as (signals, file_name):
+        # ``rest`` is the shortest pause between two frames that the user has chosen, or None.
+        parts = find_clocked_frames(signals, file_name, kind="biss", bits=layout.bits, pause=probes.rest)
+        for part in parts:
             log.add(part)
-            frames.append(part.frames)
-            times.append(_round_times(part.times))
+            frames_of_parts.append(part.frames)
+            times_of_parts.append(_round_times(part.times))
     log.finish()
-    table = layout.decode_many(np.concatenate(frames))
     return ChannelCapture(
-        table=table, times=np.concatenate(times), lost=tuple(log.lost_cycles), accesses=tuple(log.accesses)
+        table=layout.decode_many(np.concatenate(frames_of_parts)),
+        times=np.concatenate(times_of_parts),
+        lost=tuple(log.lost_cycles),
+        accesses=tuple(log.accesses),
     )
 
 
@@ -228,9 +232,9 @@ def _report_exchanged_lines(capture_input: CaptureInput) -> None:
     are_most_valid = valid_count > 9 * invalid_count
     # One frame can be valid by chance.
     if valid_count > 1 and are_most_valid:
-        name = "the array" if capture_input.is_array else list_paths(capture_input.source)[0]
+        source_name = "the array" if capture_input.is_array else list_paths(capture_input.source)[0]
         reason = "the clock and the data line are exchanged: no frame is valid"
-        raise InputError(name, f"{reason}, but {valid_count} are if you exchange the two channels")
+        raise InputError(source_name, f"{reason}, but {valid_count} are if you exchange the two channels")
 
 
 def _decode_capture(
@@ -250,14 +254,14 @@ def _decode_capture(
     paths = list_paths(capture_input.source)
     with open_capture(capture_input) as capture_frames, open_for_writing(output.target, paths, output.force) as file:
         time_column = capture_frames.time_column
-        add_speeds = SpeedColumns(time_column, paths[0]) if output.si else None
-        empty_table = _make_empty_table(capture_frames, encoder, add_speeds)
+        speed_columns = SpeedColumns(time_column, paths[0]) if output.si else None
+        empty_table = _make_empty_table(capture_frames, encoder, speed_columns)
         time_columns = {time_column: np.zeros(0)}
         frame_source = Source(_make_batches(capture_frames, log), capture_frames.total, (time_column,), time_columns)
         plan = make_plan(empty_table, frame_source, output.columns, paths[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
             try:
-                frames = decode_parts(frame_source, capture_frames.shape, encoder, sink, limit, progress, add_speeds)
+                frames = decode_parts(frame_source, capture_frames.shape, encoder, sink, limit, progress, speed_columns)
             except InputError:
                 _report_exchanged_lines(capture_input)
                 raise
@@ -269,9 +273,11 @@ def _decode_capture(
 
 
 def _make_empty_table(
-    capture_frames: CaptureFrames, encoder: Encoder | BissLayout, add_speeds: SpeedColumns | None
+    capture_frames: CaptureFrames, encoder: Encoder | BissLayout, speed_columns: SpeedColumns | None
 ) -> Table:
     """Return a table without frames, which shows the columns of the result.
+
+    ``speed_columns`` adds the columns in SI units. It is None if they are not requested.
 
     Raises UsageError if the frames have a field with the name of the column of times.
     """
@@ -280,11 +286,14 @@ def _make_empty_table(
     if time_column in table:
         raise UsageError(f"the frames have a field '{time_column}', but this is the column of times")
     table = table.with_columns(**{time_column: np.zeros(0)})
-    return table if add_speeds is None else add_speeds.extend_empty(table)
+    return table if speed_columns is None else speed_columns.extend_empty(table)
 
 
 def _summarize(frames: Summary, log: Log) -> CaptureSummary:
-    """Return the counts of frames together with the lost cycles and the register accesses in the log."""
+    """Return the counts of frames together with the lost cycles and the register accesses in the log.
+
+    The log lists only the first lost cycles and accesses, but counts all of them.
+    """
     return CaptureSummary(
         frames=frames,
         lost=log.lost_by_reason,
@@ -299,7 +308,7 @@ def _make_batches(capture_frames: CaptureFrames, log: Log) -> Generator[FrameBat
     """Yield the frames with their times, and add each part of the capture to the log."""
     for part in capture_frames.parts:
         log.add(part)
-        yield FrameBatch(part.frames, part.done, {capture_frames.time_column: _round_times(part.times)})
+        yield FrameBatch(part.frames, part.amount_read, {capture_frames.time_column: _round_times(part.times)})
 
 
 def _round_times(seconds: Any) -> Any:

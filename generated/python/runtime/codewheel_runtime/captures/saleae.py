@@ -24,8 +24,8 @@ class _Saleae:
     """Binary file of one digital channel, version 0 or 1. Version 1 has several chunks with gaps between them.
 
     ``chunks`` is their number. ``end`` is the latest end of the chunks read so far, in seconds. ``_start`` is the
-    beginning of the last chunk. ``_ready`` contains the first level and the number of edges of the first chunk, whose
-    header is read when the file is opened.
+    beginning of the last chunk. ``_first_chunk_header`` contains the first level and the number of edges of the first
+    chunk, whose header is read when the file is opened.
     """
 
     def __init__(self, file: BinaryIO, path: str) -> None:
@@ -33,7 +33,8 @@ class _Saleae:
         self._path = path
         # Eight bytes of identification, then two numbers. Kind 0 is a digital channel.
         version, channel_kind = struct.unpack("<8xii", self._read_exactly(16))
-        if channel_kind != 0:
+        is_digital = channel_kind == 0
+        if not is_digital:
             raise InputError(path, "this Saleae file has analog values: export the digital channels")
         if version not in (0, 1):
             raise InputError(path, f"Saleae's binary format {version} is not supported: export as CSV")
@@ -43,9 +44,9 @@ class _Saleae:
             (self.chunks,) = struct.unpack("<Q", self._read_exactly(8))
         # The latest end of a chunk so far, in seconds. The first level and the number of edges of the first chunk.
         self.end = 0.0
-        self._ready = (0, 0)
+        self._first_chunk_header = (0, 0)
         if self.chunks:
-            self._ready = self._read_chunk()
+            self._first_chunk_header = self._read_chunk_header()
 
     def _read_exactly(self, size: int) -> bytes:
         """Return the next ``size`` bytes. Raises InputError if there are fewer bytes."""
@@ -54,7 +55,7 @@ class _Saleae:
             raise InputError(self._path, "this Saleae file ends early")
         return data
 
-    def _read_chunk(self) -> tuple[int, int]:
+    def _read_chunk_header(self) -> tuple[int, int]:
         """Read the header of the next chunk. Return its first level, and the number of the edges that follow.
 
         Raises InputError if the header is damaged.
@@ -76,10 +77,11 @@ class _Saleae:
         The first part has no edges, but shows the level at the beginning.
         """
         last_time = -np.inf
-        level, _ = self._ready
-        yield SignalEdges(level, np.zeros(0), done=self._file.tell())
+        level, _ = self._first_chunk_header
+        yield SignalEdges(level, np.zeros(0), amount_read=self._file.tell())
         for chunk_index in range(self.chunks):
-            first_level, count = self._ready if chunk_index == 0 else self._read_chunk()
+            # The header of the first chunk has already been read.
+            first_level, count = self._first_chunk_header if chunk_index == 0 else self._read_chunk_header()
             if self._start < last_time:
                 raise InputError(self._path, "the parts of this Saleae file are not in ascending order")
             if first_level != level:
@@ -87,11 +89,11 @@ class _Saleae:
                 level_before = level
                 level = first_level
                 last_time = self._start
-                yield SignalEdges(level_before, np.array([self._start]), done=self._file.tell())
+                yield SignalEdges(level_before, np.array([self._start]), amount_read=self._file.tell())
             while count:
                 read_count = min(count, _EDGES_AT_ONCE)
                 edge_times = self._read_edge_times(read_count, last_time)
-                yield SignalEdges(level, edge_times, done=self._file.tell())
+                yield SignalEdges(level, edge_times, amount_read=self._file.tell())
                 count -= read_count
                 last_time = float(edge_times[-1])
                 # An odd number of edges inverts the level.

@@ -10,7 +10,7 @@ from collections.abc import Generator, Iterator
 from itertools import islice
 from typing import Any, BinaryIO, Final, NamedTuple
 
-from ..bulk.words import short
+from ..bulk.words import quote
 from ..errors import InputError
 from ..packages import load
 from .signals import Edges, Signals
@@ -25,13 +25,13 @@ BITS_PER_BYTE: Final = 1 + _DATA_BITS + 1
 class Bytes(NamedTuple):
     """Bytes of a part of the capture, the time of each start bit, and True for each byte with a stop bit.
 
-    ``done`` is the amount of the file that has been read.
+    ``amount_read`` is the amount of the file that has been read.
     """
 
     values: Any
     times: Any
     has_stop_bits: Any
-    done: int
+    amount_read: int
 
 
 def read_serial_bytes(signals: Signals, baud: float) -> Generator[Bytes, None, None]:
@@ -46,15 +46,15 @@ def read_serial_bytes(signals: Signals, baud: float) -> Generator[Bytes, None, N
     # An edge between two samples is seen at the second one, half a sample late on average.
     edge_delay = 0.5 if signals.is_sampled else 0.0
     line = _SerialLine(bit_time=1 / baud / time_unit, edge_delay=edge_delay)
-    done = 0
+    amount_read = 0
     for part in _add_end_mark(signals):
         if part is not None:
             line.add(part)
-            done = part.done
+            amount_read = part.amount_read
         starts = line.find_starts(is_end=part is None)
         if len(starts):
             values, has_stop_bits = line.read_bytes(starts)
-            yield Bytes(values, starts * time_unit, has_stop_bits, done)
+            yield Bytes(values, starts * time_unit, has_stop_bits, amount_read)
 
 
 class _SerialLine:
@@ -94,6 +94,7 @@ class _SerialLine:
         first_falling_edge = 1 - self._level
         falling_edges = self._edges[first_falling_edge::2]
         if not is_end:
+            # A byte that begins later may continue in the next part of the capture.
             last_complete_start = self._end - BITS_PER_BYTE * self._bit_time
             complete_count = int(np.searchsorted(falling_edges, last_complete_start, "right"))
             falling_edges = falling_edges[:complete_count]
@@ -188,7 +189,7 @@ def read_exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> 
             try:
                 times[index] = float(row[time_column])
             except ValueError:
-                reason = f"{short(row[time_column])} is not a time in seconds: export without time stamps of ISO 8601"
+                reason = f"{quote(row[time_column])} is not a time in seconds: export without time stamps of ISO 8601"
                 raise InputError(path, reason, place=f"line {line}") from None
             # A byte without a stop bit has a cell that names a framing error.
             has_stop_bits[index] = not any("framing" in cell.lower() for cell in row)
@@ -206,7 +207,7 @@ def _read_byte(cell: str, path: str, line: int) -> int:
         number = int(hex_digits, 16) if hex_digits else int(decimal_digits)
         if number <= 255:
             return number
-    reason = f"{short(cell)} is not a byte: export with hexadecimal numbers"
+    reason = f"{quote(cell)} is not a byte: export with hexadecimal numbers"
     raise InputError(path, reason, place=f"line {line}")
 
 

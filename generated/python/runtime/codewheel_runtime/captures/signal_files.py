@@ -16,7 +16,7 @@ from configparser import Error as ConfigError
 from contextlib import ExitStack, contextmanager
 from typing import Any, BinaryIO, Final, NamedTuple
 
-from ..bulk.words import listed, short
+from ..bulk.words import list_names, quote
 from ..errors import InputError, UsageError
 from ..packages import load
 from .array_files import read_array_archive, read_array_file
@@ -185,20 +185,23 @@ def _read_session(archive: zipfile.ZipFile, path: str, names: SignalNames, rate:
     if sample_bytes not in (1, 2, 4, 8):
         raise InputError(path, f"samples of {sample_bytes} bytes are not supported: expected 1, 2, 4 or 8")
     # A sample has a bit for each probe.
-    probe_numbers = [number for number in sorted(probes) if 1 <= number <= 8 * sample_bytes]
+    bits_per_sample = 8 * sample_bytes
+    probe_numbers = [number for number in sorted(probes) if 1 <= number <= bits_per_sample]
     channels = [probes[number] for number in probe_numbers]
     # The number of a probe is also accepted, although only probes in use have names.
     numbered_names = names._replace(
         clock=_find_numbered_probe(names.clock, probes, probe_numbers, path),
         data=_find_numbered_probe(names.data, probes, probe_numbers, path),
     )
-    chosen_probes = [probe_numbers[index] for index in numbered_names.places(channels, path)]
+    channel_indices = numbered_names.find_channels(channels, path)
+    chosen_probes = [probe_numbers[index] for index in channel_indices]
     # The lowest bit of a sample is probe 1.
     masks = tuple(1 << (number - 1) for number in chosen_probes)
-    entries = _list_sample_files(archive, metadata.file_stem, path)
-    total = _measure_unpacked(entries, path)
-    samples = read_samples(_unpack_samples(archive, entries, sample_bytes, path), masks)
-    return Signals.at_rate(samples, rate or metadata.rate, total)
+    sample_files = _list_sample_files(archive, metadata.file_stem, path)
+    total = _measure_unpacked(sample_files, path)
+    samples = _unpack_samples(archive, sample_files, sample_bytes, path)
+    edges = read_samples(samples, masks)
+    return Signals.at_rate(edges, rate or metadata.rate, total)
 
 
 def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
@@ -211,13 +214,17 @@ def _find_numbered_probe(name: Any, probes: dict[int, str], numbers: list[int], 
     Raises:
         InputError: No probe in use has this number.
     """
-    text = name or ""
-    is_number = text.isascii() and text.isdigit() and len(text) < 4
-    if not is_number or text in probes.values():
+    chosen_name = name or ""
+    is_number = chosen_name.isascii() and chosen_name.isdigit() and len(chosen_name) < 4
+    is_name_of_probe = chosen_name in probes.values()
+    if not is_number or is_name_of_probe:
         return name
-    if int(text) not in numbers:
-        raise InputError(path, f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
-    return str(numbers.index(int(text)) + 1)
+    probe_number = int(chosen_name)
+    if probe_number not in numbers:
+        probe_names = [*probes.values()]
+        raise InputError(path, f"no channel {quote(chosen_name)}; the channels are {list_names(probe_names)}")
+    place_from_1 = numbers.index(probe_number) + 1
+    return str(place_from_1)
 
 
 def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[zipfile.ZipInfo]:
@@ -226,16 +233,16 @@ def _list_sample_files(archive: zipfile.ZipFile, stem: str, path: str) -> list[z
     They are called ``logic-1`` (the stem), or ``logic-1-1``, ``logic-1-2`` and so on. Raises InputError if a file
     in the sequence is missing.
     """
-    named = {info.filename: info for info in archive.infolist()}
-    if stem in named:
-        return [named[stem]]
-    parts: list[zipfile.ZipInfo] = []
-    while (name := f"{stem}-{len(parts) + 1}") in named:
-        parts.append(named[name])
-    numbered_names = [file_name for file_name in named if re.fullmatch(re.escape(stem) + "-[0-9]+", file_name)]
-    if len(numbered_names) > len(parts):
-        raise InputError(path, f"this sigrok session is damaged: its file {name} is missing")
-    return parts
+    files_by_name = {info.filename: info for info in archive.infolist()}
+    if stem in files_by_name:
+        return [files_by_name[stem]]
+    sample_files: list[zipfile.ZipInfo] = []
+    while (next_name := f"{stem}-{len(sample_files) + 1}") in files_by_name:
+        sample_files.append(files_by_name[next_name])
+    numbered_names = [name for name in files_by_name if re.fullmatch(re.escape(stem) + "-[0-9]+", name)]
+    if len(numbered_names) > len(sample_files):
+        raise InputError(path, f"this sigrok session is damaged: its file {next_name} is missing")
+    return sample_files
 
 
 def _measure_unpacked(entries: list[zipfile.ZipInfo], path: str) -> int:
@@ -272,11 +279,11 @@ def _unpack_samples(
                     sample_count = len(data) // size
                     remainder = data[sample_count * size :]
                     samples = np.frombuffer(data, f"<u{size}", count=sample_count)
-                    yield Samples(samples, done=bytes_read)
+                    yield Samples(samples, amount_read=bytes_read)
     except _ERRORS_OF_DAMAGED_ZIP as error:
-        raise InputError(
-            path, f"the samples are damaged: {error or 'they end early'}", place=f"offset {bytes_read}"
-        ) from None
+        # Some errors have no message.
+        reason = str(error) or "they end early"
+        raise InputError(path, f"the samples are damaged: {reason}", place=f"offset {bytes_read}") from None
 
 
 def _parse_small_number(text: str) -> int:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Generator, Sequence
 from typing import Any, BinaryIO, Final
 
-from ..bulk.words import short
+from ..bulk.words import quote
 from ..errors import InputError
 from ..packages import load
 from .signals import Edges, Samples, SignalNames, Signals, pack_bits, read_samples
@@ -44,14 +44,15 @@ def _read_blocks(file: BinaryIO, path: str, file_format: str) -> Generator[tuple
     while data := file.read(_BLOCK):
         bytes_read += len(data)
         data = remainder + data
-        end = data.rfind(b"\n") + 1
-        if not end and len(data) > _BLOCK:
-            raise InputError(
-                path, f"a line is too long: this is not a {file_format} file", place=f"offset {bytes_read - len(data)}"
-            )
-        remainder = data[end:]
-        if end:
-            yield data[:end], bytes_read
+        # End of the last whole line, or 0 if there is none.
+        lines_end = data.rfind(b"\n") + 1
+        if not lines_end and len(data) > _BLOCK:
+            line_start = bytes_read - len(data)
+            reason = f"a line is too long: this is not a {file_format} file"
+            raise InputError(path, reason, place=f"offset {line_start}")
+        remainder = data[lines_end:]
+        if lines_end:
+            yield data[:lines_end], bytes_read
     if remainder.strip():
         yield remainder + b"\n", bytes_read
 
@@ -69,11 +70,11 @@ def read_table_signals(
     their range. ``head`` contains the first bytes of the file, and ``rate`` is the chosen sample rate in Hz, or None.
     """
     form = find_table_form(path, head)
-    places = names.places(form.channels, path)
-    columns = [form.columns_before_channels + place for place in places]
+    channel_indices = names.find_channels(form.channels, path)
+    columns = [form.columns_before_channels + index for index in channel_indices]
     parts = _read_table_parts(file, path, form, columns, threshold)
     # The levels of the signals are packed, so their bits are numbered from 0.
-    masks = tuple(1 << bit for bit in range(len(places)))
+    masks = tuple(1 << bit for bit in range(len(channel_indices)))
     edges = read_samples(parts, masks)
     total = measure_size(file)
     if form.has_times:
@@ -101,7 +102,7 @@ def _read_table_parts(
             if not (last_time <= times[0] and (np.diff(times) >= 0).all()):
                 raise InputError(path, "the times are not in ascending order", place=f"from line {first_line}")
             last_time = float(times[-1])
-        yield Samples(levels, done=bytes_read, times=times)
+        yield Samples(levels, amount_read=bytes_read, times=times)
 
 
 class _RowReader:
@@ -128,9 +129,10 @@ class _RowReader:
         ranges: list[Any] = []
         for block, line, _ in self.blocks_of_rows(file):
             cells = self._read_numbers(block, line, self._columns)
-            is_logic = ((cells == 0) | (cells == 1)).all()
-            has_voltages = np.isfinite(cells).all() and (cells != np.floor(cells)).any()
-            if not ranges and threshold is None and (is_logic or not has_voltages):
+            has_fractions = (cells != np.floor(cells)).any()
+            has_voltages = np.isfinite(cells).all() and has_fractions
+            is_first_block = not ranges
+            if is_first_block and threshold is None and not has_voltages:
                 break
             ranges += [cells.min(axis=0), cells.max(axis=0)]
         file.seek(0)
@@ -240,28 +242,29 @@ class _RowReader:
 class Voltages:
     """Converter from voltages to levels. A voltage must pass the threshold by a margin to change the level.
 
-    ``_last`` contains the level of each column in the last row that was converted, or None before the first.
+    ``_last_levels`` contains the level of each column in the last row that was converted, or None before the first.
     """
 
     def __init__(self, lowest: Any, highest: Any, threshold: float | None) -> None:
         self._threshold = (lowest + highest) / 2 if threshold is None else np.full(len(lowest), threshold)
         self._margin = (highest - lowest) * _HYSTERESIS
-        self._last: Any = None
+        self._last_levels: Any = None
 
     def levels(self, cells: Any) -> Any:
         """Return the level, 0 or 1, for each voltage. Successive calls must pass successive rows."""
         is_high = cells > self._threshold + self._margin
         is_low = cells < self._threshold - self._margin
-        if self._last is None:
-            self._last = cells[0] > self._threshold
+        if self._last_levels is None:
+            self._last_levels = cells[0] > self._threshold
         # A voltage near the threshold has the level of the last row above that is clearly high or low. Rows are
-        # numbered from 1 here, and 0 is the last row of the previous call.
+        # numbered from 1 here, and row 0 has the last levels of the previous call.
         row_numbers = np.arange(1, len(cells) + 1)[:, None]
-        clear_rows = np.where(is_high | is_low, row_numbers, 0)
-        last_clear_row = np.maximum.accumulate(clear_rows, axis=0)
-        clear_levels = np.concatenate([self._last[None, :], is_high])
-        levels = np.take_along_axis(clear_levels, last_clear_row, axis=0)
-        self._last = levels[-1]
+        clear_row_numbers = np.where(is_high | is_low, row_numbers, 0)
+        # In each column, the highest number so far belongs to the last clear row.
+        last_clear_rows = np.maximum.accumulate(clear_row_numbers, axis=0)
+        levels_from_row_0 = np.concatenate([self._last_levels[None, :], is_high])
+        levels = np.take_along_axis(levels_from_row_0, last_clear_rows, axis=0)
+        self._last_levels = levels[-1]
         return levels.astype(np.uint8)
 
 
@@ -320,8 +323,8 @@ def read_vcd_signals(file: BinaryIO, path: str, names: SignalNames) -> Signals:
         if bits == "1":
             codes.append(code.encode())
             signal_names.append(name)
-    places = names.places(signal_names, path)
-    edges = _read_changes(file, path, [codes[place] for place in places])
+    channel_indices = names.find_channels(signal_names, path)
+    edges = _read_changes(file, path, [codes[index] for index in channel_indices])
     return Signals(edges, seconds=time_unit, is_sampled=False, total=size)
 
 
@@ -397,4 +400,4 @@ class _ValueChanges:
 
 def _format_token(token: bytes) -> str:
     """Return a token of a value change dump as text, for a message."""
-    return short(token.decode("ascii", "replace"))
+    return quote(token.decode("ascii", "replace"))

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterable, Sequence
 from typing import Any, Final, NamedTuple
 
-from ..bulk.words import listed, short
+from ..bulk.words import list_names, quote
 from ..errors import InputError, UsageError
 from ..packages import load
 
@@ -27,14 +27,14 @@ class Edges(NamedTuple):
         times: Times at which each signal changes, in ascending order, as an array of float64 for each signal.
         begin: Beginning of the stretch. Minus infinity if it is not known.
         end: End of the stretch.
-        done: Amount of the file that has been read so far.
+        amount_read: Amount of the file that has been read so far.
     """
 
     levels: tuple[int, ...]
     times: tuple[Any, ...]
     begin: float
     end: float
-    done: int = 0
+    amount_read: int = 0
 
 
 class Signals(NamedTuple):
@@ -44,7 +44,7 @@ class Signals(NamedTuple):
         edges: The edges, one stretch after another.
         seconds: Length of a unit of time in seconds. None if the sample rate is unknown, and times are sample numbers.
         is_sampled: True if times are sample numbers, so that an edge can be up to one sample earlier than its time.
-        total: Size of the file in the unit of ``done``, if known.
+        total: Size of the file in the unit of ``amount_read``, if known.
     """
 
     edges: Generator[Edges, None, None]
@@ -69,15 +69,15 @@ class SignalNames(NamedTuple):
     data: str = ""
     exchanged: bool = False
 
-    def places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
+    def find_channels(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
         """Return the index of each signal among the channels of a file: the clock, then the data line.
 
         Raises:
             InputError: There is no such channel, or it is not clear which one to use.
             UsageError: Both signals are on the same channel.
         """
-        places = self._find_places(channels, file)
-        return places[::-1] if self.exchanged else places
+        channel_indices = self._find_unexchanged_channels(channels, file)
+        return channel_indices[::-1] if self.exchanged else channel_indices
 
     def _list_choices(self) -> list[_SignalChoice]:
         """Return the choice of a channel for the serial line, or for the clock and the data line."""
@@ -88,33 +88,33 @@ class SignalNames(NamedTuple):
             _SignalChoice(self.data, usual_names=_NAMES_OF_DATA, option="--data"),
         ]
 
-    def _find_places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
+    def _find_unexchanged_channels(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
         """Return the index of each signal among the channels of a file, clock first, as if they were not exchanged.
 
         A signal without a chosen name uses the channel that has a usual name. If no names are chosen, one of the usual
         names is missing, and there are as many channels as signals, the channels are taken in order. If only one of two
-        signals has a channel, the other one gets the remaining channel. Raises the errors of ``places``.
+        signals has a channel, the other one gets the remaining channel. Raises the errors of ``find_channels``.
         """
         choices = self._list_choices()
         if len(channels) < len(choices):
-            raise InputError(file, f"expected channels of a clock and a data line, got {listed(list(channels))}")
-        places = [choice.find_place(channels) for choice in choices]
+            raise InputError(file, f"expected channels of a clock and a data line, got {list_names(list(channels))}")
+        channel_indices = [choice.find_channel(channels) for choice in choices]
         has_chosen_name = any(choice.name for choice in choices)
-        if None in places and not has_chosen_name and len(channels) == len(choices):
+        if None in channel_indices and not has_chosen_name and len(channels) == len(choices):
             # Of two channels with other names, the first one is the clock.
             return tuple(range(len(choices)))
         if len(choices) == len(channels) == 2:
-            places = _add_remaining_channel(choices, places)
-        known_places: list[int] = []
-        for choice, place in zip(choices, places, strict=True):
-            if place is None:
+            channel_indices = _add_remaining_channel(choices, channel_indices)
+        known_indices: list[int] = []
+        for choice, channel_index in zip(choices, channel_indices, strict=True):
+            if channel_index is None:
                 advice = f"choose a channel with {choice.option}"
-                problem = f"no channel {short(choice.name)}" if choice.name else advice
-                raise InputError(file, f"{problem}; the channels are {listed(list(channels))}")
-            known_places.append(place)
-        if len({*known_places}) < len(known_places):
+                problem = f"no channel {quote(choice.name)}" if choice.name else advice
+                raise InputError(file, f"{problem}; the channels are {list_names(list(channels))}")
+            known_indices.append(channel_index)
+        if len({*known_indices}) < len(known_indices):
             raise UsageError("the clock and the data line are the same channel")
-        return tuple(known_places)
+        return tuple(known_indices)
 
 
 class _SignalChoice(NamedTuple):
@@ -130,27 +130,26 @@ class _SignalChoice(NamedTuple):
     usual_names: tuple[str, ...]
     option: str
 
-    def find_place(self, channels: Sequence[str]) -> int | None:
+    def find_channel(self, channels: Sequence[str]) -> int | None:
         """Return the index of the chosen channel, or of the one with a usual name. None if there is no such channel."""
         if self.name:
-            return _find_place(channels, self.name)
+            return _find_channel_by_name_or_number(channels, self.name)
         return _find_channel_with_usual_name(channels, self.usual_names)
 
 
-def _add_remaining_channel(choices: Sequence[_SignalChoice], places: list[int | None]) -> list[int | None]:
-    """Return the places of two signals among two channels.
+def _add_remaining_channel(choices: Sequence[_SignalChoice], channel_indices: list[int | None]) -> list[int | None]:
+    """Return the index of the channel of each of two signals, in a file with two channels.
 
-    If only one place is known, the other signal has the remaining channel.
-
-    A place is None if it is unknown. It stays None if the chosen name of the signal does not exist.
+    If only one of the indices is known, the other signal has the remaining channel. An unknown index is None. It stays
+    None if the user chose a name that does not exist.
     """
-    known = [place for place in places if place is not None]
-    has_unknown_name = any(choice.name and place is None for choice, place in zip(choices, places, strict=True))
-    if len(known) != 1 or has_unknown_name:
-        return places
-    # The places are 0 and 1.
-    remaining = 1 - known[0]
-    return [remaining if place is None else place for place in places]
+    known_indices = [index for index in channel_indices if index is not None]
+    has_wrong_name = any(choice.name and index is None for choice, index in zip(choices, channel_indices, strict=True))
+    if len(known_indices) != 1 or has_wrong_name:
+        return channel_indices
+    # The two indices are 0 and 1.
+    remaining_index = 1 - known_indices[0]
+    return [remaining_index if index is None else index for index in channel_indices]
 
 
 _NAMES_OF_CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
@@ -158,7 +157,7 @@ _NAMES_OF_DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")
 _NAMES_OF_SERIAL_LINES: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "dat")
 
 
-def _find_place(channels: Sequence[str], name: str) -> int | None:
+def _find_channel_by_name_or_number(channels: Sequence[str], name: str) -> int | None:
     """Return the index of the only channel with this name, or of the channel with this number, from 1.
 
     Return None if there is none.
@@ -194,12 +193,12 @@ class Samples(NamedTuple):
 
     Attributes:
         values: One number per sample, whose bits are the levels of the channels.
-        done: Amount of the file that has been read so far.
+        amount_read: Amount of the file that has been read so far.
         times: Time of each sample. If it is None, samples are numbered from 0.
     """
 
     values: Any
-    done: int
+    amount_read: int
     times: Any = None
 
 
@@ -209,13 +208,15 @@ def read_samples(parts: Iterable[Samples], masks: tuple[int, ...]) -> Generator[
     # The number of the first sample of a part, and the last sample of the previous part.
     first_number = 0
     last_sample = None
-    for samples, done, times in parts:
+    for samples, amount_read, times in parts:
         if not len(samples):
             continue
-        levels_before = int(samples[0]) if last_sample is None else last_sample
-        edge_indices, changed_bits = _find_changes(samples, levels_before, signals_mask)
+        # The first sample of a capture is not an edge, so it also counts as the sample before it.
+        sample_before = int(samples[0]) if last_sample is None else last_sample
+        changed_indices, changed_bits = _find_changes(samples, sample_before, signals_mask)
         sample_type = samples.dtype.type
-        indices_by_signal = [edge_indices[(changed_bits & sample_type(mask)) != 0] for mask in masks]
+        # A signal has an edge at the samples in which its bit has changed.
+        indices_by_signal = [changed_indices[(changed_bits & sample_type(mask)) != 0] for mask in masks]
         if times is None:
             edge_times = [(indices + first_number).astype(np.float64) for indices in indices_by_signal]
             begin = float(first_number)
@@ -226,8 +227,8 @@ def read_samples(parts: Iterable[Samples], masks: tuple[int, ...]) -> Generator[
             end = float(times[-1])
         first_number += len(samples)
         last_sample = int(samples[-1])
-        first_levels = tuple(int((levels_before & mask) != 0) for mask in masks)
-        yield Edges(levels=first_levels, times=tuple(edge_times), begin=begin, end=end, done=done)
+        levels_before = tuple(int((sample_before & mask) != 0) for mask in masks)
+        yield Edges(levels=levels_before, times=tuple(edge_times), begin=begin, end=end, amount_read=amount_read)
 
 
 def _find_changes(samples: Any, sample_before: int, mask: int) -> tuple[Any, Any]:
@@ -236,16 +237,17 @@ def _find_changes(samples: Any, sample_before: int, mask: int) -> tuple[Any, Any
     Only the bits in ``mask`` are considered. ``sample_before`` is the sample before the first one.
     """
     sample_type = samples.dtype.type
+    # Element n has the bits that change from sample n to sample n + 1.
     changes = np.bitwise_xor(samples[1:], samples[:-1])
     changes &= sample_type(mask)
     indices_before_change = np.flatnonzero(changes != 0)
     changed_bits = changes[indices_before_change]
-    indices = indices_before_change + 1
+    changed_indices = indices_before_change + 1
     change_of_first = (sample_before ^ int(samples[0])) & mask
     if change_of_first:
-        indices = np.insert(indices, 0, 0)
+        changed_indices = np.insert(changed_indices, 0, 0)
         changed_bits = np.insert(changed_bits, 0, sample_type(change_of_first))
-    return indices, changed_bits
+    return changed_indices, changed_bits
 
 
 def pack_bits(columns: Any) -> Any:
@@ -281,26 +283,29 @@ def read_array(samples: Any, names: SignalNames, rate: float | None = None) -> S
     if not are_integers or array.ndim not in (1, 2) or has_no_channels:
         raise TypeError(f"expected whole numbers in one or two dimensions, got {array.dtype} {array.shape}")
     channel_count = array.shape[1] if has_rows else 8 * array.dtype.itemsize
-    places = names.places([str(number) for number in range(1, channel_count + 1)], "the array")
-    # Bits of the signals in a sample. The chosen columns of rows are packed, so their bits are numbered from 0.
-    bits = range(len(places)) if has_rows else places
-    masks = tuple(1 << bit for bit in bits)
-    edges = read_samples(_split_array(array, places), masks)
+    # The channels of an array have no names, only numbers.
+    channel_names = [str(number) for number in range(1, channel_count + 1)]
+    channel_indices = names.find_channels(channel_names, "the array")
+    # In rows, the chosen columns are packed into one number per sample, so the signals are its bits 0 and 1.
+    signal_bits = range(len(channel_indices)) if has_rows else channel_indices
+    masks = tuple(1 << bit for bit in signal_bits)
+    edges = read_samples(_split_array(array, channel_indices), masks)
     return Signals.at_rate(edges, rate, total=len(array))
 
 
-def _split_array(array: Any, places: tuple[int, ...]) -> Generator[Samples, None, None]:
+def _split_array(array: Any, channel_indices: tuple[int, ...]) -> Generator[Samples, None, None]:
     """Yield the samples part by part. The amount read is the number of samples so far.
 
-    ``places`` are the columns of the signals. If the array has rows, only these columns are kept, as bits of a number.
+    ``channel_indices`` are the columns of the signals. If the array has rows, only these columns are kept, as bits of a
+    number.
     """
     for start in range(0, len(array), SAMPLES):
         part = array[start : start + SAMPLES]
         if array.ndim == 2:
-            part = pack_bits(part[:, places])
+            part = pack_bits(part[:, channel_indices])
         elif part.dtype.kind != "u":
             part = part.astype(f"u{part.dtype.itemsize}")
-        yield Samples(part, done=start + len(part))
+        yield Samples(part, amount_read=start + len(part))
 
 
 # Edges of signals that are stored separately
@@ -312,12 +317,12 @@ class SignalEdges(NamedTuple):
     Attributes:
         level: Level before the edges.
         times: Times of the edges.
-        done: Amount of the file that has been read so far.
+        amount_read: Amount of the file that has been read so far.
     """
 
     level: int
     times: Any
-    done: int
+    amount_read: int
 
 
 def merge_edges(
@@ -332,7 +337,7 @@ def merge_edges(
     first_parts = [next(signal) for signal in signals]
     levels = [part.level for part in first_parts]
     pending_times = [part.times for part in first_parts]
-    amounts_read = [part.done for part in first_parts]
+    amounts_read = [part.amount_read for part in first_parts]
     unfinished = {*range(len(signals))}
     begin = -np.inf
     while unfinished:
@@ -345,14 +350,16 @@ def merge_edges(
             unfinished.remove(earliest_signal)
             del last_times[earliest_signal]
         else:
-            amounts_read[earliest_signal] = part.done
+            amounts_read[earliest_signal] = part.amount_read
             pending_times[earliest_signal] = np.concatenate([pending_times[earliest_signal], part.times])
             last_times[earliest_signal] = _find_last_time(pending_times[earliest_signal])
         # The edges of all signals are known up to the earliest of their last edges.
         known_until = min(last_times.values()) if last_times else end()
         known_counts = [int(np.searchsorted(times, known_until, "right")) for times in pending_times]
         known_times = tuple(times[:count] for times, count in zip(pending_times, known_counts, strict=True))
-        yield Edges(levels=tuple(levels), times=known_times, begin=begin, end=known_until, done=sum(amounts_read))
+        yield Edges(
+            levels=tuple(levels), times=known_times, begin=begin, end=known_until, amount_read=sum(amounts_read)
+        )
         begin = known_until
         for index, known_count in enumerate(known_counts):
             # An odd number of edges inverts the level.

@@ -102,14 +102,14 @@ class _ReplyFinder:
         #: Name of the kind of replies to return. It is empty until it is known.
         self.wanted = kinds.wanted
         #: Amount of the file that has been read.
-        self._done = 0
+        self._amount_read = 0
 
     def feed(self, part: Bytes) -> CapturedFrames:
         """Return the replies that are complete with these further bytes."""
         self._values = np.concatenate([self._values, part.values])
         self._times = np.concatenate([self._times, part.times])
         self._has_stop_bits = np.concatenate([self._has_stop_bits, part.has_stop_bits])
-        self._done = part.done
+        self._amount_read = part.amount_read
         # A reply that begins in the last bytes may not be complete.
         return self._take_replies(max(len(self._values) - _BYTES_KEPT, 0))
 
@@ -254,7 +254,7 @@ class _ReplyFinder:
             after_request = first + request_lengths[first]
             # A gap can be a request alone.
             reply_start = after_request if after_request < end else first
-            if self._is_damaged_reply(first, reply_start, end):
+            if self._is_damaged_reply(gap_start=first, reply_start=reply_start, end=end):
                 reply_starts.append(reply_start)
             else:
                 lost.append(Lost(float(self._times[first]), self._explain_loss(first, end, request_lengths)))
@@ -264,7 +264,7 @@ class _ReplyFinder:
             frames=self._copy_replies(first_bytes),
             times=self._times[first_bytes],
             lost=lost,
-            done=self._done,
+            amount_read=self._amount_read,
             kind=self.wanted,
             others=other_counts,
         )
@@ -279,18 +279,22 @@ class _ReplyFinder:
         byte_indices = first_bytes[:, None] + np.arange(length)[None, :]
         return self._values[byte_indices]
 
-    def _is_damaged_reply(self, first: int, start: int, end: int) -> bool:
-        """Return whether the bytes from ``start`` to ``end`` are a reply of the wanted kind with a CRC error.
+    def _is_damaged_reply(self, gap_start: int, reply_start: int, end: int) -> bool:
+        """Return whether the bytes from ``reply_start`` to ``end`` are a reply of the wanted kind with a CRC error.
 
-        All bytes from ``first`` on, including a request before the reply, must have their stop bits.
+        A request can precede the reply. All bytes from ``gap_start`` on, where it begins, must have their stop bits.
         """
+        # While the kind of the replies is not known, there is no shape.
         shape = self._kinds.replies.get(self.wanted)
-        if shape is None or not self._has_stop_bits[first:end].all() or end - start != shape.length:
+        has_length_of_reply = shape is not None and end - reply_start == shape.length
+        if shape is None or not has_length_of_reply:
             return False
-        # The bytes as one row.
-        rows = self._values[start:end][None, :]
-        fault = decode_many(rows, shape, encoder=None).fault[0]
-        return bool(fault == ErrorKind.CRC)
+        has_all_stop_bits = self._has_stop_bits[gap_start:end].all()
+        if not has_all_stop_bits:
+            return False
+        reply = self._values[reply_start:end]
+        table = decode_many(reply.reshape(1, -1), shape, encoder=None)
+        return bool(table.fault[0] == ErrorKind.CRC)
 
     def _explain_loss(self, first: int, end: int, request_lengths: list[int]) -> str:
         """Return why the bytes from ``first`` to ``end`` do not belong to a reply, with the first bytes as text."""

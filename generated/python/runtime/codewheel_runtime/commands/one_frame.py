@@ -168,9 +168,12 @@ def _suggest_answers(parameter_types: dict[str, Any], message: str) -> str:
     Example: ``; add --choose zero_bit=as_printed or --choose zero_bit=left_out``. ``parameter_types`` are the
     types of the parameters of ``try_decode``.
     """
-    for name, hint in parameter_types.items():
-        for answer_class in get_args(hint):
-            if isinstance(answer_class, EnumMeta) and f"expected {answer_class.__name__}." in message:
-                answers = [answer.lower() for answer in answer_class.__members__]
-                return "; add " + " or ".join(f"--choose {name}={answer}" for answer in answers)
+    for parameter_name, parameter_type in parameter_types.items():
+        answer_classes = [candidate for candidate in get_args(parameter_type) if isinstance(candidate, EnumMeta)]
+        for answer_class in answer_classes:
+            # The message names a member of the class that it requests, such as "expected ZeroBit.AS_PRINTED".
+            is_requested = f"expected {answer_class.__name__}." in message
+            if is_requested:
+                options = [f"--choose {parameter_name}={name.lower()}" for name in answer_class.__members__]
+                return "; add " + " or ".join(options)
     return ""

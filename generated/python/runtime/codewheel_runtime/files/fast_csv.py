@@ -127,20 +127,20 @@ class BlockReader:
         shape: Shape,
         digits: DigitKind | None,
     ) -> None:
-        self._pa: Any = load("pyarrow")
-        self._pc: Any = load("pyarrow.compute")
-        self._csv: Any = load("pyarrow.csv")
+        self._pyarrow: Any = load("pyarrow")
+        self._pyarrow_compute: Any = load("pyarrow.compute")
+        self._pyarrow_csv: Any = load("pyarrow.csv")
         self._frame_bytes = shape.length
         self._digits: DigitKind | None = digits
         self._kept_names = [name for _, name in kept_columns]
         # Columns are named by their index, because names in the file can be equal.
-        self._names_in_block = [str(index) for index in range(len(names))]
+        self._column_names = [str(index) for index in range(len(names))]
         # The column of frames comes first.
         wanted_names = [str(frame_column), *(str(index) for index, _ in kept_columns)]
-        self._parse_options = self._csv.ParseOptions(delimiter=delimiter)
-        self._convert_options = self._csv.ConvertOptions(
+        self._parse_options = self._pyarrow_csv.ParseOptions(delimiter=delimiter)
+        self._convert_options = self._pyarrow_csv.ConvertOptions(
             include_columns=wanted_names,
-            column_types=dict.fromkeys(wanted_names, self._pa.string()),
+            column_types=dict.fromkeys(wanted_names, self._pyarrow.string()),
             strings_can_be_null=False,
         )
 
@@ -157,9 +157,9 @@ class BlockReader:
             if has_line_end_in_quotes:
                 return None
             # Column 0 contains the frames.
-            cells = table.column(0).chunk(0) if table.num_rows else self._pa.array([], self._pa.string())
+            cells = table.column(0).chunk(0) if table.num_rows else self._pyarrow.array([], self._pyarrow.string())
             frames = self._read_frames(cells)
-        except self._pa.ArrowInvalid:
+        except self._pyarrow.ArrowInvalid:
             return None
         if frames is None:
             return None
@@ -174,25 +174,27 @@ class BlockReader:
         )
 
     def _read_table(self, block: bytes) -> Any:
-        """Return the cells of a block as a table of texts, with the frames in the first column.
+        """Return the cells of a block as a table of texts.
+
+        The table has the column of frames, which ``_convert_options`` puts first, and the other columns to keep.
 
         Raises ArrowInvalid if a row has too few or too many cells.
         """
-        read_options = self._csv.ReadOptions(
-            column_names=self._names_in_block,
+        read_options = self._pyarrow_csv.ReadOptions(
+            column_names=self._column_names,
             use_threads=False,
             # pyarrow must not split the block.
             block_size=len(block) + 1,
         )
-        block_file = self._pa.BufferReader(block)
-        table = self._csv.read_csv(block_file, read_options, self._parse_options, self._convert_options)
+        block_file = self._pyarrow.BufferReader(block)
+        table = self._pyarrow_csv.read_csv(block_file, read_options, self._parse_options, self._convert_options)
         return table.combine_chunks()
 
     def _read_frames(self, cells: Any) -> Any:
         """Return the frames in cells of text as numbers or rows of bytes, or None if they are not in the usual form."""
         if self._frame_bytes:
-            return _read_bytes(cells, self._frame_bytes, self._pc)
-        return _read_words(cells, self._digits, self._pa, self._pc)
+            return _read_bytes(cells, self._frame_bytes, self._pyarrow_compute)
+        return _read_words(cells, self._digits, self._pyarrow, self._pyarrow_compute)
 
 
 def _read_words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
@@ -226,19 +228,18 @@ def _read_bytes(cells: Any, length: int, pc: Any) -> Any:
     Return None if there is no cell, or if a cell has a different length or is not hexadecimal. ``pc`` is the module
     ``pyarrow.compute``.
     """
-    packed_cells = pc.replace_substring(cells, " ", "")
-    count = len(packed_cells)
-    # Arrow stores the cells one after another in ``data``, and the start of each in ``offsets``, followed by the end of
-    # the last cell. An array can be a slice of a longer array, which begins at the cell ``first``.
-    _, offsets, data = packed_cells.buffers()
-    first = packed_cells.offset
-    after_last = first + count
-    starts = np.frombuffer(offsets, np.int32)[first : after_last + 1]
-    cell_lengths = np.diff(starts)
+    cells_without_spaces = pc.replace_substring(cells, " ", "")
+    count = len(cells_without_spaces)
+    # Arrow stores the characters of all cells one after another in ``data``. Another buffer has the place of each cell
+    # there, and the end of the last one. The array can be a slice of a longer array, which begins at ``first_cell``.
+    _, places_buffer, data = cells_without_spaces.buffers()
+    first_cell = cells_without_spaces.offset
+    places = np.frombuffer(places_buffer, np.int32)[first_cell : first_cell + count + 1]
+    cell_lengths = np.diff(places)
     digits_per_cell = 2 * length
     if not count or (cell_lengths != digits_per_cell).any():
         return None
-    characters = np.frombuffer(data, np.uint8, count=digits_per_cell * count, offset=int(starts[0]))
+    characters = np.frombuffer(data, np.uint8, count=digits_per_cell * count, offset=int(places[0]))
     digits = _HEX_DIGIT_VALUES[characters]
     # 255 represents a character that is not a hexadecimal digit.
     if digits.max() > 15:

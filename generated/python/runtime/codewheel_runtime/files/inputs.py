@@ -7,7 +7,7 @@ from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple
 
-from ..bulk.words import DigitKind, WordKind, listed, short
+from ..bulk.words import DigitKind, WordKind, list_names, quote
 from ..codec import shorten
 from ..errors import InputError, UsageError
 from ..packages import load
@@ -58,12 +58,12 @@ class StorageFormat(NamedTuple):
 class FrameBatch(NamedTuple):
     """Frames in the form that ``decode_many`` expects, the other columns of the same rows, and the progress.
 
-    ``done`` is the amount of the source that has been read, in bytes or rows. A column is a list of strings or an Arrow
-    array.
+    ``amount_read`` is the amount of the source that has been read, in bytes or rows. A column is a list of strings or
+    an Arrow array.
     """
 
     frames: Any
-    done: int
+    amount_read: int
     other_columns: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -93,7 +93,7 @@ def select_columns(
     columns: dict[str, Any] = {}
     for name in filter(storage.keeps, names):
         if name in columns:
-            raise UsageError(f"{file} has two columns {short(name)}; rename one, or select the columns")
+            raise UsageError(f"{file} has two columns {quote(name)}; rename one, or select the columns")
         columns[name] = make_empty_column(name)
     return columns
 
@@ -110,10 +110,10 @@ def find_column(names: list[str], wanted: str, file: str) -> str:
         if names.count(wanted) == 1:
             return wanted
         problem = "several columns" if wanted in names else "no column"
-        raise InputError(file, f"{problem} {short(wanted)}; the columns are {listed(names)}")
+        raise InputError(file, f"{problem} {quote(wanted)}; the columns are {list_names(names)}")
     index = find_usual_column(names)
     if index is None:
-        raise InputError(file, f"choose the column with the frames; the columns are {listed(names)}")
+        raise InputError(file, f"choose the column with the frames; the columns are {list_names(names)}")
     return names[index]
 
 
@@ -126,12 +126,12 @@ def find_usual_column(names: list[str]) -> int | None:
 
 
 def check_form(
-    name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, Any]], find_valid_fraction: ValidFraction
+    file_name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, Any]], find_valid_fraction: ValidFraction
 ) -> None:
-    """Check that far more frames would not be valid in another form.
+    """Raise an error if the first frames of a file fit another form far better than the chosen one.
 
     Args:
-        name: Name of the file.
+        file_name: Name of the file, for the error.
         chosen_frames: The first frames in the chosen form.
         other_forms: Command-line option of each other form, and the first frames in that form.
         find_valid_fraction: Function that returns the fraction of valid frames.
@@ -144,14 +144,14 @@ def check_form(
     valid_fraction = find_valid_fraction(chosen_frames)
     if valid_fraction > 0.9:
         return
-    for option, frames in other_forms:
+    for option, frames_in_other_form in other_forms:
         # One or two frames can be valid by chance.
-        if len(frames) <= 2:
+        if len(frames_in_other_form) <= 2:
             continue
-        other_fraction = find_valid_fraction(frames)
+        other_fraction = find_valid_fraction(frames_in_other_form)
         if other_fraction >= 0.95:
             problem = f"{1 - valid_fraction:.0%} of the first {len(chosen_frames)} frames have an error"
-            raise InputError(name, f"{problem}; with {option}, {other_fraction:.0%} are valid")
+            raise InputError(file_name, f"{problem}; with {option}, {other_fraction:.0%} are valid")
 
 
 def read_seconds(cells: Any, source: str) -> Any:

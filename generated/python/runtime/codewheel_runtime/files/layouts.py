@@ -36,22 +36,25 @@ class Layout(NamedTuple):
 def list_layouts(encoder: Encoder) -> tuple[Layout, ...]:
     """Return all kinds of frames of an encoder's interface. Kinds that the encoder sends come first."""
     # FRAMES of the family contains functions for shapes, by interface and sender and then by the name of the frame.
-    package, _, module = type(encoder).__module__.rpartition(".")
+    package, _, family = type(encoder).__module__.rpartition(".")
     frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
-    frames = import_module(f"{package}._shapes.{module}").FRAMES
+    frames = import_module(f"{package}._shapes.{family}").FRAMES
     layouts: list[Layout] = []
-    # Sorted by sender: "encoder" comes before "master".
-    for interface, sender in sorted(frames, key=lambda interface_and_sender: interface_and_sender[1]):
-        if interface == encoder.interface.value:
-            for name, make in frames[interface, sender].items():
-                layouts.append(Layout(name, sender, _list_answers(make), make))
+    for sender in ("encoder", "master"):
+        functions_by_name = frames.get((encoder.interface.value, sender), {})
+        for name, make_shape in functions_by_name.items():
+            layouts.append(Layout(name, sender, answers=_list_answers(make_shape), make=make_shape))
     return tuple(layouts)
 
 
-def _list_answers(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
-    """Return the questions whose answers the function ``make`` needs, each with the enumeration of its answers."""
-    hints = get_type_hints(make)
-    return {name: hints[name] for name in signature(make).parameters if issubclass(hints[name], Enum)}
+def _list_answers(make_shape: Callable[..., Shape]) -> dict[str, type[Enum]]:
+    """Return the questions whose answers a function needs, each with the enumeration of its answers.
+
+    The questions are the parameters of the function, except the encoder.
+    """
+    types_by_name = get_type_hints(make_shape)
+    parameter_names = signature(make_shape).parameters
+    return {name: types_by_name[name] for name in parameter_names if issubclass(types_by_name[name], Enum)}
 
 
 def find_layout(encoder: Encoder, name: str = "") -> Layout:
@@ -91,10 +94,11 @@ def find_shape(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Sha
             raise UsageError(f"{frame_layout.name} does not accept the answer '{name[:40]}': {needed}")
     chosen_answers: dict[str, object] = {}
     for name, answer_class in frame_layout.answers.items():
+        # An answer can be a member of the enumeration, or its name in upper or lower case.
         answer = answers.get(name)
-        members = [member for member in answer_class if answer in (member, member.name, member.name.lower())]
-        if len(members) != 1:
-            words = " or ".join(member.name.lower() for member in answer_class)
-            raise UsageError(f"the manual leaves the {name} of {frame_layout.name} open: choose {words}")
-        chosen_answers[name] = members[0]
+        matching_members = [member for member in answer_class if answer in (member, member.name, member.name.lower())]
+        if len(matching_members) != 1:
+            choices = " or ".join(member.name.lower() for member in answer_class)
+            raise UsageError(f"the manual leaves the {name} of {frame_layout.name} open: choose {choices}")
+        chosen_answers[name] = matching_members[0]
     return frame_layout.shape(encoder, chosen_answers)

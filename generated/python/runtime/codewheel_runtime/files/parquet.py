@@ -9,7 +9,7 @@ from typing import Any, BinaryIO, Final
 
 from ..bulk.arrow import NoFrame, read_arrow
 from ..bulk.shape import Shape
-from ..bulk.words import short
+from ..bulk.words import quote
 from ..errors import InputError
 from ..packages import load
 from . import inputs
@@ -30,9 +30,9 @@ def read_parquet_batches(file: BinaryIO, name: str, storage: StorageFormat, shap
         # Without a buffer, a whole column is read at once.
         opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER_BYTES, pre_buffer=False)
         schema = opened_file.schema_arrow
-        column = find_column(list(schema.names), storage.column, name)
+        frame_column = find_column(list(schema.names), storage.column, name)
         total = int(opened_file.metadata.num_rows)
-    other_names = tuple(column_name for column_name in schema.names if column_name != column)
+    other_names = tuple(column_name for column_name in schema.names if column_name != frame_column)
     pa: Any = load("pyarrow")
 
     def make_empty_column(column_name: str) -> Any:
@@ -41,14 +41,17 @@ def read_parquet_batches(file: BinaryIO, name: str, storage: StorageFormat, shap
     # The keys are the names of the other columns that the user wants.
     empty_columns = select_columns(other_names, storage, make_empty_column, name)
     kept_names = tuple(empty_columns)
-    parts = _read_batches(opened_file, column, kept_names, name, storage, shape)
+    parts = _read_batches(opened_file, frame_column, kept_names, name, storage, shape)
     return Source(parts, total, other_names, empty_columns)
 
 
 def _read_batches(
-    file: Any, column: str, kept_names: tuple[str, ...], name: str, storage: StorageFormat, shape: Shape
+    file: Any, frame_column: str, kept_names: tuple[str, ...], name: str, storage: StorageFormat, shape: Shape
 ) -> Generator[FrameBatch, None, None]:
     """Yield the frames of a column, with the other columns of the same rows, and the number of rows read so far.
+
+    ``frame_column`` is the name of the column of frames, and ``kept_names`` are the names of the other columns to read.
+    ``name`` is the name of the file, for errors.
 
     Raises:
         InputError: The column contains no frames, or the file is damaged.
@@ -57,22 +60,22 @@ def _read_batches(
     with _convert_errors(name):
         # More columns mean fewer rows at once.
         row_count = max(inputs.CHUNK // (1 + len(kept_names)), 1)
-        batches = file.iter_batches(batch_size=row_count, columns=[column, *kept_names])
+        batches = file.iter_batches(batch_size=row_count, columns=[frame_column, *kept_names])
     while True:
         with _convert_errors(name):
             batch = next(batches, None)
             if batch is None:
                 return
         try:
-            frames = read_arrow(batch.column(column), shape, storage.digits, rows_read)
+            frames = read_arrow(batch.column(frame_column), shape, storage.digits, rows_before=rows_read)
         except NoFrame as error:
-            raise InputError(
-                name, str(error), place=f"row {rows_read + error.row + 1} of column {short(column)}"
-            ) from None
+            row_number = rows_read + error.row + 1
+            raise InputError(name, str(error), place=f"row {row_number} of column {quote(frame_column)}") from None
         except TypeError as error:
-            raise InputError(name, str(error), place=f"column {short(column)}") from None
+            raise InputError(name, str(error), place=f"column {quote(frame_column)}") from None
         rows_read += len(batch)
-        yield FrameBatch(frames, rows_read, {column_name: batch.column(column_name) for column_name in kept_names})
+        other_columns = {column_name: batch.column(column_name) for column_name in kept_names}
+        yield FrameBatch(frames, rows_read, other_columns)
 
 
 @contextmanager

@@ -27,14 +27,14 @@ class PartitionDecoder(NamedTuple):
     Attributes:
         encoder: The encoder.
         shape: Description of its frames.
-        column: Name of the column with the frames. Empty for the default.
-        digits: Base of numbers in text without ``0x``.
+        frame_column: Name of the column with the frames. Empty for the default.
+        digits: Base of numbers in text without ``0x``: ``hex`` or ``decimal``.
         raw: True to keep positions that are not usable.
     """
 
     encoder: Encoder
     shape: Shape
-    column: str
+    frame_column: str
     digits: DigitKind | None
     raw: bool
 
@@ -57,37 +57,42 @@ class PartitionDecoder(NamedTuple):
         raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {class_name}")
 
     def _decode_arrow(self, partition: Any) -> Any:
-        """Return an Arrow table: the columns except the column of frames, then the decoded columns."""
+        """Return an Arrow table: the columns except the column of frames, then the decoded columns.
+
+        ``digits`` is the base of numbers in text without ``0x``.
+        """
         names = list(partition.schema.names)
-        column = find_column(names, self.column, _PARTITION_NAME)
+        frame_column_name = find_column(names, self.frame_column, _PARTITION_NAME)
         try:
-            frame_column = partition.column(names.index(column))
+            frame_column = partition.column(names.index(frame_column_name))
             frames = read_arrow(frame_column, self.shape, self.digits)
-            table = decode_many(frames, self.shape, self.encoder)
+            decoded_table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
-            raise InputError(_PARTITION_NAME, str(error), place=f"column {column!r}") from None
-        decoded_columns = arrow_columns(table, table.names, self.raw)
-        kept_columns = {name: partition.column(index) for index, name in enumerate(names) if name != column}
-        check_apart(kept_columns, decoded_columns, _PARTITION_NAME)
+            raise InputError(_PARTITION_NAME, str(error), place=f"column {frame_column_name!r}") from None
+        decoded_columns = arrow_columns(decoded_table, decoded_table.names, self.raw)
+        # Columns can have the same name, so they are selected by their index.
+        kept_columns = {name: partition.column(index) for index, name in enumerate(names) if name != frame_column_name}
+        check_distinct_names(kept_columns, decoded_columns, _PARTITION_NAME)
         columns = {**kept_columns, **decoded_columns}
         return partition.__class__.from_arrays([*columns.values()], names=[*columns])
 
     def _decode_pandas(self, partition: Any) -> Any:
         """Return a pandas DataFrame: the columns except the column of frames, then the decoded columns."""
         names = [str(label) for label in partition.columns]
-        column = find_column(names, self.column, _PARTITION_NAME)
-        column_index = names.index(column)
+        frame_column_name = find_column(names, self.frame_column, _PARTITION_NAME)
+        column_index = names.index(frame_column_name)
         try:
-            frames = _read_series(partition.iloc[:, column_index], self.shape, self.digits)
-            table = decode_many(frames, self.shape, self.encoder)
+            frame_column = partition.iloc[:, column_index]
+            frames = _read_series(frame_column, self.shape, self.digits)
+            decoded_table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
-            raise InputError(_PARTITION_NAME, str(error), place=f"column {column!r}") from None
-        decoded_columns = pandas_columns(table, table.names, self.raw)
+            raise InputError(_PARTITION_NAME, str(error), place=f"column {frame_column_name!r}") from None
+        decoded_columns = pandas_columns(decoded_table, decoded_table.names, self.raw)
         # The label of a column in pandas can be another type than text.
-        label = partition.columns[column_index]
-        kept_part = partition.drop(columns=[label])
+        frame_column_label = partition.columns[column_index]
+        kept_part = partition.drop(columns=[frame_column_label])
         kept_names = [str(label) for label in kept_part.columns]
-        check_apart(kept_names, decoded_columns, _PARTITION_NAME)
+        check_distinct_names(kept_names, decoded_columns, _PARTITION_NAME)
         return kept_part.assign(**decoded_columns)
 
 
@@ -134,7 +139,7 @@ def _read_cell(cell: object, shape: Shape, cells: TextCells, row: int) -> Any:
     raise TypeError(f"{str(cell)[:40]!r} is not a frame of this encoder")
 
 
-def check_apart(source_columns: Iterable[str], decoded_columns: Iterable[str], source: str) -> None:
+def check_distinct_names(source_columns: Iterable[str], decoded_columns: Iterable[str], source: str) -> None:
     """Raise UsageError if one of ``source_columns`` has the name of a decoded column. ``source`` names their file."""
     shared = sorted({*source_columns} & {*decoded_columns})
     if shared:

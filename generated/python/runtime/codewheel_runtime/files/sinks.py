@@ -25,8 +25,6 @@ _FORMAT_BY_SUFFIX: Final[dict[str, TargetKind]] = {
     ".feather": "arrow",
 }
 
-#: Words for False and True in CSV.
-_BOOLEAN_WORDS: Final = ("false", "true")
 #: Number of CSV rows that are formatted at a time.
 _ROWS_AT_ONCE: Final = 1 << 14
 #: Number of CSV rows that are always formatted without pyarrow.
@@ -86,7 +84,7 @@ class TextConverter:
     """
 
     def __init__(self) -> None:
-        self._pa: Any = load("pyarrow")
+        self._pyarrow: Any = load("pyarrow")
         self.kind: Any = None
         self.lost = 0
 
@@ -96,11 +94,12 @@ class TextConverter:
         The first chunk determines the type (``kind``). Later cells that do not fit the type become null, and are
         counted in ``lost``.
         """
-        if isinstance(cells, self._pa.Array):
-            if self.kind is not None and self.kind != self._pa.string():
+        if isinstance(cells, self._pyarrow.Array):
+            has_number_type = self.kind is not None and self.kind != self._pyarrow.string()
+            if has_number_type:
                 try:
                     return cells.cast(self.kind)
-                except self._pa.ArrowInvalid:
+                except self._pyarrow.ArrowInvalid:
                     # Some cells are empty or not numbers. They are examined below.
                     pass
             compute: Any = load("pyarrow.compute")
@@ -108,16 +107,17 @@ class TextConverter:
             texts = compute.if_else(compute.equal(texts, ""), None, texts)
         else:
             # The cells are a list of texts.
-            texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
+            texts = self._pyarrow.array([cell.strip() or None for cell in cells], self._pyarrow.string())
         if self.kind is None:
             self.kind = self._find_type(texts)
         try:
             return texts.cast(self.kind)
-        except self._pa.ArrowInvalid:
+        except self._pyarrow.ArrowInvalid:
             numbers = [self._cast_cell(cell) for cell in texts]
             # Cells that were null before are empty, not lost.
-            self.lost += sum(cell is None for cell in numbers) - texts.null_count
-            return self._pa.array(numbers, self.kind)
+            null_count = sum(number is None for number in numbers)
+            self.lost += null_count - texts.null_count
+            return self._pyarrow.array(numbers, self.kind)
 
     def _find_type(self, texts: Any) -> Any:
         """Return the Arrow type for these texts: integer if all are integers, float if all are numbers, otherwise text.
@@ -125,20 +125,20 @@ class TextConverter:
         If all texts are null, the type is text.
         """
         has_text = texts.null_count < len(texts)
-        number_types = (self._pa.int64(), self._pa.float64()) if has_text else ()
+        number_types = (self._pyarrow.int64(), self._pyarrow.float64()) if has_text else ()
         for arrow_type in number_types:
             try:
                 texts.cast(arrow_type)
-            except self._pa.ArrowInvalid:
+            except self._pyarrow.ArrowInvalid:
                 continue
             return arrow_type
-        return self._pa.string()
+        return self._pyarrow.string()
 
     def _cast_cell(self, cell: Any) -> Any:
         """Return a text cell as a number of type ``kind``, or None if it is not a number."""
         try:
             return cell.cast(self.kind).as_py()
-        except self._pa.ArrowInvalid:
+        except self._pyarrow.ArrowInvalid:
             return None
 
 
@@ -149,7 +149,7 @@ class ArrowSink:
     """
 
     def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
-        self._pa: Any = load("pyarrow")
+        self._pyarrow: Any = load("pyarrow")
         self._file = file
         self._plan = plan
         self._parquet = parquet
@@ -184,20 +184,20 @@ class ArrowSink:
                 column = self._texts[name].array(column)
             elif hasattr(column, "dtype"):
                 # A NumPy array. The only other columns are Arrow arrays, which need no conversion.
-                column = self._pa.array(column, from_pandas=True)
+                column = self._pyarrow.array(column, from_pandas=True)
             arrays[name] = column
         columns = {name: arrays[name] for name in self._plan.names}
         if self._writer is None:
             # The first cells of other columns determine their types.
             column_types = [(name, column.type) for name, column in columns.items()]
-            self._writer = self._open_writer(self._pa.schema(column_types))
-        self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
+            self._writer = self._open_writer(self._pyarrow.schema(column_types))
+        self._writer.write(self._pyarrow.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
 
     def _open_writer(self, schema: Any) -> Any:
         """Return a writer for a file with these columns, and keep their schema for later tables."""
         self._writer_schema = schema
         if not self._parquet:
-            return self._pa.ipc.new_file(self._file, schema)
+            return self._pyarrow.ipc.new_file(self._file, schema)
         decoded = self._plan.decoded
         integer_columns = [name for name in decoded if schema.field(name).type == "int64"]
         return load("pyarrow.parquet").ParquetWriter(
@@ -282,8 +282,9 @@ def _format_cells(name: str, column: Any, hidden: Any) -> list[Any]:
         # Decimals, without an exponent.
         cells = [f"{cell:f}" for cell in cells]
     if column.dtype.kind == "b":
-        cells = [_BOOLEAN_WORDS[cell] for cell in cells]
+        cells = ["true" if cell else "false" for cell in cells]
     if hidden is not None:
+        # Only positions, flags and quantities have hidden cells. They are neither words nor NaN.
         return ["" if is_hidden else cell for cell, is_hidden in zip(cells, hidden.tolist(), strict=False)]
     if name in WORDS:
         # Faults and verdicts are stored as the index of their word.
@@ -298,10 +299,10 @@ class _ArrowFormatter:
     """Formatter that writes rows as CSV with pyarrow."""
 
     def __init__(self, plan: Plan) -> None:
-        self._pa: Any = load("pyarrow")
-        self._csv: Any = load("pyarrow.csv")
+        self._pyarrow: Any = load("pyarrow")
+        self._pyarrow_csv: Any = load("pyarrow.csv")
         self._plan = plan
-        self._options = self._csv.WriteOptions(include_header=False, quoting_style="none")
+        self._options = self._pyarrow_csv.WriteOptions(include_header=False, quoting_style="none")
 
     def format_rows(self, table: Table, other_columns: Mapping[str, Any]) -> str | None:
         """Return the rows of a table and the other columns of the same rows as CSV, or None if a cell needs quotes."""
@@ -311,12 +312,12 @@ class _ArrowFormatter:
                 columns.append(self._convert_source(other_columns[name]))
             else:
                 columns.append(self._convert_decoded(name, table))
-        output = self._pa.BufferOutputStream()
+        output = self._pyarrow.BufferOutputStream()
         # The names do not appear in the output.
         names = [str(index) for index in range(len(columns))]
         try:
-            self._csv.write_csv(self._pa.RecordBatch.from_arrays(columns, names), output, self._options)
-        except self._pa.ArrowInvalid:
+            self._pyarrow_csv.write_csv(self._pyarrow.RecordBatch.from_arrays(columns, names), output, self._options)
+        except self._pyarrow.ArrowInvalid:
             # pyarrow rejects cells that need quotes, because it must not write quotes here.
             return None
         return str(output.getvalue(), "utf-8")
@@ -327,10 +328,11 @@ class _ArrowFormatter:
         hidden = None if self._plan.raw else table.hidden(name)
         if name in WORDS:
             # A fault or a verdict is the index of its word.
-            return self._pa.array(WORDS[name], self._pa.string()).take(self._pa.array(column))
+            words = self._pyarrow.array(WORDS[name], self._pyarrow.string())
+            return words.take(self._pyarrow.array(column))
         is_bool_or_integer = column.dtype.kind in "bui"
         if is_bool_or_integer:
-            return self._pa.array(column, mask=hidden)
+            return self._pyarrow.array(column, mask=hidden)
         return self._format_texts(_format_cells(name, column, hidden))
 
     def _convert_source(self, column: Any) -> Any:
@@ -339,7 +341,7 @@ class _ArrowFormatter:
         Integers, bools and texts in Arrow arrays stay unchanged. Other columns become text, as they do without
         pyarrow.
         """
-        kinds = self._pa.types
+        kinds = self._pyarrow.types
         arrow_type = getattr(column, "type", None)
         unchanged_kinds = (kinds.is_integer, kinds.is_boolean, kinds.is_string)
         if arrow_type is not None and any(is_kind(arrow_type) for is_kind in unchanged_kinds):
@@ -348,7 +350,7 @@ class _ArrowFormatter:
 
     def _format_texts(self, cells: list[Any]) -> Any:
         """Return cells as an Arrow array of texts."""
-        return self._pa.array([str(cell) for cell in cells], self._pa.string())
+        return self._pyarrow.array([str(cell) for cell in cells], self._pyarrow.string())
 
 
 def _list_csv_cells(column: Any) -> list[Any]:
@@ -370,7 +372,7 @@ def _format_csv_cell(cell: Any) -> Any:
     if cell is None:
         return ""
     if isinstance(cell, bool):
-        return _BOOLEAN_WORDS[cell]
+        return "true" if cell else "false"
     return cell.hex() if isinstance(cell, bytes) else cell
 
 

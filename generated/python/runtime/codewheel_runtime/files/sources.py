@@ -12,7 +12,7 @@ from pathlib import PurePath
 from typing import Any, BinaryIO, Final, cast, get_args
 
 from ..bulk.shape import Shape
-from ..bulk.words import WORDS, WordKind, numbers
+from ..bulk.words import WORDS, WordKind, rows_to_numbers
 from ..errors import InputError, UsageError
 from ..packages import load
 from . import inputs
@@ -164,7 +164,8 @@ def _read_binary(
         if extra_bytes and not storage.cut:
             raise _incomplete_frame_error(name, bytes_read, frame_bytes)
         rows = np.frombuffer(data, np.uint8, count=len(data) - extra_bytes).reshape(-1, frame_bytes)
-        yield FrameBatch(rows if has_bytes else numbers(rows, storage.words), bytes_read)
+        frames = rows if has_bytes else rows_to_numbers(rows, storage.words)
+        yield FrameBatch(frames, bytes_read)
 
 
 def _check_first_words(
@@ -177,10 +178,11 @@ def _check_first_words(
     """
     # This is enough for the first frames in every form, because no word has more than eight bytes.
     head = data[: 8 * FIRST]
+    chosen_frames = _read_first_frames(head, words, shape)
     other_forms = (
         (f"--words {form}", _read_first_frames(head, form, shape)) for form in _list_other_forms(words, shape)
     )
-    check_form(name, _read_first_frames(head, words, shape), other_forms, find_valid_fraction)
+    check_form(name, chosen_frames, other_forms, find_valid_fraction)
 
 
 def _incomplete_frame_error(name: str, size: int, frame_bytes: int) -> InputError:
@@ -226,4 +228,4 @@ def _read_first_frames(head: bytes, words: WordKind, shape: Shape) -> Any:
     length = _find_word_length(words, shape)
     count = min(len(head) // length, FIRST)
     rows = np.frombuffer(head, np.uint8, count=count * length).reshape(-1, length)
-    return numbers(rows, words)
+    return rows_to_numbers(rows, words)

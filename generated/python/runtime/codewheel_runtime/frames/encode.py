@@ -78,12 +78,13 @@ def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
     """
     if check.joined:
         return RangeError(shape.position, bits, f"at most {check.limit}")
-    place = (check.low, check.width)
-    column = next(candidate for candidate in shape.columns if (candidate.low, candidate.width) == place)
-    field = column.field or column.name
+    # The field of a check is the one with exactly the same bits of the frame.
+    checked_bits = (check.low, check.width)
+    column = next(candidate for candidate in shape.columns if (candidate.low, candidate.width) == checked_bits)
+    field_name = column.field or column.name
     if column.kind == "signed":
-        return RangeError(field, signed(bits, check.width), f"{check.lowest} to {check.limit}")
-    return RangeError(field, bits, f"at most {check.limit}")
+        return RangeError(field_name, signed(bits, check.width), f"{check.lowest} to {check.limit}")
+    return RangeError(field_name, bits, f"at most {check.limit}")
 
 
 def _encode_unused_bits(differing: Any, unused_fields: tuple[Unused, ...]) -> int:
@@ -96,8 +97,9 @@ def _encode_unused_bits(differing: Any, unused_fields: tuple[Unused, ...]) -> in
     differing_bits = check_bits("unused", differing, mask)
     number = 0
     for unused in unused_fields:
-        bits = ((differing_bits >> unused.place) ^ unused.value) & ((1 << unused.width) - 1)
-        number |= bits << unused.low
+        bits_to_send = (differing_bits >> unused.place) ^ unused.value
+        width_mask = (1 << unused.width) - 1
+        number |= (bits_to_send & width_mask) << unused.low
     return number
 
 
@@ -163,10 +165,11 @@ def compute_crc(number: int, crc: CrcOf) -> int:
     if not crc.steps:
         # The CRC bits are 0, so the difference from them is the CRC.
         return crc.differs(number)
-    # Each step folds the high bits of the number onto lower ones. The remainder is the CRC.
+    # Each step folds the high bits of the number onto lower ones, at one or two places. The remainder is the CRC.
+    remainder = number
     for step in crc.steps:
-        high = number >> step.shift
-        number = (number & step.mask) ^ high
+        high_bits = remainder >> step.shift
+        remainder = (remainder & step.mask) ^ high_bits
         if step.back:
-            number ^= high << step.back
-    return number ^ crc.xorout
+            remainder ^= high_bits << step.back
+    return remainder ^ crc.xorout

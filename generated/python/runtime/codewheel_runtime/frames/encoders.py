@@ -34,24 +34,27 @@ def find_class_encoder(frame: Any) -> Encode:
     _, argument_types = find_description(frame_class)
     # The members of a frame are (encoder, answer, …, field, …). The encoder, if there is one, is the same in all frames
     # that the function encodes, so only the answers choose.
+    # There is one encoder, or none if all encoders have the same frames.
     encoder_count = sum(issubclass(argument_type, Encoder) for argument_type in argument_types)
     argument_count = len(argument_types)
+    first_arguments = frame[:argument_count]
     # Raises an error if a field is not an encoder or an answer.
-    encode_first = make_encoder(frame_class, frame[:argument_count])
-    has_no_answers = argument_count == encoder_count
-    if has_no_answers:
-        return encode_first
-    by_answers: dict[tuple[Any, ...], Encode] = {frame[encoder_count:argument_count]: encode_first}
+    encode_like_first = make_encoder(frame_class, first_arguments)
+    has_answers = argument_count > encoder_count
+    if not has_answers:
+        return encode_like_first
+    first_answers = frame[encoder_count:argument_count]
+    functions_by_answers: dict[tuple[Any, ...], Encode] = {first_answers: encode_like_first}
 
     def encode(next_frame: Any) -> Any:
         """Encode a frame of this class with the function for its answers."""
         answers = next_frame[encoder_count:argument_count]
         try:
-            encode_frame = by_answers[answers]
+            encode_frame = functions_by_answers[answers]
         except (KeyError, TypeError):
             # The answers are new, or not hashable. This raises an error if a field is not an answer.
             encode_frame = make_encoder(frame_class, next_frame[:argument_count])
-            by_answers[answers] = encode_frame
+            functions_by_answers[answers] = encode_frame
         return encode_frame(next_frame)
 
     return encode
@@ -73,13 +76,15 @@ def make_encoder(frame_class: type, arguments: tuple[Any, ...]) -> Encode:
         return exchange_bytes(number.to_bytes(shape.length, shape.order), shape.exchanged_bytes)
 
     has_slow_fields = any(_describe_usual_bits(column) is None for column in shape.columns)
-    if shape.limited is not None or shape.digit_codings or has_slow_fields:
+    has_limits_by_encoder = shape.limited is not None
+    if has_slow_fields or has_limits_by_encoder or shape.digit_codings:
         return encode_any
-    source = _FunctionText(shape, field_names(frame_class))
-    source.names["encode_any"] = encode_any
+    function_text = _FunctionText(shape, field_names(frame_class))
+    global_variables = function_text.names
+    global_variables["encode_any"] = encode_any
     # Like the methods of a dataclass, the function is compiled from text, which contains only names from here.
-    exec(source.text(), source.names)
-    return cast(Encode, source.names["encode"])
+    exec(function_text.text(), global_variables)
+    return cast(Encode, global_variables["encode"])
 
 
 class _Bits(NamedTuple):
@@ -191,15 +196,22 @@ class _FunctionText:
         self._terms += [f"{unused.value << unused.low:#x}" for unused in shape.unused if unused.value]
 
     def _add_limits(self, shape: Shape) -> None:
-        """Add code for the checks of fields with a highest value. If a check fails, ``encode_any`` raises the error."""
+        """Add code for the checks of fields with a highest value. If a check fails, ``encode_any`` raises the error.
+
+        For a field of 12 bits at bit 8, the code is
+        ``if not is_within_0(number >> 8 & 0xfff): return encode_any(frame)``.
+        """
         for index, check in enumerate(shape.checks):
-            if check.limit is not None:
-                self.names[f"is_within_{index}"] = check.is_within
+            if check.limit is None:
+                continue
+            self.names[f"is_within_{index}"] = check.is_within
+            if check.joined:
+                # Several groups of bits form the number that is checked.
                 self.names[f"take_{index}"] = check.take
+                bits = f"take_{index}(number)"
+            else:
                 bits = f"number >> {check.low} & {(1 << check.width) - 1:#x}"
-                if check.joined:
-                    bits = f"take_{index}(number)"
-                self._statements.append(f"if not is_within_{index}({bits}): return encode_any(frame)")
+            self._statements.append(f"if not is_within_{index}({bits}): return encode_any(frame)")
 
     def _add_parities(self, shape: Shape) -> None:
         """Add code for the parity bits. It comes after Gray code, because parity covers the bits as they are sent."""
@@ -250,8 +262,11 @@ def _make_tables(crc: CrcOf, bits: int) -> tuple[Any, ...]:
     The first table is for the lowest bits. The bits of the CRC in the frame must be 0.
     """
 
-    def crc_of_number(covered: int, _: int) -> int:
-        return compute_crc(covered << crc.width, crc)
+    def crc_of_covered_bits(covered_bits: int, _bit_count: int) -> int:
+        """Return the CRC of the bits above it."""
+        return compute_crc(covered_bits << crc.width, crc)
 
+    # A table covers 16 bits, so the number of tables is rounded up.
     table_count = (bits + 15) // 16
-    return make_crc_tables(crc_of_number, bits - crc.width, crc.width, table_count)
+    covered_count = bits - crc.width
+    return make_crc_tables(crc_of_covered_bits, covered=covered_count, width=crc.width, count=table_count)
