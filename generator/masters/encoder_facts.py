@@ -15,12 +15,15 @@ from ..model import (
     Alternative,
     Biss,
     Device,
+    Flag,
     Interface,
     Layout,
     Measurement,
     PlacedLayout,
     Ssi,
+    Unused,
     Variant,
+    Verdict,
     assert_never,
     channel_frame,
 )
@@ -306,6 +309,37 @@ def frame_notes(
     fixed_bits = [part.name for part in frame_parts if part.role == "status" and not part.active]
     if fixed_bits:
         yield f"{' and '.join(fixed_bits)}: always 1, which a master treats as an inactive status bit."
+    yield from _notes_on_unused_bits(placed_layout, frame_parts)
+    yield from _notes_on_status_order(placed_layout)
+
+
+def _notes_on_unused_bits(placed_layout: PlacedLayout, frame_parts: Sequence[FramePart]) -> Iterator[str]:
+    """Yield a note on bits that masters take as zero bits, although the encoder may send ones there."""
+    padding_names = [part.name for part in frame_parts if part.role == "padding"]
+    names: list[str] = []
+    for field in placed_layout.fields:
+        kind = field.field.kind
+        may_be_any_bits = isinstance(kind, Unused) and kind.makes_position is Verdict.USABLE
+        if may_be_any_bits and field.name in padding_names:
+            names.append(f"'{field.name}'")
+    if names:
+        yield (
+            f"Masters take {' and '.join(names)} as zero bits. If the encoder sends ones there, a master may read a "
+            "wrong position."
+        )
+
+
+def _notes_on_status_order(placed_layout: PlacedLayout) -> Iterator[str]:
+    """Yield a note if the frame has a warning bit before its first error bit, unlike usual BiSS frames."""
+    verdicts: list[Verdict | None] = []
+    for field in placed_layout.fields:
+        if isinstance(field.field.kind, Flag):
+            verdicts.append(field.field.kind.makes_position)
+    if Verdict.NOT_USABLE not in verdicts or Verdict.USABLE_WITH_WARNING not in verdicts:
+        return
+    if verdicts.index(Verdict.USABLE_WITH_WARNING) < verdicts.index(Verdict.NOT_USABLE):
+        order_text = "A warning bit is sent before the error bit"
+        yield f"{order_text}. Masters that expect the error bit first take one for the other."
 
 
 def split_notes(

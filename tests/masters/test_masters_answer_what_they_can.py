@@ -372,3 +372,19 @@ def test_a_parity_bit_counts_constants() -> None:
     """The parity that a master checks is that of all bits, also of constants that are 1."""
     device, match = device_of_line("ssi:position=12,sign=1:1,parity=odd")
     assert facts_of_order_code(device, match.variant).words["parity"] == "odd"
+
+
+@pytest.mark.parametrize(
+    ("line", "note"),
+    [
+        ("ssi:unused=2,position=13", "Masters take 'unused_bits' as zero bits."),
+        ("ssi:zero=2,position=13", ""),
+        ("biss:position=32,warning,error,crc=6:0x43", "A warning bit is sent before the error bit."),
+        ("biss:position=32,error,warning,crc=6:0x43", ""),
+    ],
+)
+def test_bits_that_a_master_takes_for_others(line: str, note: str) -> None:
+    device, match = device_of_line(line)
+    notes = " ".join(facts_of_order_code(device, match.variant).notes)
+    assert note in notes
+    assert ("Masters take" in notes or "before the error bit" in notes) == bool(note)

@@ -223,16 +223,20 @@ def test_the_input_of_the_page() -> None:
     program += """console.log(JSON.stringify([
       ["ab-1 /c", "AB-1", ""].map((label) => m.listedCode(data, label)),
       [["A", "b", ""], ["A", "b", "--choose c=d", 30], ["a:b,c d", "e"]].map((given) => m.settingsCommand(...given)),
-      ["30", "29.2 m", "", "0", "x", "100001"].map(m.cableMetres),
+      ["30", "29.2 m", ""].map(m.cableMetres),
+      ["0", "-1", "1e9", "x", "100001", "0x10"].filter((text) => {
+        try { m.cableMetres(text); } catch { return true; }
+      }),
     ]));"""
-    codes, commands, lengths = in_node(program, DECODER, *SCRIPTS)
+    codes, commands, lengths, refused = in_node(program, DECODER, *SCRIPTS)
     assert codes == ["AB-1/C", None, None]
     assert commands == [
         "codewheel master A --master b",
         "codewheel master A --master b --choose c=d --cable 30",
-        "codewheel master 'a:b,c d' --master e",
+        'codewheel master "a:b,c d" --master e',
     ]
-    assert lengths == [30, 30, None, None, None, None]
+    assert lengths == [30, 30, None]
+    assert refused == ["0", "-1", "1e9", "x", "100001", "0x10"]
 
 
 FIELDS = [

@@ -207,8 +207,14 @@
     };
   }
 
-  /** Return notes on a signed position, and on status bits that never change. */
-  function lineNotes(positionFields, parts) {
+  /** Return notes on a signed position, and on status bits and unused bits that a master may take for others. */
+  function lineNotes(fields, positionFields, parts) {
+    const paddingNames = parts.filter(({ role }) => role === "padding").map(({ name }) => name);
+    const unusedNames = fields.filter(({ kind, name }) => kind === "unused" && paddingNames.includes(name))
+      .map(({ name }) => `'${name}'`);
+    const verdicts = fields.filter(({ kind }) => kind === "flag").map(({ verdict }) => verdict);
+    const firstWarning = verdicts.indexOf("usable_with_warning");
+    const firstError = verdicts.indexOf("not_usable");
     const [{ isSigned, bits }] = positionFields;
     const half = 1n << BigInt(bits - 1);
     const fixedBits = parts.filter(({ role, active }) => role === "status" && !active).map(({ name }) => name);
@@ -218,6 +224,12 @@
         + `shows -1 as ${2n * half - 1n}.`] : []),
       ...(fixedBits.length ? [
         `${fixedBits.join(" and ")}: always 1, which a master treats as an inactive status bit.`] : []),
+      ...(unusedNames.length ? [
+        `Masters take ${unusedNames.join(" and ")} as zero bits. If the encoder sends ones there, a master may read a `
+        + "wrong position."] : []),
+      ...(firstWarning >= 0 && firstWarning < firstError ? [
+        "A warning bit is sent before the error bit. Masters that expect the error bit first take one for the other."]
+        : []),
     ];
   }
 
@@ -246,7 +258,7 @@
     return {
       ...readRecord(data.line.records[name]), code, parts, numbers, obstacle,
       words: lineWords(line, fields, parts, numbers), used_hz: options.clock ? [options.clock] : [],
-      notes: [...lineNotes(positionFields, parts), ...(obstacle ? [obstacle] : [])],
+      notes: [...lineNotes(fields, positionFields, parts), ...(obstacle ? [obstacle] : [])],
     };
   }
 

@@ -16,15 +16,18 @@ function listedCode(data, label) {
 
 /** Return the command that prints the same, for a shell. */
 function settingsCommand(code, master, choice, cable = "") {
-  const quotedCode = /^[\w./:=-]+$/.test(code) ? code : `'${code}'`;
+  // A line has no quotes, so double quotes are enough for every shell.
+  const quotedCode = /^[\w./=,:-]+$/.test(code) ? code : `"${code}"`;
   const options = [choice, cable && `--cable ${cable}`];
   return ["codewheel master", quotedCode, "--master", master, ...options].filter(Boolean).join(" ");
 }
 
-/** Return the length of a cable in whole metres, rounded up, or null if the text is no such length. */
+/** Return the length of a cable in whole metres, rounded up, or null for an empty text. Throws an error for others. */
 function cableMetres(text) {
-  const metres = Math.ceil(Number(text.trim().replace(/\s*m$/, "")));
-  return text.trim() && metres > 0 && metres <= 100000 ? metres : null;
+  if (!text.trim()) return null;
+  const metres = /^[0-9]+([.][0-9]+)?( *m)?$/.test(text.trim()) ? Math.ceil(parseFloat(text)) : 0;
+  if (metres > 0 && metres <= 100000) return metres;
+  throw new codewheelMaster.NoRecord(`'${text.trim().slice(0, 20)}' is not a length in metres, such as 30.`);
 }
 
 /**
@@ -56,9 +59,11 @@ function describedEncoder(data, text, wantedChoice, cable) {
 function missingCode(data, text) {
   const begun = text.replace(/\s/g, "").toUpperCase();
   if (!begun) return "";
+  if (["BISS", "SSI", "RS485", "SPI"].includes(begun)) return "Write a line, such as biss:position=32,error,warning,crc=6:0x43.";
   const near = Object.keys(data.codes).filter((listed) => listed.toUpperCase().startsWith(begun)).slice(0, 5);
   return near.length ? `Order codes that begin like this: ${near.join(", ")}.`
-    : `No order code with BiSS or SSI begins like this. Try: codewheel master ${text}`;
+    : `No order code with BiSS or SSI begins like this.${/^[\w./ -]{1,60}$/.test(text)
+      ? ` The command may know the label: codewheel master "${text.trim()}"` : ""}`;
 }
 
 /** Return the notes of a master that apply because its supply is not enough for the encoder. */
@@ -94,7 +99,7 @@ function mountSettings(box, data) {
   code.setAttribute("list", list.id);
   const master = labelled("Master", element("select"));
   const choice = labelled("Open question", element("select"));
-  const cable = labelled("Cable in metres", element("input", { type: "number", min: 1, max: 100000, step: 1 }));
+  const cable = labelled("Cable in metres", Object.assign(textInput(), { inputMode: "decimal" }));
   const message = element("p");
   message.setAttribute("role", "status");
   const warning = element("p", { className: "warning" });
@@ -137,12 +142,14 @@ function mountSettings(box, data) {
   const show = (wantedMaster, wantedChoice) => {
     answer.hidden = true;
     choice.parentNode.hidden = true;
+    const storeInAddress = (members) => history.replaceState(null, "", `#${new URLSearchParams(members)}`);
     let encoder;
     try {
       encoder = describedEncoder(data, code.value, wantedChoice ?? choice.value, cableMetres(cable.value));
     } catch (error) {
       if (!(error instanceof codewheelMaster.NoRecord)) throw error;
       message.textContent = error.message;
+      storeInAddress({ code: code.value.slice(0, 1000), ...(cable.value ? { cable: cable.value } : {}) });
       return;
     }
     answer.hidden = false;
@@ -152,21 +159,26 @@ function mountSettings(box, data) {
     choice.parentNode.hidden = encoder.choices.length < 2;
     const described = data.masters.filter(({ takes }) => takes.includes(record.words.interface));
     fill(master, described.map(({ name, title }) => [name, title]));
-    if (described.some(({ name }) => name === wantedMaster)) master.value = wantedMaster;
+    const isMasterKnown = !wantedMaster || described.some(({ name }) => name === wantedMaster);
+    if (wantedMaster && isMasterKnown) master.value = wantedMaster;
     const chosen = described.find(({ name }) => name === master.value);
     const metres = record.cable_m ?? "";
     message.replaceChildren(element("code", { textContent: settingsCommand(record.code, chosen.name, encoder.choice, metres) }));
     const { refusals, notes, settings } = codewheelMaster.shownSheet(encoder, chosen, data);
-    const warnings = [...refusals, ...supplyWarnings(notes)];
+    const interfaceTitle = data.interfaces[record.words.interface];
+    const warnings = [
+      ...(isMasterKnown ? [] : [`No master '${wantedMaster.slice(0, 40)}' is described for ${interfaceTitle}.`]),
+      ...(encoder.choices.length > 1 ? ["The manual leaves a question open. Choose the answer that fits your encoder."] : []),
+      ...refusals, ...supplyWarnings(notes)];
     warning.hidden = warnings.length === 0;
     warning.textContent = warnings.join(" ");
     showTable(settings);
     showOutput(codewheelMaster.settingsText(encoder, chosen, data));
     showFiles(encoder, chosen.name);
-    const address = new URLSearchParams({ code: record.code, master: chosen.name });
-    if (encoder.choice) address.set("choose", encoder.choice.replaceAll("--choose ", ""));
-    if (metres) address.set("cable", metres);
-    history.replaceState(null, "", `#${address}`);
+    storeInAddress({
+      code: record.code, master: chosen.name,
+      ...(encoder.choice ? { choose: encoder.choice.replaceAll("--choose ", "") } : {}),
+      ...(metres ? { cable: metres } : {}) });
   };
   const readAddress = () => {
     const given = new URLSearchParams(location.hash.slice(1));
