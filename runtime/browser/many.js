@@ -20,10 +20,11 @@ function writeRemark({ decoded, error }) {
     ...messages, ...decoded.reports.map((report) => report.meaning || report.flag), ...decoded.differences].join(". ");
 }
 
-/** Return the field that the position is read from, or the first number of a frame. */
+/** Return the field that the position is read from, the number named "position", or the first number of a frame. */
 function findMainField({ decoded }, measure) {
   if (!decoded?.fields.length || decoded.problems.length) return null;
-  return findMeasuredField(decoded, measure) ?? decoded.fields.find((field) => typeof field.value === "bigint");
+  const numbers = decoded.fields.filter((field) => typeof field.value === "bigint");
+  return findMeasuredField(decoded, measure) ?? numbers.find(({ name }) => name === "position") ?? numbers[0];
 }
 
 /** Create a table of lines, each with its frame ``decoded`` or an ``error``. ``pick`` shows a frame in full. */

@@ -506,6 +506,27 @@ def test_many_frames_give_a_table(chromium: str, page: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("line", "frames", "values"),
+    [
+        ("ssi:status=4,position=24", "0x5000001\\n0x5000002", ["position 1 counts", "position 2 counts"]),
+        ("ssi:multiturn=4,singleturn=12", "0x1002\\n0x2003", ["position 4098", "position 8195"]),
+        ("ssi:status=8,count=8", "0x0102\\n0x0203", ["status 1", "status 2"]),
+    ],
+)
+def test_the_value_of_many_frames_is_the_position(
+    chromium: str, page: Path, line: str, frames: str, values: list[str]
+) -> None:
+    script = f"""
+  const [code, , text] = boxes[0].querySelectorAll("input, select, textarea");
+  type(code, "{line}");
+  type(text, "{frames}");
+  const cells = boxes[0].querySelectorAll("tbody .codewheel-decode-value");
+  return [...cells].map((cell) => cell.firstChild.textContent);"""
+    assert run_in_page(chromium, page, script) == values
+
+
+@pytest.mark.slow
 def test_a_table_with_times_scrolls_by_itself_on_a_phone(page: Path, tmp_path: Path) -> None:
     """The page around it is as wide as the screen."""
     program("chromium")

@@ -87,6 +87,8 @@ def test_an_array_without_dimensions_is_not_a_row_of_frames() -> None:
         ({"position": [[1], [1, 2]]}, "position is not a row of values: its cells have different shapes"),
         ({"position": [5], 5: [5], "x": [5]}, "unknown columns: 5, x; the columns are position"),
         ({"position": [5.0]}, "float64, which does not fit the field: convert it to integers"),
+        ({"position": [1.0, numpy.nan]}, "position has missing values, which no frame can contain"),
+        ({"position": numpy.array([1, None])}, "position has missing values, which no frame can contain"),
         ({"position": numpy.array([5], object)}, "object, which does not fit the field: convert it to integers"),
     ],
 )

@@ -318,3 +318,13 @@ def test_steps_are_logged(lika: Any, caplog: pytest.LogCaptureFixture) -> None:
             lika.run([codewheel_runtime.Write(5, 6, "it")], Memory(fails_at=0))
     assert [record.levelname for record in caplog.records] == ["DEBUG", "DEBUG", "WARNING"]
     assert caplog.records[0].getMessage().startswith("step 1 of 1: Write(address=5, value=6")
+
+
+@pytest.mark.parametrize("wrong_steps", [None, b"x", [None], [b"x"], "single step"])
+def test_what_is_not_steps_is_refused_before_anything_is_sent(lika: ModuleType, wrong_steps: Any) -> None:
+    amm5 = lika.amm5
+    sent: list[Any] = []
+    steps = amm5.set_preset(amm5.lookup("AMM5A21/65KSC1"), 0)[0] if wrong_steps == "single step" else wrong_steps
+    with pytest.raises(TypeError, match="expected the steps of a procedure"):
+        lika.run(steps, sent)
+    assert sent == []

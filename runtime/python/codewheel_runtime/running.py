@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from time import monotonic, sleep
-from typing import Any, NamedTuple, Protocol, cast
+from typing import Any, NamedTuple, Protocol, cast, get_args
 
 from .steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
 
@@ -317,10 +317,24 @@ def run(
     Raises:
         StepError: A step failed. Its ``__cause__`` is the reason: a ``VerifyError`` if a register does not hold the
             value that was written.
+        TypeError: ``steps`` contains something else. Nothing was sent.
     """
+    _check_steps(steps)
     procedure = _Procedure(bus, poll_s, wait)
     # Another thread must not send requests between the requests of a procedure.
     lock: Any = getattr(bus, "lock", None)
     with lock if hasattr(lock, "__enter__") else nullcontext():
         procedure.run_steps(steps, progress)
     return tuple(procedure.readings)
+
+
+def _check_steps(steps: Any) -> None:
+    """Raise TypeError if the argument of ``run`` is not a sequence of steps, such as a single step."""
+    is_single_step = isinstance(steps, get_args(Step))
+    if is_single_step or not isinstance(steps, Sequence):
+        raise TypeError(
+            f"expected the steps of a procedure, got {type(steps).__name__}: run((step,), bus) runs one step"
+        )
+    for step in steps:
+        if not isinstance(step, get_args(Step)):
+            raise TypeError(f"expected the steps of a procedure, which contain no {type(step).__name__}")

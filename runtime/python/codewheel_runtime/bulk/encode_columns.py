@@ -111,11 +111,20 @@ def _check_array(name: str, array: Any, cells: Any, field_kind: str, row_count: 
         raise ValueError(f"column {name} has the shape {array.shape}, but others have {row_count} rows")
     # An empty list has no type.
     if array.size and array.dtype.kind not in ARRAY_KINDS.get(field_kind, "ui"):
+        if _has_missing(array):
+            raise TypeError(f"column {name} has missing values, which no frame can contain: leave out their rows")
         advice = ": convert it to integers" if array.dtype.kind in "fO" else ""
         raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field{advice}")
     # NumPy converts bools to numbers if the list also has numbers, so the type of the array does not show them.
     if not field_kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
         raise TypeError(f"column {name} contains bools, which do not fit the field")
+
+
+def _has_missing(array: Any) -> bool:
+    """Return whether a value is missing: NaN or None, as in an Arrow column that became an array."""
+    if array.dtype.kind == "f":
+        return bool(np.isnan(array).any())
+    return array.dtype.kind == "O" and any(cell is None for cell in array.flat)
 
 
 def _has_bool(cells: Any) -> bool:
