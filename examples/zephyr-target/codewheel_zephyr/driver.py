@@ -60,7 +60,7 @@ class Driver:
     def initial_request(self) -> str:
         """The initial value of the request, with the defaults of the spec."""
         parameters = self.view.variants.rows[0].variant.parameters
-        return self.request.struct.initial(parameters) if self.request is not None else ""
+        return self.request.struct.initializer(parameters) if self.request is not None else ""
 
     @property
     def reply_words(self) -> int:
