@@ -332,7 +332,9 @@ def _check_steps(steps: Any) -> None:
     """Raise TypeError if the argument of ``run`` is not a sequence of steps, such as a single step."""
     is_single_step = isinstance(steps, get_args(Step))
     if is_single_step or not isinstance(steps, Sequence):
-        raise TypeError(f"expected the steps of a procedure, got {type(steps).__name__}: run((step,), bus) runs one step")
+        raise TypeError(
+            f"expected the steps of a procedure, got {type(steps).__name__}: run((step,), bus) runs one step"
+        )
     for step in steps:
         if not isinstance(step, get_args(Step)):
             raise TypeError(f"expected the steps of a procedure, which contain no {type(step).__name__}")
