@@ -328,3 +328,15 @@ def test_what_is_not_steps_is_refused_before_anything_is_sent(lika: ModuleType, 
     with pytest.raises(TypeError, match="expected the steps of a procedure"):
         lika.run(steps, sent)
     assert sent == []
+
+
+@pytest.mark.parametrize(
+    ("contents", "message"),
+    [("x", "must be a mapping"), ([1], "must be a mapping"), ({"a": 1}, "an address must be an integer")],
+)
+def test_contents_that_are_no_mapping_by_address_are_refused(lika: ModuleType, contents: Any, message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        lika.lookup("SMA21-BG1-0050").with_registers(contents)
+    if not isinstance(contents, dict):
+        with pytest.raises(TypeError, match=message):
+            lika.amm5.identify(contents)

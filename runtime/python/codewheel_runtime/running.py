@@ -319,7 +319,7 @@ def run(
             value that was written.
         TypeError: ``steps`` contains something else. Nothing was sent.
     """
-    _check_steps(steps)
+    check_steps(steps)
     procedure = _Procedure(bus, poll_s, wait)
     # Another thread must not send requests between the requests of a procedure.
     lock: Any = getattr(bus, "lock", None)
@@ -328,8 +328,8 @@ def run(
     return tuple(procedure.readings)
 
 
-def _check_steps(steps: Any) -> None:
-    """Raise TypeError if the argument of ``run`` is not a sequence of steps, such as a single step."""
+def check_steps(steps: Any) -> None:
+    """Raise TypeError if ``steps`` is not a sequence of steps, for example a single step."""
     is_single_step = isinstance(steps, get_args(Step))
     if is_single_step or not isinstance(steps, Sequence):
         raise TypeError(

@@ -99,7 +99,11 @@ def read_parameters(
     Raises:
         ValueError: A byte belongs to no parameter.
         RangeError: A byte, a code or a parameter is not allowed.
+        TypeError: The contents are no mapping, or an address is not an integer.
     """
+    _check_contents(register_bytes)
+    for address in register_bytes:
+        whole_number("an address", address)
     values: dict[str, int] = {}
     known_addresses: set[int] = set()
     encoder_parameters = _select_parameters(parameters, encoder)
@@ -121,6 +125,12 @@ def read_parameters(
         listed = ", ".join(f"0x{address:02X}" for address in known_registers) or "none"
         raise ValueError(f"{register} does not affect decoding; registers that do: {listed}")
     return values
+
+
+def _check_contents(contents: object) -> None:
+    """Raise TypeError if the contents of registers are not given by address or by name."""
+    if not isinstance(contents, Mapping):
+        raise TypeError(f"register contents must be a mapping, such as {{0x44: 7}}, not {type(contents).__name__}")
 
 
 def _replace_bytes(data: bytes, first_address: int, register_bytes: Mapping[int, int]) -> bytes:
@@ -180,8 +190,9 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
         ValueError: There is no register of this name.
         LengthError: A register has a different number of bytes.
         RangeError: A byte is not 0 to 255.
-        TypeError: An address or a byte is not an integer, or a register is not bytes.
+        TypeError: The contents are no mapping, an address or a byte is not an integer, or a register is not bytes.
     """
+    _check_contents(read)
     bytes_read: dict[int, int] = {}
     value: Any
     for key, value in read.items():

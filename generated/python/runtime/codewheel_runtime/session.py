@@ -48,7 +48,7 @@ from .quiet_times import QuietTimes
 from .replies import FoundReply, PendingRequest, find_reply, split_replies
 from .reply_counter import ReplyCounter, Statistics
 from .reports import Interface
-from .running import StepError
+from .running import StepError, check_steps
 from .session_failures import FailureExplainer
 from .session_requests import SessionRequests, format_hex, load_rs485_facts
 from .steps import Send, Step, Wait
@@ -216,7 +216,9 @@ class Session:
 
         Raises:
             StepError: A step failed, or is neither a request nor a wait.
+            TypeError: ``steps`` contains something else. Nothing was sent.
         """
+        check_steps(steps)
         for index, step in enumerate(steps):
             try:
                 if isinstance(step, Wait):
