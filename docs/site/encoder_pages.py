@@ -9,12 +9,12 @@ from pathlib import Path
 from urllib.parse import quote
 
 from codewheel.loading.library import load_library
+from codewheel.masters.groups import facts_of_order_codes
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate as generate_c
 from codewheel.targets.c.single import single_path
 from codewheel.targets.docs.files import generate
-from codewheel.targets.masters.contents import facts_of_order_codes
 
 #: Pages that list all encoders.
 LISTS = ("README.md", "docs/encoder/encoders.md")

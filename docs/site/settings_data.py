@@ -16,6 +16,7 @@ from codewheel.language.written_masters import FILE_FORMATS, NUMBERS, TYPES, WOR
 from codewheel.loading.library import load_library
 from codewheel.masters.encoder_facts import NOTE_ON_CLOCKS, EncoderFacts
 from codewheel.masters.frame_parts import covered_items, depends_on_crc, depends_on_whole_frame
+from codewheel.masters.groups import facts_of_order_codes, order_code_groups
 from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, SettingsSheet, sheet, shipped_masters
 from codewheel.masters.text import CODINGS_IN_WORDS
@@ -25,7 +26,6 @@ from codewheel.one_line.spec import device_of_line
 from codewheel.say import decimal
 from codewheel.say.names_and_evidence import GRADES, grade_below_manual, origin
 from codewheel.say.text import PLAIN_STYLE
-from codewheel.targets.masters.contents import facts_of_order_codes, order_code_groups
 from codewheel.targets.masters.files import file_text
 
 #: Placeholders in a line for the order code, and for the order code as an identifier.

@@ -277,7 +277,7 @@ def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tm
         ("decode AMM5A17/1SC1 0x3F", set()),
         ("master SMA21-SC4-0050", set()),
         ("diff specs specs", set()),
-        ("generate --check --no-cache --target docs", {"docs", "palette", "registry"}),
+        ("generate --check --no-cache --target docs", {"docs", "picture_elements", "registry"}),
         ("generate --check --no-cache --target python", {"python", "registry"}),
         ("check --no-cache --target biss specs", {"biss", "registry"}),
         ("check --no-cache --target c specs", {"c", "registry"}),

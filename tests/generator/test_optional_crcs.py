@@ -218,7 +218,7 @@ def test_every_engine_decides_as_the_decoder_here_does(
     differing = [(case, result) for case, result in zip(cases, results, strict=True) if case != result]
     assert differing[:3] == []
     assert {case.fault for case in cases} == {"", "crc"}
-    # The last letter of an order code selects the CRC. N is none, and over RS-485, V is none either.
+    # The last letter of an order code selects the CRC. With N, and over RS-485 with V, there is no CRC.
     letters_without_crc = "NV" if layout == "reply" else "N"
     codes_with_crc = {case.code for case in cases if case.code[-1] not in letters_without_crc}
     assert {case.code for case in cases if case.fault} == codes_with_crc

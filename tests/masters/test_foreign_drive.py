@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 from codewheel.masters.encoder_facts import EncoderFacts
+from codewheel.masters.groups import facts_of_order_codes
 from codewheel.masters.sheet import Master, sheet
 from codewheel.targets import Library
-from codewheel.targets.masters.contents import facts_of_order_codes
 from codewheel.targets.masters.files import file_text
 
 pytestmark = pytest.mark.slow

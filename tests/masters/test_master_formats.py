@@ -19,11 +19,12 @@ from codewheel.commands.cli import main
 from codewheel.language.written_masters import FILE_FORMATS
 from codewheel.masters.encoder_facts import EncoderFacts
 from codewheel.masters.frame_parts import NoRecord
+from codewheel.masters.groups import facts_of_order_codes
 from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import Master, SettingsSheet, sheet
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.masters.contents import content_of_file, facts_of_order_codes
+from codewheel.targets.masters.contents import content_of_file
 from codewheel.targets.masters.files import file_text, generate
 
 Raw = Mapping[str, Any]

@@ -18,6 +18,7 @@ from chromium import Browser
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.masters.frame_parts import NoRecord
+from codewheel.masters.groups import facts_of_order_codes
 from codewheel.masters.order_code_facts import facts_of_order_code
 from codewheel.masters.sheet import sheet, shipped_masters
 from codewheel.masters.text import sheet_text
@@ -25,7 +26,6 @@ from codewheel.model import Device
 from codewheel.one_line.line import LineError
 from codewheel.one_line.spec import device_of_line
 from codewheel.order_codes.labels import LabelMatch, find_code
-from codewheel.targets.masters.contents import facts_of_order_codes
 from codewheel.targets.masters.files import file_text
 from exhaustive import mostly_exhaustive
 

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import prod
 from typing import Annotated, Any, TypedDict
 
+from ...masters.groups import CodesWithSameSettings, GroupSheets, facts_of_order_codes, sheets_of
 from ...masters.sheet import Master, MasterRefusal, Setting, SettingsSheet
 from ...masters.text import (
     cited,
@@ -20,7 +21,6 @@ from ...masters.text import (
 from ...model import Device, Interface, first_or_raise
 from ...say.names_and_evidence import grade_below_manual
 from ...say.text import Statement, code_span, escape, join_filled, link_list, markdown_link
-from ..masters.contents import CodesWithSameSettings, GroupSheets, facts_of_order_codes, sheets_of
 from .fact_tables import document_rows
 from .links_and_errata import link_to_erratum
 from .order_code_tables import order_codes
