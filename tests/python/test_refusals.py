@@ -54,9 +54,9 @@ def test_numbers(amm5: Any, multiturn: Any, singleturn: Any, error: type[Excepti
 def test_flags(amm5: Any, value: Any, error: type[Exception]) -> None:
     """A flag is True or False, or 1 or 0."""
     encoder = amm5.lookup(MULTITURN)
-    with pytest.raises(error, match=r"True or False|does not fit"):
+    with pytest.raises(error, match=r"True or False|does not fit|missing values"):
         amm5.SingleCycleData(encoder, 1, 7, error=value, warning=False).encode()
-    with pytest.raises(error, match=r"True or False|does not fit"):
+    with pytest.raises(error, match=r"True or False|does not fit|missing values"):
         encoder.encode_many({"multiturn": [1], "singleturn": [7], "error": [value]})
 
 

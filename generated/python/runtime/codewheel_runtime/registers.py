@@ -99,7 +99,7 @@ def read_parameters(
     Raises:
         ValueError: A byte belongs to no parameter.
         RangeError: A byte, a code or a parameter is not allowed.
-        TypeError: The contents are no mapping, or an address is not an integer.
+        TypeError: The contents are not a mapping, or an address is not an integer.
     """
     _check_contents(register_bytes)
     for address in register_bytes:
@@ -190,7 +190,7 @@ def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Ma
         ValueError: There is no register of this name.
         LengthError: A register has a different number of bytes.
         RangeError: A byte is not 0 to 255.
-        TypeError: The contents are no mapping, an address or a byte is not an integer, or a register is not bytes.
+        TypeError: The contents are not a mapping, an address or a byte is not an integer, or a register is not bytes.
     """
     _check_contents(read)
     bytes_read: dict[int, int] = {}
