@@ -1,7 +1,7 @@
 """Data of the page with master settings: the facts about each order code, and the descriptions of the masters.
 
-The scripts ``master-*.js`` compute from them what ``codewheel master`` prints. A file for a master is a list of numbers
-of lines. Each line is stored once for all order codes, with a placeholder for the code.
+The scripts ``master-*.js`` compute the output of ``codewheel master`` from them. A file for a master is a list of
+numbers of lines. Each line is stored once for all order codes, with a placeholder for the code.
 """
 
 from __future__ import annotations

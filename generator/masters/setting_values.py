@@ -9,7 +9,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..language.written_masters import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
@@ -17,9 +17,8 @@ from ..say import decimal
 from ..say.text import count_with_unit, hertz
 from .encoder_facts import EncoderFacts
 from .frame_parts import FramePart
+from .places_and_writing import YamlMapping as YamlMapping
 
-#: Mapping from the file that describes a master, such as a rule.
-YamlMapping = Mapping[str, Any]
 #: Bound of a clock frequency that is known to work with the encoder, while its highest clock is unknown.
 START_WITH = "start_with"
 _HZ_BY_UNIT = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}

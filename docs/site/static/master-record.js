@@ -3,7 +3,7 @@
 "use strict";
 
 {
-  const { countWithUnit, hertz } = globalThis.codewheelMaster;
+  const { hertz } = globalThis.codewheelMaster;
 
   /** There are no settings for this encoder. The message gives the reason. */
   class NoRecord extends Error {}
@@ -148,7 +148,7 @@
 
   /** Return the numbers of bits of a frame, by their names in the rules for masters. */
   function bitCounts(parts) {
-    const sumOf = (role, somParts = parts) => somParts.filter((part) => part.role === role)
+    const sumOf = (role, someParts = parts) => someParts.filter((part) => part.role === role)
       .reduce((sum, part) => sum + part.bits, 0);
     const left = parts.slice(0, parts.findIndex(({ role }) => role === "multiturn" || role === "singleturn"));
     const firstStatus = parts.findIndex(({ role }) => role === "status");
@@ -263,5 +263,5 @@
   }
 
   globalThis.codewheelMaster = {
-    ...globalThis.codewheelMaster, NoRecord, countWithUnit, limitToCable, readRecord, recordOfLine };
+    ...globalThis.codewheelMaster, NoRecord, limitToCable, readRecord, recordOfLine };
 }

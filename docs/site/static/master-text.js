@@ -2,7 +2,7 @@
 "use strict";
 
 {
-  const { clocksInUse, hertz, hexText, joinWords, paddingText, sheetOf, shortNumber } = globalThis.codewheelMaster;
+  const { clocksInUse, countWithUnit, hertz, hexText, joinWords, paddingText, sheetOf, shortNumber } = globalThis.codewheelMaster;
 
   const WIDTH = 80;
   /** Widths of the columns with the names and the values of settings. */
@@ -166,7 +166,7 @@
   function placeLine(places, isHex) {
     const [place] = places;
     const location = places.map((other) => locationText(other) + (other.channel && ` (${other.channel})`)).join(", ");
-    const type = place.type === "bits" ? globalThis.codewheelMaster.countWithUnit(place.bits ?? 0, "bit")
+    const type = place.type === "bits" ? countWithUnit(place.bits ?? 0, "bit")
       : place.type.replace("signed_n", "signed n");
     const byDefault = defaultText(place.default, isHex);
     const facts = [

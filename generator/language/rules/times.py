@@ -47,7 +47,7 @@ def check_repeated_times(spec: WrittenSpec, report: DocumentReport) -> None:
         named_times |= set(_nanoseconds_in(dict(timing.data)))
     timed_parts: list[PlacedPart] = [*spec.registers, *spec.procedures, *spec.timings, *spec.inputs]
     times_of_parts = [set(_nanoseconds_in(part.data)) for part in timed_parts]
-    # The number of parts in which a time occurs, so that a time of another part can be told from the part's own.
+    # The number of parts in which a time occurs, to distinguish a time of another part from the part's own.
     part_count_by_time: Counter[int | Decimal] = Counter()
     for own_times in times_of_parts:
         part_count_by_time.update(own_times)

@@ -5,16 +5,14 @@ A file leaves out values that it cannot express, with a reason.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Iterator, Sequence
 
 from ...language.written_masters import FILE_FORMATS, PLACE_KINDS, FileFormat
-from ...masters.places_and_writing import ObjectWrite, SettingPlace, write_order
+from ...masters.places_and_writing import ObjectWrite, SettingPlace, YamlMapping, write_order
 from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text
 from ...model.record import dataclass, first_or_raise
 
-YamlMapping = Mapping[str, Any]
 Value = int | bool | str
 
 

@@ -14,7 +14,7 @@ from ...language.problems import join_words
 from ...language.written_masters import FILE_FORMATS
 from ...masters.encoder_facts import EncoderFacts
 from ...masters.groups import GroupSheets, sheets_of
-from ...masters.places_and_writing import SettingPlace
+from ...masters.places_and_writing import SettingPlace, YamlMapping
 from ...masters.sheet import Master, SettingsSheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
@@ -26,7 +26,7 @@ from ...say.text import PLAIN_STYLE
 from ...say.text import escape as escape_markdown
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..registry import licence_in, names_of_codes
-from .contents import Channel, Content, YamlMapping, content_of_file
+from .contents import Channel, Content, content_of_file
 
 _TEXT_WIDTH = 120
 _ONE_FILE_EACH = "each"
