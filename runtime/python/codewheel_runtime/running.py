@@ -328,13 +328,13 @@ def run(
     return tuple(procedure.readings)
 
 
-def check_steps(steps: Any) -> None:
+def check_steps(steps: object) -> None:
     """Raise TypeError if ``steps`` is not a sequence of steps, for example a single step."""
     is_single_step = isinstance(steps, get_args(Step))
     if is_single_step or not isinstance(steps, Sequence):
         raise TypeError(
             f"expected the steps of a procedure, got {type(steps).__name__}: run((step,), bus) runs one step"
         )
-    for step in steps:
+    for step in cast("Sequence[object]", steps):
         if not isinstance(step, get_args(Step)):
             raise TypeError(f"expected the steps of a procedure, which contain no {type(step).__name__}")
