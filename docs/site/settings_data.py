@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypedDict
 
-from codewheel.language.written_masters import FILE_FORMATS, NUMBERS, TYPES, WORDS
+from codewheel.language.keys_of_masters import FILE_FORMATS, NUMBERS, TYPES, WORDS
 from codewheel.loading.library import load_library
 from codewheel.masters.encoder_facts import NOTE_ON_CLOCKS, EncoderFacts
 from codewheel.masters.frame_parts import covered_items, depends_on_crc, depends_on_whole_frame

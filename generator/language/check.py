@@ -7,6 +7,7 @@ from typing import Any
 
 from .document import Document
 from .files import family_of
+from .keys_of_specs import WrittenSpec
 from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, ProblemReport
 from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
@@ -14,7 +15,6 @@ from .rules.numbers import check_number_base
 from .rules.order_code import are_codes_complete
 from .schema_check import SOME_SOURCE, FileKind, SchemaResult, check_schema, place_to_remove, without_places
 from .schemas import PROSE, schema_without_references
-from .written_parts import WrittenSpec
 
 #: Stand-ins for missing keys at the top level, so that the rest can be built and checked.
 _STAND_INS: dict[str, Any] = {

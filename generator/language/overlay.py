@@ -26,10 +26,10 @@ from .document import (
     with_value,
     without_value,
 )
+from .keys_of_specs import WrittenSpec
 from .problems import ProblemReport, quoted, suggest_word
 from .rules.manual import check_source_format
 from .rules.walk import ErratumTargets, as_affected, names_of_characteristics, without_removed_paths, without_steps
-from .written_parts import WrittenSpec
 
 #: Suffix of overlays found next to their spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
 SUFFIX = ".overlay"

@@ -22,7 +22,7 @@ from typing import Any
 from ..model import facts, fields, interface_parts, interfaces, kinds, manual, measurement
 from ..model.keys_and_members import JsonSchema, KeyType, key_type, limits_in_schema, name_of_part
 from ..model.part import DescribedKey, SpecKey, description_of, is_part, keys_of
-from . import written_codes, written_fields, written_parts
+from . import keys_of_fields, keys_of_order_codes, keys_of_specs
 
 #: Keys for prose, at any place. Of their texts, only the numbers and the cited sections are compared.
 PROSE = frozenset(
@@ -144,9 +144,9 @@ _MODULES_WITH_PARTS = (
     interfaces,
     kinds,
     measurement,
-    written_fields,
-    written_codes,
-    written_parts,
+    keys_of_fields,
+    keys_of_order_codes,
+    keys_of_specs,
 )
 #: Places of parts in the definitions of the schema, if they are not called like the class.
 _DEFINITION_PLACES: Mapping[str, str] = MappingProxyType(
@@ -251,7 +251,7 @@ def schema_with_parts(text: str) -> str:
     """
     lines = text.splitlines()
     definitions = json.loads(text)["$defs"]
-    spec_keys = part_schema(written_parts.WrittenSpec)["properties"]
+    spec_keys = part_schema(keys_of_specs.WrittenSpec)["properties"]
     lines = _replace_block(lines, 0, ["properties"], lambda indent: _format_value("properties", spec_keys, indent))
     for name, part_class in described_parts().items():
         # Such as ``field``, or ``manual.editions`` for a part inside the definition of another one.

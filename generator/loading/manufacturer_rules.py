@@ -9,6 +9,8 @@ from pathlib import PurePath
 from typing import Any, NamedTuple
 
 from ..language.document import Document, Path, label_of
+from ..language.keys_of_fields import WrittenField, WrittenRegister
+from ..language.keys_of_specs import WrittenSpec
 from ..language.problems import ProblemReport, quoted
 from ..language.rules.connectors import signal_names
 from ..language.rules.manual import problems_of_other_manual
@@ -16,8 +18,6 @@ from ..language.rules.parts import as_affected_name, by_name, by_part_name, erra
 from ..language.rules.walk import leaves, mapping, maps_in_list, sources
 from ..language.schemas import PROSE
 from ..language.written import LocatedPart
-from ..language.written_fields import WrittenField, WrittenRegister
-from ..language.written_parts import WrittenSpec
 from ..model import Crc
 
 #: A number in the title or address of a document, but not in a name such as ABC21.

@@ -8,11 +8,11 @@ from itertools import product
 from types import MappingProxyType
 
 from ..language.files import is_second
+from ..language.keys_of_specs import WrittenSpec
 from ..language.problems import DocumentReport, quoted
 from ..language.rules.parameters import all_parameters, parameter_uses
 from ..language.rules.parts import by_name, field_lists, interface_name_of, with_groups_expanded
 from ..language.rules.walk import leaves
-from ..language.written_parts import WrittenSpec
 from ..model import Alternative, CodedValue, Device, Interface, Layout, Parameter, Variant
 from ..model.expressions import Expression, ExpressionError, resolve_parameters
 from ..order_codes.parameters import State, coded_states, extreme_combinations

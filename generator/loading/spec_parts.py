@@ -13,10 +13,10 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
+from ..language.keys_of_order_codes import WrittenRs485
+from ..language.keys_of_specs import WrittenProcedure, WrittenSpec
 from ..language.problems import DocumentReport, Path, quoted
 from ..language.rules.parts import field_lists, interfaces, owner_of_alarm
-from ..language.written_codes import WrittenRs485
-from ..language.written_parts import WrittenProcedure, WrittenSpec
 from ..model import (
     Argument,
     CrcExample,

@@ -7,8 +7,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from ..language.keys_of_masters import NUMBERS
 from ..language.problems import join_words
-from ..language.written_masters import NUMBERS
 from ..model import (
     Constant,
     CrcValue,

@@ -12,7 +12,7 @@ from dataclasses import replace
 from fractions import Fraction
 from types import MappingProxyType
 
-from ..language.written_masters import NUMBERS
+from ..language.keys_of_masters import NUMBERS
 from ..model import Biss, Clock, Crc, Device, Interface, Measurement, PlacedLayout, Ssi, Timeout, Variant
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers

@@ -8,8 +8,8 @@ from functools import lru_cache, partial
 from itertools import groupby
 from typing import Any, NamedTuple
 
+from ..language.keys_of_masters import TYPES
 from ..language.problems import join_words
-from ..language.written_masters import TYPES
 from ..model.record import dataclass
 from ..say import count_with_unit
 

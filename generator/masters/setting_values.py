@@ -11,7 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..language.written_masters import NUMBERS, STEPS, WORDS
+from ..language.keys_of_masters import NUMBERS, STEPS, WORDS
 from ..model.expressions import Expression, ExpressionError
 from ..say import decimal
 from ..say.text import count_with_unit, hertz

@@ -9,11 +9,11 @@ from typing import Any, get_args
 import pytest
 import yaml
 from codewheel.language.check import check_document
+from codewheel.language.keys_of_fields import KIND_KEYS, WrittenField
+from codewheel.language.keys_of_specs import WrittenExample, WrittenStep
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.schemas import load_schema
-from codewheel.language.written_fields import KIND_KEYS, WrittenField
-from codewheel.language.written_parts import WrittenExample, WrittenStep
 from codewheel.loading.fields import LayoutContext, build_kind
 from codewheel.model import Kind, Number
 from codewheel.model.expressions import Expression

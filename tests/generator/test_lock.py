@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from codewheel import output_folder, write
+from codewheel import output_folder, write_and_remove
 from codewheel.commands.cli import main
 from codewheel.output_folder import WriteError
 
@@ -90,7 +90,7 @@ def test_the_lock_of_a_killed_run_is_gone(tmp_path: Path) -> None:
         first.kill()
         first.wait()
     waited: list[bool] = []
-    write.write(tmp_path / "out", files("second"), waiting=lambda: waited.append(True))
+    write_and_remove.write(tmp_path / "out", files("second"), waiting=lambda: waited.append(True))
     assert (content(tmp_path / "out"), waited) == (all_of("second"), [])
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(TARGETS)
 
@@ -116,7 +116,7 @@ def test_kills_at_random_moments_leave_each_target_whole(tmp_path: Path, system:
             found = {path: text for path, text in content(out / name).items() if path != "mine.txt"}
             whole = [{path.partition("/")[2]: of for path, of in files(text)[name].items()} for text in "ab"]
             assert found in whole
-        write.write(out, files("a"))
+        write_and_remove.write(out, files("a"))
         assert content(out) == {**all_of("a"), "c/mine.txt": "mine"}
         assert sorted(path.name for path in out.iterdir()) == sorted(TARGETS)
 
@@ -135,21 +135,21 @@ def test_a_run_that_does_not_end_is_named(tmp_path: Path, way: str) -> None:
     with output_folder.locked(out, list):
         waited: list[bool] = []
         with pytest.raises(WriteError) as caught:
-            write.write(tmp_path / way, files("a"), waiting=lambda: waited.append(True))
+            write_and_remove.write(tmp_path / way, files("a"), waiting=lambda: waited.append(True))
         assert str(caught.value) == (
             f"another run of codewheel has been writing to {tmp_path / way} for 60 s; nothing has changed; "
             "try again when it has ended"
         )
         assert waited == [True]
         assert list(out.iterdir()) == []
-        write.write(tmp_path / "another", files("a"))
-    write.write(tmp_path / way, files("a"))
+        write_and_remove.write(tmp_path / "another", files("a"))
+    write_and_remove.write(tmp_path / way, files("a"))
 
 
 def test_a_folder_that_is_made_anew_meanwhile_is_locked_anew(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with output_folder.locked(out, list):
-        write.write(out, files("a"), waiting=lambda: out.rename(tmp_path / "away") and None)
+        write_and_remove.write(out, files("a"), waiting=lambda: out.rename(tmp_path / "away") and None)
         assert content(out) == all_of("a")
 
 
@@ -163,7 +163,7 @@ def test_a_folder_that_is_replaced_before_it_is_locked(tmp_path: Path, monkeypat
         real(handle, operation)
 
     monkeypatch.setattr(fcntl, "flock", flock)
-    write.write(out, files("a"))
+    write_and_remove.write(out, files("a"))
     assert content(out) == all_of("a")
 
 
@@ -172,12 +172,12 @@ def test_where_folders_cannot_be_locked(tmp_path: Path, monkeypatch: pytest.Monk
         raise OSError(errno.ENOLCK, "No locks available")
 
     monkeypatch.setattr(fcntl, "flock", flock)
-    write.write(tmp_path, files("a"))
+    write_and_remove.write(tmp_path, files("a"))
     assert content(tmp_path) == all_of("a")
 
 
 def test_a_folder_that_was_not_there_is_not_left_behind_empty(tmp_path: Path) -> None:
-    write.write(tmp_path / "out", {"c": {}})
+    write_and_remove.write(tmp_path / "out", {"c": {}})
     assert not (tmp_path / "out").exists()
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from codewheel.language.keys_of_specs import WrittenSpec
 from codewheel.language.schemas import described_parts, part_schema, schema_with_parts
-from codewheel.language.written_parts import WrittenSpec
 from codewheel.model.keys_and_members import data_notation, key_type
 from codewheel.model.part import NOTHING, STEPS, Count, Name, Prose, fact, key, keys_of, part
 

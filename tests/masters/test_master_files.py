@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.language.check import check_document
+from codewheel.language.keys_of_masters import NUMBERS, WORDS
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
-from codewheel.language.written_masters import NUMBERS, WORDS
 from codewheel.masters.sheet import Master
 
 HERE = Path(__file__).parent

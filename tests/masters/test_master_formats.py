@@ -16,7 +16,7 @@ from typing import Any
 import file_readers as readers
 import pytest
 from codewheel.commands.cli import main
-from codewheel.language.written_masters import FILE_FORMATS
+from codewheel.language.keys_of_masters import FILE_FORMATS
 from codewheel.masters.encoder_facts import EncoderFacts
 from codewheel.masters.frame_parts import NoRecord
 from codewheel.masters.groups import facts_of_order_codes

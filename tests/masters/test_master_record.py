@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from codewheel.language.written_masters import NUMBERS, WORDS
+from codewheel.language.keys_of_masters import NUMBERS, WORDS
 from codewheel.loading.library import load_library
 from codewheel.masters.encoder_facts import EncoderFacts, Undecided
 from codewheel.masters.frame_parts import NoRecord

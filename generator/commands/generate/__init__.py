@@ -259,7 +259,7 @@ def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> 
 
     ``generated`` is the result of that run, or None if there is none with the same input.
     """
-    from ...write import digest_on_disk
+    from ...write_and_remove import digest_on_disk
 
     if generated is None or digest_on_disk(arguments.output, generated["targets"]) != generated["digest"]:
         return False
@@ -270,7 +270,7 @@ def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> 
 
 def result_to_store(read_line: str, files: Files, families: Families) -> Generated:
     """Return the result of a run that rendered these files."""
-    from ...write import digest_of
+    from ...write_and_remove import digest_of
 
     count = sum(map(len, files.values()))
     return Generated(read_line=read_line, targets=list(files), count=count, digest=digest_of(files, families))

@@ -4,7 +4,7 @@ A run removes no outputs of families that it has not read, unless there is ``--p
 about all families, so they must be written from all families or not at all. The list in each target's folder records
 the families that it was written from. Lists of earlier versions do not record them. Then a file belongs to a family if
 its name contains the name of the family. Which files are no longer outputs and are therefore removed is decided in
-``write.list_changes``.
+``write_and_remove.list_changes``.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from ...output_folder import WriteError, families_in
 from ...say import count_with_unit, first_of
 from ...targets import Library, TargetError
 from ...targets.registry import load_target
-from ...write import FileChange, left_stages, list_changes, write
+from ...write_and_remove import FileChange, left_stages, list_changes, write
 from ..outputs import FamilyParts, accepted_devices, owners
 from ..terminal import CommandError
 from . import Families, Files, print_summary

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...model import Biss, Crc
+from ..keys_of_fields import WrittenField, WrittenRegister
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, Path, quoted
 from ..written import LocatedPart
-from ..written_fields import WrittenField, WrittenRegister
-from ..written_parts import WrittenSpec
 from .parts import (
     bank_select_register,
     by_name,

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from ...model.expressions import Expression, ExpressionError, resolve_parameters
 from ..document import Path
+from ..keys_of_order_codes import WrittenCodePart, WrittenCodeValue
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, quoted
-from ..written_codes import WrittenCodePart, WrittenCodeValue
-from ..written_parts import WrittenSpec
 from .frames import gray_of, layouts_with_position
 from .parts import by_name, interfaces, is_explained_at, layouts_of_interfaces, measurements
 from .references import NameResolver

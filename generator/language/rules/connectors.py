@@ -9,9 +9,9 @@ from itertools import pairwise
 
 from ...model import Connector
 from ..document import Path
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
-from ..written_parts import WrittenSpec
 from .parts import is_second_reading
 from .references import NameResolver
 

@@ -10,10 +10,10 @@ from typing import NamedTuple
 from ...model import Evidence
 from ...model.interface_parts import CABLE_LIMITS
 from ..document import Path
+from ..keys_of_order_codes import WrittenBiss, WrittenSsi
+from ..keys_of_specs import WrittenExample, WrittenSpec
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
-from ..written_codes import WrittenBiss, WrittenSsi
-from ..written_parts import WrittenExample, WrittenSpec
 from .manual import places_in_document
 from .parts import (
     FieldList,

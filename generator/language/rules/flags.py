@@ -7,10 +7,10 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 
 from ...model import INTERFACES, Alarm, Biss
+from ..keys_of_fields import WrittenField, WrittenFieldGroup
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, quoted, suggest_word
 from ..written import LocatedPart
-from ..written_fields import WrittenField, WrittenFieldGroup
-from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
     FieldOwner,

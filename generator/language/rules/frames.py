@@ -8,11 +8,11 @@ from collections.abc import Iterator, Sequence
 from ...model import Biss, Rs485, Ssi
 from ...model.interfaces import DataId
 from ...model.measurement import LayoutRange, Measurement
+from ..keys_of_fields import WrittenField, WrittenGray, WrittenLayout
+from ..keys_of_order_codes import WrittenRs485, WrittenSsi
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, join_words, quoted
 from ..written import LocatedPart
-from ..written_codes import WrittenRs485, WrittenSsi
-from ..written_fields import WrittenField, WrittenGray, WrittenLayout
-from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
     FieldOwner,

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 from ...model import Revision
 from ..document import Path, value_at
+from ..keys_of_specs import WrittenManual, WrittenSection, WrittenSpec
 from ..problems import DocumentReport, quoted, suggest_word
 from ..written import LocatedPart
-from ..written_parts import WrittenManual, WrittenSection, WrittenSpec
 from .parts import is_explained_at
 from .walk import is_placeholder, leaves_of, mapping, sources, texts_in_our_words
 

@@ -12,9 +12,7 @@ from ...model.expressions import Expression, ExpressionError
 from ...model.part import Prose
 from ...model.part import key as described_key
 from ...say.text import count_with_unit
-from ..problems import DocumentReport, Path, join_words, quoted, suggest_word
-from ..written import WrittenPart
-from ..written_masters import (
+from ..keys_of_masters import (
     FILE_FORMATS,
     NUMBERS,
     WORDS,
@@ -28,6 +26,8 @@ from ..written_masters import (
     WrittenString,
     WrittenWriting,
 )
+from ..problems import DocumentReport, Path, join_words, quoted, suggest_word
+from ..written import WrittenPart
 
 #: Names of all items of a record, which describes an encoder for a master.
 _ITEM_NAMES = (*WORDS, *NUMBERS)

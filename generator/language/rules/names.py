@@ -9,9 +9,9 @@ from itertools import combinations
 from typing import NamedTuple, Protocol
 
 from ..document import Path
+from ..keys_of_fields import WrittenField
+from ..keys_of_specs import WrittenSpec, WrittenStep
 from ..problems import DocumentReport, is_typo, quoted, suggest_word
-from ..written_fields import WrittenField
-from ..written_parts import WrittenSpec, WrittenStep
 from .parts import by_name, constant_width, field_lists, owner_of_alarm, register_of_step, value_names_of_register
 from .walk import KEYS_OF_TEXTS, SECTIONS_ON_OTHER_DOCUMENTS, is_derived, leaves_of, texts_about_encoder
 

@@ -9,9 +9,9 @@ from ...model import Crc
 from ...say import count_with_unit
 from ..document import Path
 from ..hints import POLYNOMIAL, polynomial_powers
+from ..keys_of_fields import WrittenField
+from ..keys_of_specs import WrittenErratum, WrittenSpec
 from ..problems import DocumentReport, quoted
-from ..written_fields import WrittenField
-from ..written_parts import WrittenErratum, WrittenSpec
 from .parts import by_part_name, constant_width, field_lists, layouts_of_interfaces
 from .walk import ErratumTargets, is_derived, leaves_of, texts_in_our_words
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..document import Path
+from ..keys_of_order_codes import WrittenCodePart, WrittenCodeValue, WrittenParameter, WrittenSpelling
+from ..keys_of_specs import WrittenSpec
 from ..problems import WORDS_ONLY, DocumentReport, quoted
-from ..written_codes import WrittenCodePart, WrittenCodeValue, WrittenParameter, WrittenSpelling
-from ..written_parts import WrittenSpec
 from .parts import keys_of_origin
 
 #: Largest number of codes of one family. More indicate an error, because the largest catalogs list a few hundred.

@@ -9,10 +9,10 @@ from itertools import takewhile
 from typing import NamedTuple
 
 from ..document import Path
+from ..keys_of_order_codes import WrittenCodePart, WrittenOrderCode
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, quoted
 from ..schemas import PROSE
-from ..written_codes import WrittenCodePart, WrittenOrderCode
-from ..written_parts import WrittenSpec
 from .parts import by_name
 from .walk import KEYS_OF_TEXTS, is_derived, leaves_of, texts_about_encoder
 

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from ...model.expressions import LARGEST_MULTIPLE, Expression, ExpressionError, Factor, Term
 from ..hints import expression_hint, number_hint
+from ..keys_of_fields import WrittenField, WrittenRegister
+from ..keys_of_order_codes import WrittenAlternative, WrittenBiss, WrittenParameter, WrittenSpi
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, Path, join_words, quoted
-from ..written_codes import WrittenAlternative, WrittenBiss, WrittenParameter, WrittenSpi
-from ..written_fields import WrittenField, WrittenRegister
-from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
     FieldOwner,

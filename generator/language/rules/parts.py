@@ -18,11 +18,18 @@ from ...model import INTERFACES, Alarm, Biss, Clock, Timing
 from ...model.measurement import Measurement
 from ..document import Document
 from ..files import is_second
+from ..keys_of_fields import WrittenField, WrittenFieldGroup, WrittenLayout, WrittenRegister
+from ..keys_of_order_codes import (
+    WrittenBiss,
+    WrittenControlData,
+    WrittenParameter,
+    WrittenRs485,
+    WrittenSpi,
+    WrittenSsi,
+)
+from ..keys_of_specs import WrittenSpec, WrittenStep
 from ..problems import DocumentReport, Path
 from ..written import LocatedPart
-from ..written_codes import WrittenBiss, WrittenControlData, WrittenParameter, WrittenRs485, WrittenSpi, WrittenSsi
-from ..written_fields import WrittenField, WrittenFieldGroup, WrittenLayout, WrittenRegister
-from ..written_parts import WrittenSpec, WrittenStep
 
 #: A rule, called with a spec that contains only valid parts, and the report to which it adds problems.
 Rule = Callable[[WrittenSpec, DocumentReport], None]

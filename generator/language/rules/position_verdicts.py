@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ...model import INTERFACES, Verdict
 from ..document import Path
+from ..keys_of_fields import WrittenCombination, WrittenField
+from ..keys_of_order_codes import WrittenAlternative
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, quoted, suggest_word
-from ..written_codes import WrittenAlternative
-from ..written_fields import WrittenCombination, WrittenField
-from ..written_parts import WrittenSpec
 from .flags import names_error
 from .parts import (
     FieldList,

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from ...model import INTERFACES
+from ..keys_of_fields import WrittenRegister
+from ..keys_of_order_codes import WrittenRs485
+from ..keys_of_specs import WrittenProcedure, WrittenSpec, WrittenStep
 from ..problems import DocumentReport, Path, quoted
-from ..written_codes import WrittenRs485
-from ..written_fields import WrittenRegister
-from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
 from .parts import (
     NO_REGISTER,
     Groups,

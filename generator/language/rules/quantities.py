@@ -9,10 +9,10 @@ from decimal import Decimal
 
 from ...model import Alarm, Quantity, Supply
 from ...model.expressions import Factor
+from ..keys_of_fields import WrittenField
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, Path, join_words, quoted
 from ..written import LocatedPart
-from ..written_fields import WrittenField
-from ..written_parts import WrittenSpec
 from .code_meanings import supply_in_text
 from .parameters import KEYS_IN_BITS, KIND_OF_UNIT_BY_KEY, expressions, list_factors
 from .parts import field_lists

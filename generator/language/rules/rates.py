@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 from ...model import Timing
 from ...model.interface_parts import CABLE_LIMITS, CableLength, Clock
+from ..keys_of_order_codes import WrittenRs485, WrittenSpi, WrittenSsi
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, Path, missing_keys_message, quoted
 from ..written import LocatedPart
-from ..written_codes import WrittenRs485, WrittenSpi, WrittenSsi
-from ..written_parts import WrittenSpec
 from .parts import (
     WrittenInterface,
     as_affected_name,

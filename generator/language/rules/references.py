@@ -11,11 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from ...model import INTERFACES, Alarm, Biss, Measurement
 from ...model.registers import has_steps
 from ..document import Path
-from ..problems import DocumentReport, nearest_choice, quoted, suggest_word
-from ..schema_check import remaining_value_at
-from ..written import LocatedPart
-from ..written_codes import WrittenRs485
-from ..written_fields import (
+from ..keys_of_fields import (
     KIND_KEYS,
     WrittenField,
     WrittenFieldGroup,
@@ -23,7 +19,11 @@ from ..written_fields import (
     WrittenRegister,
     WrittenRegisterMeaning,
 )
-from ..written_parts import WrittenSpec
+from ..keys_of_order_codes import WrittenRs485
+from ..keys_of_specs import WrittenSpec
+from ..problems import DocumentReport, nearest_choice, quoted, suggest_word
+from ..schema_check import remaining_value_at
+from ..written import LocatedPart
 from .parts import (
     FieldList,
     FieldOwner,

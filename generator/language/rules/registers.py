@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 from ...model import INTERFACES
+from ..keys_of_fields import WrittenField, WrittenPrintedDefault, WrittenRegister
+from ..keys_of_specs import WrittenErratum, WrittenSpec
 from ..problems import DocumentReport, quoted
-from ..written_fields import WrittenField, WrittenPrintedDefault, WrittenRegister
-from ..written_parts import WrittenErratum, WrittenSpec
 from .parts import (
     BitRange,
     FieldOwner,

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from ..document import Path
 from ..files import family_of
+from ..keys_of_fields import WrittenField, WrittenRegister
+from ..keys_of_order_codes import WrittenRs485
+from ..keys_of_specs import WrittenSpec
 from ..problems import MISSING_PROSE, DocumentReport, quoted
-from ..written_codes import WrittenRs485
-from ..written_fields import WrittenField, WrittenRegister
-from ..written_parts import WrittenSpec
 from .parts import (
     PlacedPart,
     by_name,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from ...model import Spi
+from ..keys_of_fields import WrittenField, WrittenLayout
+from ..keys_of_order_codes import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, quoted, suggest_word
-from ..written_codes import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
-from ..written_fields import WrittenField, WrittenLayout
-from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
     FieldOwner,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
+from ..keys_of_fields import KIND_KEYS, NUMBER, WrittenField, WrittenLayout
+from ..keys_of_specs import WrittenExample, WrittenSpec
 from ..problems import DocumentReport, join_words, missing_keys_message, quoted
 from ..written import WrittenPart
-from ..written_fields import KIND_KEYS, NUMBER, WrittenField, WrittenLayout
-from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
     MAX_FIELDS,
     FieldList,

@@ -9,10 +9,10 @@ from typing import Literal, NamedTuple
 
 from ...model import Characteristic
 from ..document import Path
+from ..keys_of_fields import WrittenRegister
+from ..keys_of_specs import WrittenErratum, WrittenExample, WrittenSpec
 from ..problems import DocumentReport, join_words, quoted, suggest_word
 from ..written import located
-from ..written_fields import WrittenRegister
-from ..written_parts import WrittenErratum, WrittenExample, WrittenSpec
 from .parts import by_name
 from .walk import (
     KEYS_OF_TEXTS,

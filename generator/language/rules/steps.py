@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from ...model import Biss
 from ..document import Path
+from ..keys_of_fields import WrittenOpenedBy, WrittenRegister
+from ..keys_of_specs import WrittenProcedure, WrittenSpec, WrittenStep
 from ..problems import DocumentReport, quoted
-from ..written_fields import WrittenOpenedBy, WrittenRegister
-from ..written_parts import WrittenProcedure, WrittenSpec, WrittenStep
 from .parts import (
     Groups,
     Registers,

@@ -9,9 +9,9 @@ from decimal import Decimal
 
 from ...model import Table
 from ...say.text import count_with_unit
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
-from ..written_parts import WrittenSpec
 
 _DECIMAL_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 _HEX_NUMBER = re.compile(r"(?:0x)?([0-9A-F]{2,4})h?")

@@ -14,11 +14,11 @@ from itertools import pairwise
 from ...model import Timing
 from ...model.interface_parts import Clock, Timeout
 from ...say.text import nanoseconds
+from ..keys_of_fields import WrittenRegister
+from ..keys_of_order_codes import WrittenBiss
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, Path, join_words, quoted
 from ..written import LocatedPart
-from ..written_codes import WrittenBiss
-from ..written_fields import WrittenRegister
-from ..written_parts import WrittenSpec
 from .parts import PlacedPart, by_name, interfaces, is_explained_at, share_order_codes, timings
 from .walk import ErratumTargets, is_derived, leaves
 

@@ -9,9 +9,9 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from ..document import Document, child_at, label_of
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, Path
 from ..schemas import PROSE
-from ..written_parts import WrittenSpec
 from .parts import KEYS_OMITTED_BY_ERRATA, PlacedPart
 
 #: A part of a spec, in which any key can have any value.

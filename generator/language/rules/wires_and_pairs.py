@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 from ...model import Connector
 from ..document import Path
+from ..keys_of_specs import WrittenSpec
 from ..problems import DocumentReport, quoted
 from ..written import LocatedPart
-from ..written_parts import WrittenSpec
 from .connectors import partner_of, signal_names
 from .parts import is_explained_at, is_second_reading
 from .walk import KEYS_OF_EXPLANATIONS, texts_of

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 
-from ...language.written_masters import FILE_FORMATS, PLACE_KINDS, FileFormat
+from ...language.keys_of_masters import FILE_FORMATS, PLACE_KINDS, FileFormat
 from ...masters.places_and_writing import ObjectWrite, SettingPlace, YamlMapping, write_order
 from ...masters.sheet import Setting, SettingsSheet
 from ...masters.text import condition_text

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Annotated, NamedTuple, TypedDict
 
+from ...language.keys_of_masters import FILE_FORMATS
 from ...language.problems import join_words
-from ...language.written_masters import FILE_FORMATS
 from ...masters.encoder_facts import EncoderFacts
 from ...masters.groups import GroupSheets, sheets_of
 from ...masters.places_and_writing import SettingPlace, YamlMapping

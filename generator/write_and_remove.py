@@ -1,4 +1,4 @@
-"""Decide what changes in the output folder, which ``output_folder.Stage`` carries out.
+"""Decide which outputs are written and which are removed; ``output_folder.Stage`` carries it out.
 
 Each target has its own folder in the output folder. Its complete new content is first assembled in a stage, a temporary
 folder next to it. The folders are exchanged when all targets are complete. Only one process at a time does this.

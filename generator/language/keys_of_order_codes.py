@@ -1,6 +1,6 @@
-"""Order codes and what they select, as they are written in specs: parameters and interfaces, and answers of the user.
+"""Keys of order codes in specs, and of what they select: parameters, interfaces, and answers of the user.
 
-See ``written_parts.py``.
+See ``keys_of_specs.py``.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from ..model.part import (
     key,
     note_key,
 )
+from .keys_of_fields import WrittenField, WrittenLayout
 from .written import LocatedPart, WrittenPart, written
-from .written_fields import WrittenField, WrittenLayout
 
 
 @written("A quantity that differs between order codes.")

@@ -1,4 +1,4 @@
-"""The parts of a spec whose written form differs from the model.
+"""Keys of a spec and of its parts, as far as their written form differs from the model.
 
 The JSON Schema follows from these classes (see ``schemas.py``), and rules read them.
 """
@@ -50,9 +50,9 @@ from ..model.part import (
     key,
     note_key,
 )
+from .keys_of_fields import WrittenFieldGroup, WrittenPrintedDefault, WrittenRegister
+from .keys_of_order_codes import WrittenAlternative, WrittenInterfaces, WrittenOrderCode, WrittenParameter
 from .written import LocatedPart, WrittenPart, written
-from .written_codes import WrittenAlternative, WrittenInterfaces, WrittenOrderCode, WrittenParameter
-from .written_fields import WrittenFieldGroup, WrittenPrintedDefault, WrittenRegister
 
 
 @written("One value.")

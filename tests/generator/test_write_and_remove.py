@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from codewheel import output_folder as stage_module
 from codewheel.output_folder import LIST, LIST_HEAD, Stage, WriteError
-from codewheel.write import FileChange, digest_of, digest_on_disk, list_changes, write
+from codewheel.write_and_remove import FileChange, digest_of, digest_on_disk, list_changes, write
 
 FILES = {"python/a.py": "a\n", "python/pkg/b.py": "b\n"}
 

@@ -1,4 +1,4 @@
-"""Descriptions of masters as they are written, as far as rules read them, and the names that these can use.
+"""Keys of descriptions of masters, as far as rules read them, and the names that these can use.
 
 ``master.schema.json`` describes the keys. A test compares them with these classes. The names are those of the items of
 a record, which describes an encoder for a master, of data types, and of file formats.

@@ -11,21 +11,21 @@ from typing import Any
 
 import pytest
 import yaml
-from codewheel.language import written_masters, written_parts
+from codewheel.language import keys_of_masters, keys_of_specs
 from codewheel.language.check import check_document
+from codewheel.language.keys_of_fields import WrittenField, WrittenLayout, WrittenRegister
+from codewheel.language.keys_of_order_codes import WrittenBiss
 from codewheel.language.problems import ProblemReport
 from codewheel.language.read import read_document
 from codewheel.language.schemas import described_parts
 from codewheel.language.written import LocatedPart, WrittenPart
-from codewheel.language.written_codes import WrittenBiss
-from codewheel.language.written_fields import WrittenField, WrittenLayout, WrittenRegister
 from codewheel.model.expressions import Expression
 from codewheel.model.keys_and_members import name_of_part
 from codewheel.model.part import keys_of
 
 #: Methods of written parts whose argument is a key.
 _ASKING = ("has", "is_valid", "names_in", "path_of")
-RULES = Path(written_parts.__file__).parent / "rules"
+RULES = Path(keys_of_specs.__file__).parent / "rules"
 #: Most places at which rules may ask by text whether a key was given.
 MOST_PRESENCE_TESTS = 40
 #: Most keys with a literal JSON Schema, and most keys with a second sentence.
@@ -117,13 +117,13 @@ def test_every_key_of_every_part_can_be_read_from_an_empty_map() -> None:
 
 def master_classes() -> list[type[WrittenPart]]:
     """Return the classes of the parts of a master."""
-    classes = [value for value in vars(written_masters).values() if isinstance(value, type)]
+    classes = [value for value in vars(keys_of_masters).values() if isinstance(value, type)]
     return [kind for kind in classes if issubclass(kind, WrittenPart) and kind is not WrittenPart]
 
 
 def schema_of(kind: type[WrittenPart]) -> dict[str, Any]:
     """Return the schema of a class of ``master_classes``."""
-    master = json.loads((Path(written_parts.__file__).parent / "master.schema.json").read_text(encoding="utf-8"))
+    master = json.loads((Path(keys_of_specs.__file__).parent / "master.schema.json").read_text(encoding="utf-8"))
     schemas = {"master": master, **master["$defs"]}
     schema: dict[str, Any] = schemas[name_of_part(kind.__name__).removeprefix("master_")]
     return schema

@@ -1,4 +1,4 @@
-"""Fields, and the layouts, groups and registers that consist of them, as written in specs. See ``written_parts.py``."""
+"""Keys of fields, layouts, groups and registers in specs: the words that each may have. See ``keys_of_specs.py``."""
 
 from __future__ import annotations
 
