@@ -122,6 +122,14 @@ def session_on(lika: Any, line: Line, **more: Any) -> Any:
     return Session(lika.lookup(CODE), clock=line.clock, **more)
 
 
+class CutReplies(Line):
+    """Line on which half of each reply arrives after 30 ms, and then nothing."""
+
+    def write(self, data: bytes) -> None:
+        reply = reply_to(data[0], 1)
+        self._put(self.now + 0.03, reply[: len(reply) // 2])
+
+
 def count_stale(line: Line, session: Any, count: int) -> int:
     """Return how many of this many positions belong to an earlier request."""
     stale = 0
@@ -255,6 +263,16 @@ def test_a_second_device_is_an_error(generated_python: Package, second: float, p
     assert isinstance(error, SecondDeviceError)
     text = r"^\d+ extra replies with other values came from the line to AMM5A23/65KJP1, the last one [0-9A-F ]+; "
     assert re.search(text + "check whether a second device on the line answers, too$", str(error))
+
+
+@pytest.mark.parametrize("line", [Line(turnaround=10.0), CutReplies()], ids=["silent", "cut"])
+def test_a_request_without_a_whole_reply_ends_after_its_timeout(generated_python: Package, line: Line) -> None:
+    from codewheel_runtime.link_errors import LinkError
+
+    session = session_on(generated_python[1], line, timeout_s=0.1, retries=0)
+    with pytest.raises(LinkError):
+        line.do(session.position())
+    assert line.now == pytest.approx(0.1)
 
 
 def test_values_of_the_parameter(generated_python: Package) -> None:
