@@ -10,7 +10,13 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import BitSlice, Device, Fault, Rs485
-from codewheel.plan.codec import LayoutPlan, ShiftedBits, group_reserved_bits_by_shift, layout_plan_of
+from codewheel.plan.codec import (
+    LayoutPlan,
+    ShiftedBits,
+    _bits_at_end,
+    group_reserved_bits_by_shift,
+    layout_plan_of,
+)
 from codewheel.plan.frames import (
     Reply,
     dispatches,
@@ -394,3 +400,20 @@ def test_range_of_the_position(small: Device) -> None:
     assert [layout.name for layout in position_range.layouts] == ["word", "padded_word"]
     assert (position_range.has_difference, position_range.never_wraps) == (True, False)
     assert [factor.value({"position_bits": 12}) for factor in count_factors(position_range.measurement)] == [4096]
+
+
+@pytest.mark.parametrize(
+    ("layout_name", "byte_of_low_half", "byte_of_high_half", "low_bit"),
+    [("low_reply", 2, 3, 16), ("high_reply", 3, 2, 0)],
+)
+def test_a_crc_of_two_bytes_at_the_end(
+    layout_name: str, byte_of_low_half: int, byte_of_high_half: int, low_bit: int
+) -> None:
+    """The CRC is in the last two of four bytes, its low byte first or last."""
+    device = load(TESTS / "reference" / "specs")
+    crc_bits = _bits_at_end(device.layout(layout_name), 16)
+    assert crc_bits.low.value({}) == low_bit
+    assert crc_bits.bit_slices == (
+        BitSlice(byte=byte_of_low_half, low_in_byte=0, mask=0xFF, low_in_number=0),
+        BitSlice(byte=byte_of_high_half, low_in_byte=0, mask=0xFF, low_in_number=8),
+    )

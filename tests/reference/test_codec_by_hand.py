@@ -30,6 +30,9 @@ FRAMES: list[tuple[str, str, Values, int]] = [
     ("spare_word", "HABG", {"first_spare": 1, "value": 5, "second_spare": 5, "unused": 0b11_100}, 0b01_101_101),
     ("digit_word", "HABG", {"lot": 2307, "year": 23, "batch": 7}, 2307),
     ("digit_word", "HABG", {"lot": 9999, "year": 99, "batch": 99}, 9999),
+    # Four bits for each decimal digit, of which the first one has only two.
+    ("bcd_word", "HABG", {"decimal_number": 312}, 0b11_0001_0010),
+    ("bcd_word", "HABG", {"decimal_number": 390}, 0b11_1001_0000),
     ("text_word", "HABG", {"label": "Az"}, 0x41 << 8 | 0x7A),
     # 101 and 0111 have five 1 bits, 0111 has three. 011 and 0101 have four, 0101 has two.
     ("parity_word", "HABG", {"a": 5, "b": 7, "even": 1, "odd": 0}, 0b101_0111_1_0),
