@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from itertools import product
 
 import pytest
 from codewheel.model import Crc
 from codewheel.plan.crcs import CoveredData, CrcMethod, can_be_folded, fold_plan, method_of
-from codewheel.reference.bits_and_values import compute_bits, compute_bytes
+from codewheel.reference.bits_and_values import bits_in_crc_order, compute_bits, compute_bytes, init_for_result
 
 
 def crc(width: int, poly: int, init: int = 0, refin: bool = False, refout: bool = False, xorout: int = 0) -> Crc:
@@ -40,6 +41,12 @@ CATALOGUE = [
 @pytest.mark.parametrize(("parameters", "check", "name"), CATALOGUE, ids=[row[2] for row in CATALOGUE])
 def test_catalogue(parameters: Crc, check: int, name: str) -> None:
     assert compute_bytes(parameters, b"123456789") == check
+
+
+@pytest.mark.parametrize(("parameters", "check", "name"), CATALOGUE, ids=[row[2] for row in CATALOGUE])
+def test_the_start_value_follows_from_the_check_value(parameters: Crc, check: int, name: str) -> None:
+    number, bits = bits_in_crc_order(parameters, b"123456789")
+    assert init_for_result(replace(parameters, init=0), number, bits, check) == parameters.init
 
 
 def test_xor_form_is_the_xor_of_the_bytes() -> None:
