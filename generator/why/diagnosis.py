@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ..model import Crc, Device, Number, PlacedLayout
 from ..model.record import dataclass
 from ..reference import codec
-from .hypotheses import LEAST_EQUAL_BITS, NOT_INVERTED, TEXTS, WITH_SECOND_MISTAKE, Hypothesis
+from .hypotheses import LEAST_EQUAL_BITS, NOT_INVERTED, OTHER_MESSAGE, TEXTS, WITH_SECOND_MISTAKE, Hypothesis
 from .recordings import FRAME_INSIDE
 
 #: Fewest bits that must match. A mistake that matches more than one random frame in eight explains nothing.
@@ -237,10 +237,11 @@ def _chance_of_any(hypotheses: Iterable[Hypothesis]) -> float:
 def _paired_with_inversion(hypotheses: Iterable[Hypothesis]) -> Iterator[Hypothesis]:
     """Yield each hypothesis combined with the most common mistake: a CRC that is wrongly inverted or not inverted.
 
-    Hypotheses without a CRC, this mistake itself, and frames that were searched at every bit are omitted.
+    Hypotheses without a CRC, this mistake itself, messages of another length, and frames that were searched at every
+    bit are omitted.
     """
     for hypothesis in hypotheses:
-        if hypothesis.crc is None or hypothesis.kind in (NOT_INVERTED, FRAME_INSIDE):
+        if hypothesis.crc is None or hypothesis.kind in (NOT_INVERTED, FRAME_INSIDE, OTHER_MESSAGE):
             continue
         is_inverted = hypothesis.crc.xorout != 0
         pair_text = TEXTS["not_inverted_too" if is_inverted else "inverted_too"]

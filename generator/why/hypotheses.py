@@ -43,6 +43,7 @@ class TypedFrame:
 
 
 NOT_INVERTED = "crc_not_inverted"
+OTHER_MESSAGE = "other_message"
 
 #: Estimated relative frequency of each kind of mistake, with the reason. It applies to every single hypothesis.
 MISTAKES: Mapping[str, float] = MappingProxyType(
@@ -82,6 +83,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "words_swapped": 2,  # a buffer of 16-bit words is read on a machine of the other byte order
         "bits_reversed": 1,  # the bits are collected from the other end
         "bits_reversed_in_bytes": 2,  # SPI or a serial port receives the least significant bit first
+        OTHER_MESSAGE: 16,  # a recording of the line contains requests, error messages and other replies
         "crc_bytes_swapped": 8,  # MODBUS sends its CRC low byte first and its numbers high byte first
         "crc_reversed": 0.5,  # the CRC is computed least significant bit first
     }
@@ -337,6 +339,7 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "crc_reversed": "the bits of the CRC are in reverse order",
         "crc_bytes_swapped": "the bytes of the CRC are swapped",
         "and_swapped": "{0}, and its bytes are swapped",
+        "and_crc_bytes_swapped": "{0}, and the bytes of the CRC are swapped",
         "status_left_out": "the CRC covers only the bits before error and warning",
         "status_turned": "error and warning were converted to active high",
         "removed_and_idle": "error and warning were removed from the frame, and the CRC is computed as if they were "
@@ -370,6 +373,8 @@ TEXTS: Mapping[str, str] = MappingProxyType(
         "last_byte_missing": "the last byte, a part of the CRC, is missing",
         "and_follows": "{0}, and an extra byte follows the frame",
         "bytes_inverted": "every bit is inverted",
+        "other_message": "the CRC at the end is correct, so this is a whole message of another length, such as a "
+        "request, an error message or a different reply",
         "bytes_missing": "the text has {0} of the {1} bytes of the frame. Missing: {2}",
         "read_as_zeros": "{0}, treated as leading zeros",
         "zeros_left_out": "{0}. If it lacks its leading zeros instead, write {1}",

@@ -19,12 +19,22 @@ from ..model import (
 )
 from ..reference.bits_and_values import bits_of_field, compute_bytes, parity_bit, reflect
 from .exchanges import LEAST_EVIDENCE, usual_values_of
-from .hypotheses import TEXTS, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
+from .hypotheses import (
+    OTHER_MESSAGE,
+    TEXTS,
+    WITH_SECOND_MISTAKE,
+    Hypothesis,
+    TypedFrame,
+    check_constant_bits,
+    frame_hypothesis,
+)
 from .other_crcs import hypothesis_without_mistake, other_crcs_over_bytes
 from .other_order_codes import other_order_code_hypotheses
 
 #: Longest request in bytes whose echo is considered. A MODBUS request that reads registers has 8.
 MOST_ECHOED_BYTES = 8
+#: Fewest bits of a CRC that shows that bytes are a whole message. It matches one of 65,536 random messages.
+LEAST_BITS_OF_MESSAGE_CRC = 16
 #: Number of values of a byte.
 BYTE_VALUES = 256
 
@@ -50,6 +60,8 @@ def byte_hypotheses(
         has_frame_length = 8 * len(received_bytes) == placed_layout.bits
         if crc is not None and is_expected_layout and has_frame_length:
             yield from _other_crc_hypotheses(placed_layout, crc, received_bytes)
+        if crc is not None and not has_frame_length and _shows_whole_message(crc, received_bytes):
+            yield _other_message_hypothesis(placed_layout, crc, received_bytes)
         if crc is None:
             number = number_from_bytes(layout, received_bytes)
             typed_frame = TypedFrame(number, bits=8 * len(received_bytes), exact=True)
@@ -104,6 +116,33 @@ def _other_crc_hypotheses(placed_layout: PlacedLayout, crc: Crc, frame: bytes) -
         )
 
 
+def _shows_whole_message(crc: Crc, received_bytes: bytes) -> bool:
+    """Return whether a correct CRC would show that bytes are a whole message, whatever its length is.
+
+    The CRC has at least 16 bits. Its start value is not 0, because otherwise missing or extra zeros do not change it.
+    """
+    has_data = len(received_bytes) > crc.width // 8
+    return has_data and crc.width >= LEAST_BITS_OF_MESSAGE_CRC and crc.init != 0
+
+
+def _other_message_hypothesis(placed_layout: PlacedLayout, crc: Crc, received_bytes: bytes) -> Hypothesis:
+    """Return the hypothesis that bytes are a whole message of another length, with the same CRC at its end."""
+    data = received_bytes[: -crc.width // 8]
+    crc_bytes = received_bytes[len(data) :]
+    bytes_before_crc = bytes(placed_layout.bits // 8 - len(crc_bytes))
+    frame_with_crc = number_from_bytes(placed_layout.layout, bytes_before_crc + crc_bytes)
+    return Hypothesis(
+        kind=OTHER_MESSAGE,
+        description=TEXTS["other_message"],
+        crc=crc,
+        covered_data=int.from_bytes(data, "big"),
+        covered_bits=8 * len(data),
+        received_crc=_received_crc(placed_layout, frame_with_crc),
+        received_crc_bits=crc.width,
+        is_crc_over_bytes=True,
+    )
+
+
 def _displaced_byte_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes, first_bytes: Sequence[int]
 ) -> Iterator[Hypothesis]:
@@ -153,21 +192,23 @@ def _extra_byte_hypotheses(placed_layout: PlacedLayout, crc: Crc | None, receive
 def _changed_bit_hypotheses(
     placed_layout: PlacedLayout, crc: Crc | None, received_bytes: bytes
 ) -> Iterator[Hypothesis]:
-    """Yield the hypotheses that all bits are inverted, and that the bits of each byte are in reverse order."""
-    yield _frame_hypothesis(
-        kind="all_inverted",
-        description=TEXTS["bytes_inverted"],
-        placed_layout=placed_layout,
-        crc=crc,
-        frame=bytes(byte ^ 0xFF for byte in received_bytes),
-    )
-    yield _frame_hypothesis(
-        kind="bits_reversed_in_bytes",
-        description=TEXTS["bits_reversed_in_bytes"],
-        placed_layout=placed_layout,
-        crc=crc,
-        frame=bytes(reflect(byte, 8) for byte in received_bytes),
-    )
+    """Yield the hypotheses that all bits are inverted, and that the bits of each byte are in reverse order.
+
+    The bytes of the CRC may be swapped too.
+    """
+    inverted_bytes = bytes(byte ^ 0xFF for byte in received_bytes)
+    reversed_bytes = bytes(reflect(byte, 8) for byte in received_bytes)
+    for kind, description, frame in (
+        ("all_inverted", TEXTS["bytes_inverted"], inverted_bytes),
+        ("bits_reversed_in_bytes", TEXTS["bits_reversed_in_bytes"], reversed_bytes),
+    ):
+        yield _frame_hypothesis(kind, description, placed_layout, crc, frame)
+        if crc is not None and crc.width > 8:
+            crc_length = crc.width // 8
+            frame_with_swapped_crc = frame[:-crc_length] + frame[-crc_length:][::-1]
+            description_of_both = TEXTS["and_crc_bytes_swapped"].format(description)
+            hypothesis = _frame_hypothesis(kind, description_of_both, placed_layout, crc, frame_with_swapped_crc)
+            yield replace(hypothesis, relative_frequency=WITH_SECOND_MISTAKE)
 
 
 def _missing_first_byte_hypotheses(

@@ -401,7 +401,8 @@ function explainWithCrc(hypotheses, refuted, isWithPairs) {
   // A frame found at any bit is weak evidence.
   const isFoundInsideOnly = merged.every((explanation) => explanation.kind === TABLE.inside[0]);
   if (isWithPairs || isFoundInsideOnly) {
-    const canBePaired = ({ crc, kind }) => crc && !["crc_not_inverted", TABLE.inside[0]].includes(kind);
+    const canBePaired = ({ crc, kind }) => (
+      crc && !["crc_not_inverted", "other_message", TABLE.inside[0]].includes(kind));
     const pairs = selectSignificant(unrepeated.filter(canBePaired).map(pairWithInversion), refuted);
     // A pair that leads to the same frame as a single mistake is left out.
     const distinctPairs = selectDistinct([...distinct, ...pairs]).slice(distinct.length);
@@ -886,9 +887,11 @@ function tryMistakesInBytes(decoded) {
     const placedLayout = placedFor(orderCode, layout, {}, firstAnswers);
     const { crc } = placedLayout;
     if (crc && !isWholeBytes(crc)) return [];
-    const isExpected = expectedLayout?.layout === layout && 8 * data.length === placedLayout.bits;
+    const hasFrameLength = 8 * data.length === placedLayout.bits;
+    const isExpected = expectedLayout?.layout === layout && hasFrameLength;
     const typedFrame = { number: numberOfFrame(layout, data), bits: 8 * data.length, exact: true };
     return [...(crc && isExpected ? tryOtherByteCrcs(placedLayout, crc, data) : []),
+      ...(crc && !hasFrameLength ? tryOtherMessage(placedLayout, crc, data) : []),
       ...(crc ? [] : tryOtherOrderCodes(placedLayout, typedFrame)), ...tryMovedBytes(placedLayout, crc, data)];
   });
   // Whole frames already explain extra bytes around the same frame.
@@ -936,6 +939,19 @@ function tryOtherByteCrcs(placedLayout, crc, data) {
     coveredData: joinBytes(coveredBytes), coveredBits: 8 * coveredBytes.length })];
 }
 
+/** The bytes are a whole message of another length, if a CRC of many bits with a start value other than 0 shows it. */
+function tryOtherMessage(placedLayout, crc, receivedBytes) {
+  const crcLength = crc.width / 8;
+  const canShow = crc.width >= TABLE.exchanges.message_crc && toBigInt(crc.init) !== 0n;
+  if (!canShow || receivedBytes.length <= crcLength) return [];
+  const data = receivedBytes.slice(0, -crcLength);
+  const frame = [...Array(placedLayout.bits / 8 - crcLength).fill(0), ...receivedBytes.slice(-crcLength)];
+  return [createHypothesis({
+    kind: "other_message", text: TABLE.texts.other_message, crc, coveredData: joinBytes(data),
+    coveredBits: 8 * data.length, receivedCrc: receivedCrcOf(placedLayout, frame), crcBitsReceived: crc.width,
+    isOfBytes: true })];
+}
+
 /** The bytes do not begin and end with the frame, are inverted, or have their bits in reverse order. */
 function tryMovedBytes(placedLayout, crc, data) {
   const { texts } = TABLE;
@@ -978,10 +994,22 @@ function tryMovedBytes(placedLayout, crc, data) {
         placeCount: TABLE.exchanges.byte_values });
     }
   }
-  if (extraBytes === 0) hypotheses.push(
-    assumeFrame("all_inverted", texts.bytes_inverted, data.map((byte) => byte ^ 0xFF)),
-    assumeFrame("bits_reversed_in_bytes", texts.bits_reversed_in_bytes,
-      data.map((byte) => Number(reverseBits(BigInt(byte), 8)))));
+  if (extraBytes === 0) {
+    const changedFrames = [
+      ["all_inverted", texts.bytes_inverted, data.map((byte) => byte ^ 0xFF)],
+      ["bits_reversed_in_bytes", texts.bits_reversed_in_bytes,
+        data.map((byte) => Number(reverseBits(BigInt(byte), 8)))]];
+    for (const [kind, text, frame] of changedFrames) {
+      hypotheses.push(assumeFrame(kind, text, frame));
+      if (crc?.width > 8) {
+        const crcLength = crc.width / 8;
+        const swappedFrame = [...frame.slice(0, -crcLength), ...frame.slice(-crcLength).reverse()];
+        hypotheses.push({
+          ...assumeFrame(kind, fillTemplate(texts.and_crc_bytes_swapped, text), swappedFrame),
+          relativeFrequency: TABLE.likely.with_second });
+      }
+    }
+  }
   return hypotheses;
 }
 

@@ -49,6 +49,10 @@ MISTAKES = {
     "CRC swapped": (DATA + REPLY[:-3:-1], "the bytes of the CRC are swapped"),
     "inverted": (bytes(byte ^ 0xFF for byte in REPLY), "every bit is inverted"),
     "bits reversed": (bytes(reflect(byte, 8) for byte in REPLY), "the bits of each byte are in reverse order"),
+    "bits reversed, CRC swapped": (
+        bytes(reflect(byte, 8) for byte in DATA + REPLY[:-3:-1]),
+        "the bits of each byte are in reverse order, and the bytes of the CRC are swapped",
+    ),
     "start value": (DATA + bytes.fromhex("EE 8D"), "the start value of the CRC is 0x0"),
     "CCITT-FALSE": (DATA + bytes.fromhex("8B E8"), "the CRC is that of CCITT-FALSE"),
     "XMODEM swapped": (DATA + bytes.fromhex("19 45"), "the CRC is that of XMODEM, and its bytes are swapped"),
@@ -62,10 +66,25 @@ def explanations_of(capsys: Capture, line: str, received: bytes) -> list[dict[st
     return explanations
 
 
+#: Messages of MODBUS in its specification, section 6: a request for two registers, the error message 2, and a register.
+OTHER_MESSAGES = {
+    "request": REQUEST,
+    "error": bytes.fromhex("01 83 02 C0 F1"),
+    "reply": bytes.fromhex("01 03 02 00 01 79 84"),
+}
+
+
+@pytest.mark.parametrize("name", OTHER_MESSAGES)
+def test_another_message_of_modbus_is_recognised_by_its_crc(name: str, capsys: Capture) -> None:
+    explanation, *_ = explanations_of(capsys, MODBUS, OTHER_MESSAGES[name])
+    assert explanation["text"].startswith("the CRC at the end is correct, so this is a whole message of another length")
+    assert explanation["one_in"] == 1 << 16
+
+
 @pytest.mark.parametrize("name", MISTAKES)
 def test_the_command_names_the_mistake_in_a_frame_of_modbus(name: str, capsys: Capture) -> None:
     received, text = MISTAKES[name]
-    (explanation,) = explanations_of(capsys, MODBUS, received)
+    explanation, *_ = explanations_of(capsys, MODBUS, received)
     assert explanation["text"] == text
     assert explanation["reads"] in ({}, {"address": 1, "length": 4, "position": 6120})
 
@@ -141,6 +160,7 @@ def planted_frames(line: str, numbers: random.Random) -> Iterator[bytes]:
                 yield from (frame[1:], frame[:-1], frame[1:] + b"\x55", frame + frame, b"\x1a" + frame, frame + b"\0")
                 yield from (numbers.randbytes(8) + frame, bytes(byte ^ 0xFF for byte in frame))
                 yield from (bytes(reflect(byte, 8) for byte in frame), frame)
+                yield with_crc(other_crc, numbers.randbytes(numbers.randrange(1, 12)))
                 place = numbers.randrange(len(frame))
                 yield frame[:place] + bytes([frame[place] ^ 4]) + frame[place + 1 :]
 

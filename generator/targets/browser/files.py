@@ -63,7 +63,7 @@ from ...why.hypotheses import (
     TEXTS,
     WITH_SECOND_MISTAKE,
 )
-from ...why.in_bytes import BYTE_VALUES, MOST_ECHOED_BYTES
+from ...why.in_bytes import BYTE_VALUES, LEAST_BITS_OF_MESSAGE_CRC, MOST_ECHOED_BYTES
 from ...why.other_crcs import CRCS_OF_16_BITS, POLYNOMIALS, OtherCrc, other_crcs_over_bits, other_crcs_over_bytes
 from ...why.other_order_codes import MOST_CUT_BITS, MOST_STATES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, LineMistakes, line_name
@@ -351,7 +351,7 @@ def script_table(library: Library) -> Data:
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT}
         | {"least_in_word": LEAST_BITS_OF_ECHO, "word_echo": WORD_ECHO_TEXT}
-        | {"echoed": MOST_ECHOED_BYTES, "byte_values": BYTE_VALUES},
+        | {"echoed": MOST_ECHOED_BYTES, "byte_values": BYTE_VALUES, "message_crc": LEAST_BITS_OF_MESSAGE_CRC},
         "doubts": READINGS,
         "left_aligned": LEFT_ALIGNED,
         "cut_off": CUT_OFF,
