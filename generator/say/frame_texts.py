@@ -132,6 +132,11 @@ def odd_digits_message(piece: str) -> str:
     return f"{piece} has an odd number of hex digits: one is missing or one too many"
 
 
+def above_byte_message(piece: str) -> str:
+    """Return the message for a number in a list of bytes that is too large for one."""
+    return f"{piece} is not a byte: it is above 255 in decimal, and has an odd number of hex digits"
+
+
 def decimal_bytes_message(text: str, meanings: str) -> str:
     """Return the message for several numbers that may be bytes in decimal, and how to write them for each meaning."""
     return f"{text} could be decimal bytes. Write {meanings}"

@@ -59,9 +59,14 @@ function checked(text) {
   if (text.length > TABLE.limits.text) throw new FrameText(messageFor("frame_too_long"));
   // An array of numbers without a prefix is decimal in every programming language.
   const [array] = /(?:^|[[({])\s*[0-9]+\s*,.*/s.exec(text) ?? [];
-  if (array) rejectDecimalBytes(text, array.split(/[\s'",;[\](){}<>]+/).filter(Boolean));
+  const arrayPieces = array?.split(/[\s'",;[\](){}<>]+/).filter(Boolean) ?? [];
+  if (array) rejectDecimalBytes(text, arrayPieces);
+  // Single digits are the same byte in decimal and in hex. Zeros and ones may be bits.
+  const areSingleDigits = arrayPieces.every((piece) => /^[0-9]$/.test(piece)) && /[2-9]/.test(arrayPieces.join(""));
+  const textOfBytes = areSingleDigits
+    ? text.slice(0, -array.length) + arrayPieces.map((piece) => `0${piece}`).join(" ") : text;
   const plainText = PASTED_SPELLINGS.reduce(
-    (cleaned, [pattern, replacement]) => cleaned.replace(pattern, replacement), text).trim();
+    (cleaned, [pattern, replacement]) => cleaned.replace(pattern, replacement), textOfBytes).trim();
   if (!plainText) throw new FrameText(messageFor("frame_empty"));
   return plainText;
 }
@@ -69,7 +74,7 @@ function checked(text) {
 /** Throw the error for pieces of ``text`` that can be bytes in decimal, unless they may be bits, as digits.py does. */
 function rejectDecimalBytes(text, pieces) {
   const canBeDecimal = pieces.length > 1 && pieces.every((piece) => /^(0|[1-9][0-9]{0,2})$/.test(piece) && piece < 256);
-  if (!canBeDecimal || /^[01]+$/.test(pieces.join(""))) return;
+  if (!canBeDecimal || /^[01]+$/.test(pieces.join("")) || pieces.every((piece) => piece.length === 1)) return;
   const write = (bytePieces) => bytePieces.map((piece) => piece.toUpperCase().padStart(2, "0")).join(" 0x");
   const decimalText = `0x${write(pieces.map((piece) => Number(piece).toString(16)))}`;
   const canBeHex = pieces.every((piece) => piece.length < FEWEST_DIGITS_OF_NUMBER);
@@ -150,7 +155,10 @@ function bytesIn(text) {
     if (areBinary || !/^[0-9a-f]+$/i.test(digits)) throw new FrameText(messageFor("not_hex", quoteText(piece)));
     const evenDigits = digits !== piece && digits.length === 1 ? `0${digits}` : digits;
     if (evenDigits.length === 1) throw new FrameText(messageFor("one_digit", quoteText(piece), digits));
-    if (evenDigits.length % 2) throw new FrameText(messageFor("odd", quoteText(piece)));
+    if (evenDigits.length % 2) {
+      const isAboveByte = pieces.length > 1 && digits === piece && /^[0-9]+$/.test(digits) && Number(digits) > 255;
+      throw new FrameText(messageFor(isAboveByte ? "above_byte" : "odd", quoteText(piece)));
+    }
     return evenDigits.match(/../g).map((byte) => parseInt(byte, 16));
   });
 }
@@ -376,10 +384,13 @@ function asFirstBits(placedLayout, typedFrame) {
 /** Decode a frame of bits. ``asTyped`` is {number, bits, exact, written}, as ``numberIn`` returns it. */
 function decodeBits(placedLayout, asTyped) {
   const typedFrame = asFirstBits(placedLayout, asTyped);
-  const hasOtherBitCount = typedFrame.exact && typedFrame.bits !== placedLayout.bits;
+  const { number, bits, exact, isBytes, written } = typedFrame;
+  const hasOtherBitCount = exact && bits !== placedLayout.bits;
+  const hasTooManyBytes = !exact && isBytes && number >> BigInt(placedLayout.bits) !== 0n;
   return {
-    ...(hasOtherBitCount ? createLengthError(placedLayout, `${placedLayout.bits} bits`, typedFrame.bits)
-      : decode(placedLayout, typedFrame.number)),
+    ...(hasOtherBitCount || hasTooManyBytes
+      ? createLengthError(placedLayout, `${placedLayout.bits} bits`, exact ? bits : written)
+      : decode(placedLayout, number)),
     typedFrame,
   };
 }

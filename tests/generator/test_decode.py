@@ -724,6 +724,21 @@ def test_an_array_of_decimal_bytes_is_not_read_as_hex(capsys: Capture, code: str
     assert refusal(capsys, code, typed) == f"'{typed}' could be decimal bytes. Write {meanings}"
 
 
+def test_an_array_of_single_digits_has_one_meaning(capsys: Capture) -> None:
+    for typed in ("0,1,2", "[0, 1, 2]", "{0, 1, 2}"):
+        assert "position 0x102 258 counts" in text(capsys, "ssi:position=24", typed)[1]
+    assert "'0' is one hex digit" in refusal(capsys, "AMM5A23/65KJP1", "0,1,1")
+
+
+def test_a_number_above_255_in_a_list_of_bytes_is_named(capsys: Capture) -> None:
+    message = refusal(capsys, "AMM5A23/65KJP1", "18,300,86")
+    assert message.startswith("'300' is not a byte: it is above 255 in decimal, and has an odd number of hex digits")
+
+
+def test_all_bits_of_too_many_bytes_count(capsys: Capture) -> None:
+    assert "length error: 'ssi_word' has 8 bits, got 16" in text(capsys, "ssi:position=8", "12 34")[1]
+
+
 def test_an_array_with_a_leading_zero_or_a_letter_is_hex(capsys: Capture) -> None:
     for typed in ("[00, 12, 34]", "[0F, 42, 34]", "{0x12, 0x34}", "00,12,34", "1F,42,34", "12,34,05"):
         assert decode(capsys, "AMM5A17/1BG1", typed)[0] in (0, 1)

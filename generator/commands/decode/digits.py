@@ -184,13 +184,29 @@ def meanings_of_array(text: str) -> list[str]:
     return meanings_of_decimal_bytes(_SEPARATORS.sub(" ", text[array.start() :]).split()) if array else []
 
 
+def with_two_digits(text: str) -> str:
+    """Return an array of single digits, such as ``[0, 1, 2]``, as the bytes ``00 01 02``, or any other text as it is.
+
+    Single digits are the same byte in decimal and in hex. Zeros and ones may be bits, so they are returned as they are.
+    """
+    array = _ARRAY.search(text)
+    pieces = _SEPARATORS.sub(" ", text[array.start() :]).split() if array else []
+    are_digits = all(len(piece) == 1 and piece.isdecimal() for piece in pieces)
+    if array is None or not are_digits or set(pieces) <= {"0", "1"}:
+        return text
+    return text[: array.start()] + " ".join(f"0{piece}" for piece in pieces)
+
+
 def meanings_of_decimal_bytes(pieces: Sequence[str]) -> list[str]:
     """Return how to write pieces that can be bytes in decimal: as decimal and, with at most two digits each, as hex.
 
-    The list is empty for any other pieces, and for zeros and ones, which may be bits.
+    The list is empty for any other pieces, for zeros and ones, which may be bits, and for single digits, which are the
+    same in decimal and in hex.
     """
     can_be_decimal = len(pieces) > 1 and all(map(_DECIMAL_BYTE.fullmatch, pieces))
     if not can_be_decimal or set("".join(pieces)) <= {"0", "1"} or max(map(int, pieces)) > 0xFF:
+        return []
+    if max(map(len, pieces)) == 1:
         return []
     meanings = [frame_texts.if_decimal(" ".join(f"0x{int(piece):02X}" for piece in pieces))]
     if max(map(len, pieces)) < _FEWEST_DIGITS_OF_NUMBER:

@@ -35,6 +35,7 @@ from .digits import (
     possible_meanings,
     with_leading_zeros,
     with_prefix,
+    with_two_digits,
 )
 
 _HEX_NUMBER = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
@@ -91,6 +92,7 @@ def undecorated(frame_text: str) -> str:
     meanings = meanings_of_array(frame_text)
     if meanings:
         raise _decimal_bytes_error(frame_text, meanings)
+    frame_text = with_two_digits(frame_text)
     # Brackets, quotes and commas become spaces, ``b`` and ``u`` are removed, ``\x1F`` and ``1Fh`` become ``0x1F``.
     for pattern, replacement in _PASTED_FORMS:
         frame_text = pattern.sub(replacement, frame_text)
@@ -131,7 +133,9 @@ def frame_bytes(frame_text: str) -> bytes:
         elif len(digits) == 1:
             raise FrameTextError(frame_texts.one_digit_message(quoted_piece, digits))
         elif len(digits) % 2:
-            raise FrameTextError(frame_texts.odd_digits_message(quoted_piece))
+            is_above_byte = len(pieces) > 1 and not has_prefix and digits.isdecimal() and int(digits) > 0xFF
+            message_of = frame_texts.above_byte_message if is_above_byte else frame_texts.odd_digits_message
+            raise FrameTextError(message_of(quoted_piece))
         frame += bytes.fromhex(digits)
     return frame
 
@@ -400,4 +404,7 @@ def decode_as(
     typed_frame = typed_bits(device, placed_layout, frame_text, exact=exact)
     if typed_frame.exact:
         return codec.decode_bits(device, placed_layout, typed_frame.number, typed_frame.bits)
+    has_too_many_bits = typed_frame.number >> placed_layout.bits != 0
+    if typed_frame.is_bytes and has_too_many_bits:
+        return codec.decode_bits(device, placed_layout, typed_frame.number, typed_frame.written)
     return codec.decode(device, placed_layout, typed_frame.number)

@@ -40,6 +40,7 @@ MESSAGES = {
     "not_hex": frame_texts.not_hex_message("{0}"),
     "one_digit": frame_texts.one_digit_message("{0}", "{1}"),
     "odd": frame_texts.odd_digits_message("{0}"),
+    "above_byte": frame_texts.above_byte_message("{0}"),
     "decimal_bytes": frame_texts.decimal_bytes_message("{0}", "{1}"),
     "bits_or_bytes": frame_texts.bits_or_bytes_message("{0}"),
     "no_bits": frame_texts.no_bits_message("{0}", "{1}", "{2}"),
