@@ -5,11 +5,13 @@ Generated code of real encoders shows that plans are useful. Here a wrong plan i
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import BitSlice, Device, Fault, Rs485
+from codewheel.one_line.spec import device_of_line
 from codewheel.plan.codec import (
     LayoutPlan,
     ShiftedBits,
@@ -47,6 +49,7 @@ from codewheel.plan.steps import (
     ProcedurePlan,
     VerifyWrite,
     WriteRegister,
+    bits_by_byte,
 )
 from codewheel.plan.values import UnsignedNumber, count_factors, position_ranges
 
@@ -417,3 +420,20 @@ def test_a_crc_of_two_bytes_at_the_end(
         BitSlice(byte=byte_of_low_half, low_in_byte=0, mask=0xFF, low_in_number=0),
         BitSlice(byte=byte_of_high_half, low_in_byte=0, mask=0xFF, low_in_number=8),
     )
+
+
+def test_the_only_reply_of_an_encoder_without_a_selector() -> None:
+    device, _ = device_of_line("rs485,low_byte_first:position=24")
+    reply = reply_to_data_id(device.interface("rs485"), 0x1A)
+    assert reply is not None
+    assert [field.name for field in reply.fields] == ["position"]
+
+
+def test_bytes_outside_a_field_belong_to_it_only_over_spi(small: Device) -> None:
+    """Over SPI, the register is read and written at once, so the other byte is there, with none of its bits."""
+    level = replace(small.register("level"), length=2)
+    speed = level.layout.field("speed")
+    slice_of_speed = BitSlice(byte=0, low_in_byte=7, mask=1, low_in_number=0)
+    other_byte = BitSlice(byte=1, low_in_byte=0, mask=0, low_in_number=0)
+    assert bits_by_byte(level, speed) == (slice_of_speed,)
+    assert bits_by_byte(replace(level, interface="spi"), speed) == (slice_of_speed, other_byte)
