@@ -70,8 +70,9 @@ class ExchangedFrame:
 
     @property
     def title(self) -> str:
-        """The role and the name of the frame, such as ``reply position_frame``."""
-        return f"{self.role} {self.placed_layout.name}"
+        """The role and the name of the frame, such as ``reply position_frame``, or only ``reply`` for such a name."""
+        name = self.placed_layout.name
+        return self.role if name == self.role else f"{self.role} {name}"
 
 
 def _describe_frames(frames: Sequence[ExchangedFrame], mistake_kind: str) -> tuple[str, str]:

@@ -1151,7 +1151,8 @@ function createWholeFramesHypothesis(frames, receivedBytes, totalEvidence) {
   const kindWithOneReply = isRequest(frames[0]) ? "bytes_in_front" : "bytes_behind";
   const kind = ["echo", kindWithOneReply][replyCount] ?? "several_frames";
   const roles = frames.map((frame) => (isRequest(frame) ? "request" : "reply"));
-  const titles = frames.map((frame, index) => `${roles[index]} ${frame.placedLayout.name}`);
+  const titleOf = (role, { name }) => (name === role ? role : `${role} ${name}`);
+  const titles = frames.map((frame, index) => titleOf(roles[index], frame.placedLayout));
   const text = kind === "echo" ? fillTemplate(echoText, ` ${frames[0].placedLayout.name}`)
     : fillTemplate(framesText, titles.join(", then "));
   const template = kind === "echo" ? fillTemplate(echoText, "") : fillTemplate(framesText, roles.join(", then "));

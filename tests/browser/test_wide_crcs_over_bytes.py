@@ -42,7 +42,7 @@ LINES = {
 
 MISTAKES = {
     "echo before the reply": (REQUEST + REPLY, "8 extra bytes before the frame, such as an echo of the request"),
-    "two replies": (REPLY + REPLY, "the bytes are whole frames: reply reply, then reply reply"),
+    "two replies": (REPLY + REPLY, "the bytes are whole frames: reply, then reply"),
     "first byte missing": (REPLY[1:], "the first byte (01) is missing"),
     "one behind": (REPLY[1:] + b"\0", "the first byte (01) is missing, and an extra byte follows the frame"),
     "last byte missing": (REPLY[:-1], "the last byte, a part of the CRC, is missing"),
