@@ -90,10 +90,10 @@ def _read_recording(arguments: argparse.Namespace) -> RecordedFrames:
     Raises:
         CommandError: They are not frames of the same length. The exit code is 2.
     """
-    from ..layout_search.frames import FEWEST, RecordedFrames
+    from ..layout_search.frames import FEWEST_FRAMES, RecordedFrames
 
     frame_texts = _frame_texts(arguments.frame)
-    if len(frame_texts) < FEWEST:
+    if len(frame_texts) < FEWEST_FRAMES:
         raise CommandError("one frame does not show a layout; give at least 2, and turn the shaft between them", 2)
     frames = [_read_frame(arguments.interface, frame_text, arguments.bits) for frame_text in frame_texts]
     lengths = sorted({frame.bits for frame in frames})

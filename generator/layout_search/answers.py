@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from ..say import count_with_unit
-from .checks import CrcForm, FoundCrc
+from .checks import FoundCrc, StartAndInversion
 from .fields import MOST_BITS, FoundField, is_all_ones
 from .frames import RecordedFrames
 from .search import FoundLayout
@@ -32,19 +32,19 @@ class PossibleLine:
 
 
 @dataclass(frozen=True, slots=True)
-class _Parts:
+class _LineParts:
     """The parts of a line: its options, and its fields before and after the position."""
 
     options: Sequence[str]
-    front: Sequence[str]
+    fields_before: Sequence[str]
     position: str
-    behind: Sequence[str]
+    fields_after: Sequence[str]
     crc: str
 
-    def line(self, interface: str) -> str:
+    def format_line(self, interface: str) -> str:
         """Return the line, such as ``ssi,gray:position=13,parity=even``."""
         head = ",".join([interface, *self.options])
-        fields = [*self.front, self.position, *self.behind, self.crc]
+        fields = [*self.fields_before, self.position, *self.fields_after, self.crc]
         return f"{head}:{','.join(field for field in fields if field)}"
 
 
@@ -52,35 +52,35 @@ def answer_with_lines(recording: RecordedFrames, layout: FoundLayout) -> Possibl
     """Return a layout as a line, with other lines that describe the frames equally well, and with notes on evidence."""
     parts = _parts_of_line(recording, layout)
     return PossibleLine(
-        line=parts.line(recording.interface),
+        line=parts.format_line(recording.interface),
         equal_lines=tuple(_equal_lines(recording, layout, parts)),
         notes=tuple(_describe_certainty(recording, layout)),
     )
 
 
-def _parts_of_line(recording: RecordedFrames, layout: FoundLayout) -> _Parts:
+def _parts_of_line(recording: RecordedFrames, layout: FoundLayout) -> _LineParts:
     """Return the parts of the line that describes a layout, with the most usual form of its CRC.
 
     Fields are texts such as ``before=3``, ``unused=2`` or ``parity=even``, in the order in which they are sent.
     """
-    split = layout.split
+    split = layout.frame_split
     options = ["gray"] if split.is_gray else []
     if split.byte_order:
         options.append(split.byte_order)
-    front = [text for field in split.front for text in _field_texts(field, "before")]
-    behind = [text for field in split.behind for text in _field_texts(field, "after")]
+    fields_before = [text for field in split.fields_before for text in _field_texts(field, "before")]
+    fields_after = [text for field in split.fields_after for text in _field_texts(field, "after")]
     if layout.parity is not None:
-        parity = "parity=odd" if layout.parity.is_odd else "parity=even"
-        is_first_bit = layout.parity.place == 0
+        parity_field = "parity=odd" if layout.parity.is_odd else "parity=even"
+        is_first_bit = layout.parity.bit_index == 0
         if is_first_bit:
-            front.insert(0, parity)
+            fields_before.insert(0, parity_field)
         else:
-            behind.append(parity)
-    return _Parts(
+            fields_after.append(parity_field)
+    return _LineParts(
         options=options,
-        front=_with_distinct_names(front),
+        fields_before=_with_distinct_names(fields_before),
         position=f"position={split.width}",
-        behind=_with_distinct_names(behind),
+        fields_after=_with_distinct_names(fields_after),
         crc=_usual_crc_text(recording.interface, layout.crc),
     )
 
@@ -91,8 +91,8 @@ def _usual_crc_text(interface: str, crc: FoundCrc | None) -> str:
         return ""
     if crc.is_modbus:
         return f"crc={crc.width}:{crc.polynomial:#x}:0xffff:reflected:low_byte_first"
-    most_usual_form = crc.forms[0]
-    return _crc_text(interface, crc, most_usual_form)
+    most_usual_parameters = crc.parameter_choices[0]
+    return _crc_text(interface, crc, most_usual_parameters)
 
 
 def _field_texts(field: FoundField, name: str) -> Iterator[str]:
@@ -121,21 +121,21 @@ def _with_distinct_names(fields: Sequence[str]) -> list[str]:
     return distinct_fields
 
 
-def _crc_text(interface: str, crc: FoundCrc, form: CrcForm) -> str:
+def _crc_text(interface: str, crc: FoundCrc, parameters: StartAndInversion) -> str:
     """Return a CRC as it is written in a line, such as ``crc=6:0x43``.
 
     A start value of 0 is omitted, as is ``inverted`` over BiSS and ``plain`` over other interfaces.
     """
     text = f"crc={crc.width}:{crc.polynomial:#x}"
-    if form.start:
-        text += f":{form.start:#x}"
+    if parameters.start:
+        text += f":{parameters.start:#x}"
     is_inverted_by_default = interface == "biss"
-    if form.is_inverted == is_inverted_by_default:
+    if parameters.is_inverted == is_inverted_by_default:
         return text
-    return f"{text}:inverted" if form.is_inverted else f"{text}:plain"
+    return f"{text}:inverted" if parameters.is_inverted else f"{text}:plain"
 
 
-def _equal_lines(recording: RecordedFrames, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
+def _equal_lines(recording: RecordedFrames, layout: FoundLayout, line_parts: _LineParts) -> Iterator[EqualLine]:
     """Yield other lines that describe the frames equally well, each with the reason why the frames do not decide.
 
     ``line_parts`` are the parts of the line for the layout itself.
@@ -143,70 +143,74 @@ def _equal_lines(recording: RecordedFrames, layout: FoundLayout, line_parts: _Pa
     interface = recording.interface
     if layout.crc is not None:
         reason = "the start value and inversion of a CRC cannot be determined from frames of one length"
-        less_usual_forms = layout.crc.forms[1:]
-        for form in less_usual_forms:
-            crc = _crc_text(interface, layout.crc, form)
-            yield EqualLine(replace(line_parts, crc=crc).line(interface), reason)
-    if layout.other_code and layout.parity is None:
+        less_usual_parameters = layout.crc.parameter_choices[1:]
+        for parameters in less_usual_parameters:
+            crc_field = _crc_text(interface, layout.crc, parameters)
+            yield EqualLine(replace(line_parts, crc=crc_field).format_line(interface), reason)
+    if layout.may_be_other_code and layout.parity is None:
         options = [option for option in line_parts.options if option != "gray"]
-        if not layout.split.is_gray:
+        if not layout.frame_split.is_gray:
             options.insert(0, "gray")
         reason = "these positions fit Gray code and binary"
-        yield EqualLine(replace(line_parts, options=options).line(interface), reason)
+        yield EqualLine(replace(line_parts, options=options).format_line(interface), reason)
     constant_bits = _constant_bits_in_position(recording, layout)
     if constant_bits:
-        position = f"position={layout.split.width - constant_bits}"
-        front = [*line_parts.front, f"unused={constant_bits}"]
+        position = f"position={layout.frame_split.width - constant_bits}"
+        fields_before = [*line_parts.fields_before, f"unused={constant_bits}"]
         reason = f"the first {count_with_unit(constant_bits, 'bit')} of the position did not change"
-        yield EqualLine(replace(line_parts, front=front, position=position).line(interface), reason)
+        yield EqualLine(
+            replace(line_parts, fields_before=fields_before, position=position).format_line(interface), reason
+        )
     yield from _line_with_wider_position(recording, layout, line_parts)
     yield from _line_with_flags(recording, layout, line_parts)
 
 
 def _constant_bits_in_position(recording: RecordedFrames, layout: FoundLayout) -> int:
     """Return the number of constant bits with which the position begins, rounded down to whole bytes over RS-485."""
-    split = layout.split
-    changes = recording.changing[split.start : split.end]
-    constant_bits = changes.index(True)  # At least one bit of a position changes.
-    whole_bytes_of_bits = constant_bits // 8 * 8
-    return whole_bytes_of_bits if recording.interface == "rs485" else constant_bits
+    split = layout.frame_split
+    bit_changes = recording.bit_changes[split.position_start : split.position_end]
+    constant_bits = bit_changes.index(True)  # At least one bit of a position changes.
+    bits_in_whole_bytes = constant_bits // 8 * 8
+    return bits_in_whole_bytes if recording.interface == "rs485" else constant_bits
 
 
 def _line_with_wider_position(
-    recording: RecordedFrames, layout: FoundLayout, line_parts: _Parts
+    recording: RecordedFrames, layout: FoundLayout, line_parts: _LineParts
 ) -> Iterator[EqualLine]:
     """Yield the line in which constant bits before the position are its highest bits, if there are any.
 
     Nothing is yielded if the position would then have more than 64 bits.
     """
-    front = layout.split.front
-    if not front:
+    fields_before = layout.frame_split.fields_before
+    if not fields_before:
         return
-    last_field_before = front[-1]
-    wider_width = layout.split.width + last_field_before.width
+    last_field_before = fields_before[-1]
+    wider_width = layout.frame_split.width + last_field_before.width
     if not last_field_before.changes and wider_width <= MOST_BITS:
-        wider_parts = replace(line_parts, front=line_parts.front[:-1], position=f"position={wider_width}")
+        wider_parts = replace(
+            line_parts, fields_before=line_parts.fields_before[:-1], position=f"position={wider_width}"
+        )
         reason = "constant bits in front of the position may be its highest bits"
-        yield EqualLine(wider_parts.line(recording.interface), reason)
+        yield EqualLine(wider_parts.format_line(recording.interface), reason)
 
 
-def _line_with_flags(recording: RecordedFrames, layout: FoundLayout, line_parts: _Parts) -> Iterator[EqualLine]:
+def _line_with_flags(recording: RecordedFrames, layout: FoundLayout, line_parts: _LineParts) -> Iterator[EqualLine]:
     """Yield the line in which one or two constant 1 bits before the CRC are the error and warning bits of BiSS.
 
     Nothing is yielded without such bits, over other interfaces, and with a parity bit.
     """
-    last_field = layout.split.behind[-1] if layout.split.behind else None
+    last_field = layout.frame_split.fields_after[-1] if layout.frame_split.fields_after else None
     if recording.interface != "biss" or last_field is None or last_field.changes:
         return
     if last_field.width in _FLAG_NAMES and is_all_ones(recording, last_field) and layout.parity is None:
-        behind = [*line_parts.behind[:-1], _FLAG_NAMES[last_field.width]]
+        fields_after = [*line_parts.fields_after[:-1], _FLAG_NAMES[last_field.width]]
         reason = "BiSS usually sends its inactive flags as 1, but any constant fits"
-        yield EqualLine(replace(line_parts, behind=behind).line("biss"), reason)
+        yield EqualLine(replace(line_parts, fields_after=fields_after).format_line("biss"), reason)
 
 
 def _describe_certainty(recording: RecordedFrames, layout: FoundLayout) -> Iterator[str]:
     """Yield how certain the CRC, the constant bits and the position are."""
-    split = layout.split
+    split = layout.frame_split
     crc = layout.crc
     if crc is None:
         yield "no known CRC fits all frames"
@@ -217,7 +221,7 @@ def _describe_certainty(recording: RecordedFrames, layout: FoundLayout) -> Itera
         unlisted = "" if crc.is_known else ", which is not in the list of known ones"
         chance = f"by coincidence, one of 2^{crc.evidence} recordings"
         yield f"the CRC 0x{crc.polynomial:x}{unlisted} fits all {len(recording.frames)} frames ({chance})"
-    constant_fields = [field for field in (*split.front, *split.behind) if not field.changes]
+    constant_fields = [field for field in (*split.fields_before, *split.fields_after) if not field.changes]
     if constant_fields:
         constants = " and ".join(_constant_text(recording, field) for field in constant_fields)
         yield f"{constants}. Constant bits cannot be named: they can be error, warning, zero or unused bits"
@@ -227,10 +231,10 @@ def _describe_certainty(recording: RecordedFrames, layout: FoundLayout) -> Itera
 
 def _constant_text(recording: RecordedFrames, field: FoundField) -> str:
     """Return a text about the values of a constant field, such as ``bits 7:6 were always 10``."""
-    levels = "".join(str(recording.level(place)) for place in range(field.start, field.end))
+    bit_values = "".join(str(recording.bit_value(bit_index)) for bit_index in range(field.start, field.end))
     # ``start`` and ``end`` are counted from the first bit sent, and bit numbers from the last.
-    high_bit = recording.bits - 1 - field.start
-    low_bit = recording.bits - field.end
-    if high_bit == low_bit:
-        return f"bit {low_bit} was always {levels}"
-    return f"bits {high_bit}:{low_bit} were always {levels}"
+    highest_bit = recording.bits - 1 - field.start
+    lowest_bit = recording.bits - field.end
+    if highest_bit == lowest_bit:
+        return f"bit {lowest_bit} was always {bit_values}"
+    return f"bits {highest_bit}:{lowest_bit} were always {bit_values}"

@@ -13,7 +13,7 @@ from math import log2
 from ..model import Crc
 from ..model.fields import KNOWN_CRCS
 from ..reference.bits_and_values import compute_bytes
-from .frames import MOST_FRAMES, RecordedFrames
+from .frames import MOST_COMPARED_FRAMES, RecordedFrames
 
 #: Fewest bits that must match before a CRC is considered.
 _LEAST_EVIDENCE = 4
@@ -26,7 +26,7 @@ _UNLISTED_EVIDENCE = 24
 
 
 @dataclass(frozen=True, slots=True)
-class CrcForm:
+class StartAndInversion:
     """Start value and inversion of a CRC."""
 
     start: int
@@ -37,14 +37,14 @@ class CrcForm:
 class FoundCrc:
     """A CRC in the last bits of all frames.
 
-    ``forms`` are the start values and inversions with which it matches, which frames of one length cannot distinguish,
-    the most usual first. ``cost`` is the number of bits that describe the CRC in all frames. ``evidence`` is the number
-    of CRC bits that match and could have differed. ``is_modbus`` is true for CRC-16/MODBUS, which has no ``forms``,
-    because a line cannot describe it.
+    ``parameter_choices`` are the start values and inversions with which it matches, the most usual first. Frames of one
+    length cannot distinguish them. They are empty for CRC-16/MODBUS (``is_modbus``), because a line cannot describe it.
+    ``cost`` is the number of bits that describe the CRC in all frames. ``evidence`` is the number of CRC bits that
+    match and could have differed.
     """
 
     polynomial: int
-    forms: tuple[CrcForm, ...]
+    parameter_choices: tuple[StartAndInversion, ...]
     cost: float
     evidence: int
     is_known: bool = True
@@ -56,7 +56,7 @@ class FoundCrc:
         return self.polynomial.bit_length() - 1
 
 
-def crcs_of(recording: RecordedFrames) -> list[FoundCrc]:
+def find_crcs(recording: RecordedFrames) -> list[FoundCrc]:
     """Return the CRCs that are correct in all frames.
 
     These are the known CRCs for which there is enough evidence. If there are none, it is a CRC with an unknown
@@ -83,11 +83,11 @@ def _modbus_crc(recording: RecordedFrames) -> Iterator[FoundCrc]:
         received_crc = int.from_bytes(frame_bytes[-2:], "little")
         if compute_bytes(_MODBUS, frame_bytes[:-2]) != received_crc:
             return
-    evidence = _MODBUS.width * recording.independent
-    sample_count = min(len(recording.frames), MOST_FRAMES)
+    evidence = _MODBUS.width * recording.independent_difference_count
+    sample_count = min(len(recording.frames), MOST_COMPARED_FRAMES)
     unproved_bits = max(_MODBUS.width * sample_count - evidence, 0)
     cost = unproved_bits - _MODBUS.width + log2(len(KNOWN_CRCS))
-    yield FoundCrc(_MODBUS.poly_with_top_bit, forms=(), cost=cost, evidence=evidence, is_modbus=True)
+    yield FoundCrc(_MODBUS.poly_with_top_bit, parameter_choices=(), cost=cost, evidence=evidence, is_modbus=True)
 
 
 def _divides_all(recording: RecordedFrames, polynomial: int) -> bool:
@@ -102,55 +102,55 @@ def _divides_all(recording: RecordedFrames, polynomial: int) -> bool:
 
 
 def _crc_with_polynomial(recording: RecordedFrames, polynomial: int) -> FoundCrc:
-    """Return the CRC with this polynomial in the two forms in which it matches the frames: inverted and not inverted.
+    """Return the CRC with this polynomial both inverted and not inverted, because both match the frames.
 
-    Each form has the start value that it needs to match. The more usual form is the first.
+    Each of them has the start value that it needs to match. The more usual one is the first.
     """
     width = polynomial.bit_length() - 1
     message_bits = recording.bits - width
     all_ones = (1 << width) - 1
     # The remainder is 0 for a CRC with the start value 0 that is not inverted.
     frame_remainder = remainder(recording.frames[0], polynomial)
-    plain = CrcForm(_start_value(frame_remainder, message_bits, polynomial), is_inverted=False)
-    inverted = CrcForm(_start_value(frame_remainder ^ all_ones, message_bits, polynomial), is_inverted=True)
+    plain = StartAndInversion(_start_value(frame_remainder, message_bits, polynomial), is_inverted=False)
+    inverted = StartAndInversion(_start_value(frame_remainder ^ all_ones, message_bits, polynomial), is_inverted=True)
     usual_starts = {known.init for known in KNOWN_CRCS if known.polynomial == polynomial} | {0}
 
-    def form_cost(form: CrcForm) -> float:
-        return _form_cost(form, usual_starts, width, recording.interface)
+    def parameter_cost(parameters: StartAndInversion) -> float:
+        return _cost_of_parameters(parameters, usual_starts, width, recording.interface)
 
-    forms = sorted((inverted, plain), key=form_cost)
-    evidence = width * recording.independent
+    cheapest_first = sorted((inverted, plain), key=parameter_cost)
+    evidence = width * recording.independent_difference_count
     # CRC bits need no description if the frames prove them. Choosing a polynomial from the list costs log2 of its
     # length.
-    sample_count = min(len(recording.frames), MOST_FRAMES)
+    sample_count = min(len(recording.frames), MOST_COMPARED_FRAMES)
     unproved_bits = max(width * sample_count - evidence, 0)
-    cost = unproved_bits - width + form_cost(forms[0]) + log2(len(KNOWN_CRCS))
-    return FoundCrc(polynomial, forms=tuple(forms), cost=cost, evidence=evidence)
+    cost = unproved_bits - width + parameter_cost(cheapest_first[0]) + log2(len(KNOWN_CRCS))
+    return FoundCrc(polynomial, parameter_choices=tuple(cheapest_first), cost=cost, evidence=evidence)
 
 
-def _form_cost(form: CrcForm, usual_starts: set[int], width: int, interface: str) -> float:
+def _cost_of_parameters(parameters: StartAndInversion, usual_starts: set[int], width: int, interface: str) -> float:
     """Return the number of bits that describe the start value and inversion of a CRC: more for unusual ones.
 
     CRCs are usually inverted over BiSS, and not inverted over other interfaces.
     """
     all_ones = (1 << width) - 1
-    is_usual_inversion = form.is_inverted == (interface == "biss")
+    is_usual_inversion = parameters.is_inverted == (interface == "biss")
     inversion_cost = 1 if is_usual_inversion else 2
-    if form.start in usual_starts:
+    if parameters.start in usual_starts:
         start_cost = 0
-    elif form.start in (0, all_ones):
+    elif parameters.start in (0, all_ones):
         start_cost = 2
     else:
         start_cost = width + 2  # The bits of the value, and 2 for being none of the usual ones.
     return inversion_cost + start_cost
 
 
-def _start_value(constant: int, message_bits: int, polynomial: int) -> int:
-    """Return the start value with which the CRC of ``message_bits`` zeros is ``constant``.
+def _start_value(crc_of_zeros: int, message_bits: int, polynomial: int) -> int:
+    """Return the start value with which the CRC of ``message_bits`` zeros is ``crc_of_zeros``.
 
     This undoes the steps of the CRC. Each step divides by x, after adding the polynomial if the number is odd.
     """
-    start = constant
+    start = crc_of_zeros
     for _ in range(message_bits):
         is_odd = start & 1
         if is_odd:
@@ -180,7 +180,13 @@ def _unlisted_crcs(recording: RecordedFrames) -> Iterator[FoundCrc]:
     deciding_bits = width * width
     evidence = crc.evidence - deciding_bits
     if evidence >= _UNLISTED_EVIDENCE:
-        yield FoundCrc(polynomial, forms=crc.forms, cost=crc.cost + deciding_bits, evidence=evidence, is_known=False)
+        yield FoundCrc(
+            polynomial,
+            parameter_choices=crc.parameter_choices,
+            cost=crc.cost + deciding_bits,
+            evidence=evidence,
+            is_known=False,
+        )
 
 
 def remainder(dividend: int, polynomial: int) -> int:
@@ -201,13 +207,13 @@ def _common_divisor(dividend: int, divisor: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class FoundParity:
-    """A parity bit over all bits before the CRC. ``place`` is its index, counted from 0 for the first bit sent."""
+    """A parity bit over all bits before the CRC. ``bit_index`` is counted from 0 for the first bit sent."""
 
-    place: int
+    bit_index: int
     is_odd: bool
 
 
-def parities_of(recording: RecordedFrames, body_bits: int) -> list[FoundParity]:
+def find_parities(recording: RecordedFrames, body_bits: int) -> list[FoundParity]:
     """Return the places at which all frames can have a parity bit: the first bit, and the last bit before the CRC.
 
     ``body_bits`` is the number of bits before the CRC. A bit that is the same in all frames is not a parity bit. The
@@ -218,5 +224,5 @@ def parities_of(recording: RecordedFrames, body_bits: int) -> list[FoundParity]:
     if len(parities) > 1 or recording.interface == "rs485":
         return []
     is_odd = parities == {1}
-    changing_places = [place for place in (0, body_bits - 1) if recording.changing[place]]
-    return [FoundParity(place, is_odd) for place in changing_places]
+    changing_bits = [bit_index for bit_index in (0, body_bits - 1) if recording.bit_changes[bit_index]]
+    return [FoundParity(bit_index, is_odd) for bit_index in changing_bits]

@@ -15,7 +15,7 @@ from math import e, log2
 from typing import NamedTuple
 
 from ..reference.bits_and_values import gray_to_binary
-from .frames import MOST_FRAMES, RecordedFrames
+from .frames import MOST_COMPARED_FRAMES, RecordedFrames
 
 #: Bits that describe a number, a flag and a constant field, in addition to their values.
 _NUMBER_BITS, _FLAG_BITS, _CONSTANT_BITS = 8.0, 4.0, 3.0
@@ -45,82 +45,85 @@ class FoundField:
 
 @dataclass(frozen=True, slots=True)
 class FrameSplit:
-    """The place of the position, from bit ``start`` to before ``end``, and the other fields before and after it.
+    """The bits of the position, from ``position_start`` to before ``position_end``, and the other fields around it.
 
     ``byte_order`` is set if the position has several bytes over RS-485. ``cost`` is the number of bits that describe
     the fields and their values. ``is_smooth`` is true if the values of the position fit a moving shaft, or the
     positions to which the user turned it.
     """
 
-    start: int
-    end: int
+    position_start: int
+    position_end: int
     is_gray: bool
     byte_order: str
-    front: tuple[FoundField, ...]
-    behind: tuple[FoundField, ...]
+    fields_before: tuple[FoundField, ...]
+    fields_after: tuple[FoundField, ...]
     cost: float
     is_smooth: bool
 
     @property
     def width(self) -> int:
         """Number of bits of the position."""
-        return self.end - self.start
+        return self.position_end - self.position_start
 
 
-def splits_of(recording: RecordedFrames, first: int, end: int) -> Iterator[FrameSplit]:
-    """Yield every way to split the bits from ``first`` to before ``end`` into a position and other fields.
+def possible_splits(recording: RecordedFrames, first_bit: int, end: int) -> Iterator[FrameSplit]:
+    """Yield every way to split the bits from ``first_bit`` to before ``end`` into a position and other fields.
 
     There is a split for each place of the position, and for each code or byte order in which it may be sent. The cost
     of a split is the number of bits that describe the fields and their values, so the lowest cost is the best.
     """
-    step = 8 if recording.interface == "rs485" else 1
+    unit_bits = 8 if recording.interface == "rs485" else 1
 
     @cache
     def fields_and_cost(fields_start: int, fields_end: int) -> tuple[tuple[FoundField, ...], float]:
         """Return the fields from ``fields_start`` to before ``fields_end``, and their cost."""
-        is_in_front = fields_start == first
-        fields = tuple(_divide_by_change(recording, fields_start, fields_end, step))
+        is_in_front = fields_start == first_bit
+        fields = tuple(_divide_by_change(recording, fields_start, fields_end, unit_bits))
         return fields, sum(_field_cost(recording, field, is_in_front=is_in_front) for field in fields)
 
-    for position_start, position_end in _places_of_position(recording, first, end, step):
+    for position_start, position_end in _places_of_position(recording, first_bit, end, unit_bits):
         width = position_end - position_start
-        front, front_cost = fields_and_cost(first, position_start)
-        behind, behind_cost = fields_and_cost(position_end, end)
-        sent_values = recording.values(position_start, position_end)
+        fields_before, cost_before = fields_and_cost(first_bit, position_start)
+        fields_after, cost_after = fields_and_cost(position_end, end)
+        sent_values = recording.numbers_in_bits(position_start, position_end)
         constant_bits = _constant_bits(recording, position_start)
         for reading in _read_in_each_code(recording, sent_values, width):
-            cost, is_smooth = _position_cost(recording, reading.values, width, constant_bits)
+            position_cost, is_smooth = _position_cost(recording, reading.values, width, constant_bits)
             gray_cost = _GRAY_BITS.get(recording.interface, 1.0) if reading.is_gray else 0.0
             # Of several numbers, the widest one is most likely the position.
-            preference = width / 8
+            bonus_for_width = width / 8
             yield FrameSplit(
-                start=position_start,
-                end=position_end,
+                position_start=position_start,
+                position_end=position_end,
                 is_gray=reading.is_gray,
                 byte_order=reading.byte_order,
-                front=front,
-                behind=behind,
-                cost=cost + gray_cost + front_cost + behind_cost - preference,
+                fields_before=fields_before,
+                fields_after=fields_after,
+                cost=position_cost + gray_cost + cost_before + cost_after - bonus_for_width,
                 is_smooth=is_smooth,
             )
 
 
-def _places_of_position(recording: RecordedFrames, first: int, end: int, step: int) -> Iterator[tuple[int, int]]:
-    """Yield the start and the end of each place where the position can be. ``step`` is 1 for bits, and 8 for bytes.
+def _places_of_position(
+    recording: RecordedFrames, first_bit: int, end: int, unit_bits: int
+) -> Iterator[tuple[int, int]]:
+    """Yield the start and the end of each place where the position can be.
 
-    The last bit or byte of the position changes between frames. The position includes either all of the constant bits
-    before its first changing bit, or none of them.
+    ``unit_bits`` is 8 if the position consists of whole bytes, and otherwise 1. The last bit or byte of the position
+    changes between frames. The position includes either all of the constant bits before its first changing bit, or none
+    of them.
     """
-    changing = recording.changing
-    for start in range(first, end, step):
-        changes_at_start = any(changing[start : start + step])
-        changes_before = start > first and any(changing[start - step : start])
-        can_start = start == first or changes_before or changes_at_start
+    bit_changes = recording.bit_changes
+    for start in range(first_bit, end, unit_bits):
+        changes_at_start = any(bit_changes[start : start + unit_bits])
+        changes_before = start > first_bit and any(bit_changes[start - unit_bits : start])
+        can_start = start == first_bit or changes_before or changes_at_start
         if not can_start:
             continue
         furthest_end = min(end, start + MOST_BITS)
-        for position_end in range(start + step, furthest_end + 1, step):
-            changes_at_end = any(changing[position_end - step : position_end])
+        for position_end in range(start + unit_bits, furthest_end + 1, unit_bits):
+            changes_at_end = any(bit_changes[position_end - unit_bits : position_end])
             if changes_at_end:
                 yield start, position_end
 
@@ -159,7 +162,7 @@ def _constant_bits(recording: RecordedFrames, start: int) -> int:
     """Return the number of constant bits with which a position begins, or 0 over RS-485."""
     if recording.interface == "rs485":
         return 0  # Constant bytes are more likely other fields.
-    return recording.changing[start:].index(True)
+    return recording.bit_changes[start:].index(True)
 
 
 def _position_cost(
@@ -170,29 +173,29 @@ def _position_cost(
     They fit if it takes fewer bits to describe the steps from value to value, or the differences from the positions to
     which the user turned the shaft, than to describe random values.
     """
-    random_cost = constant_bits + uniform_cost(width - constant_bits, len(values))
+    random_cost = constant_bits + cost_of_random_numbers(width - constant_bits, len(values))
     if recording.positions:
-        moving_cost = cost_with_known_positions(values, width, recording.positions[:MOST_FRAMES])
+        moving_cost = cost_with_known_positions(values, width, recording.positions[:MOST_COMPARED_FRAMES])
     else:
-        moving_cost = smooth_cost(values, width)
+        moving_cost = cost_of_smooth_values(values, width)
     # The constant bits are part of the random cost only once.
     moving_cost -= constant_bits
     is_smooth = moving_cost < random_cost
     return min(random_cost, moving_cost), is_smooth
 
 
-def _divide_by_change(recording: RecordedFrames, start: int, end: int, step: int) -> Iterator[FoundField]:
+def _divide_by_change(recording: RecordedFrames, start: int, end: int, unit_bits: int) -> Iterator[FoundField]:
     """Yield a field for each run of adjacent bits that all change between frames, or that are all constant.
 
-    If ``step`` is 8, the fields consist of whole bytes. A byte changes if one of its bits changes.
+    If ``unit_bits`` is 8, the fields consist of whole bytes. A byte changes if one of its bits changes.
     """
 
-    def does_change(place: int) -> bool:
-        return any(recording.changing[place : place + step])
+    def does_change(first_bit: int) -> bool:
+        return any(recording.bit_changes[first_bit : first_bit + unit_bits])
 
-    for changes, places in groupby(range(start, end, step), does_change):
-        places_of_field = list(places)
-        yield FoundField(start=places_of_field[0], end=places_of_field[-1] + step, changes=changes)
+    for changes, adjacent_bits in groupby(range(start, end, unit_bits), does_change):
+        bits_of_field = list(adjacent_bits)
+        yield FoundField(start=bits_of_field[0], end=bits_of_field[-1] + unit_bits, changes=changes)
 
 
 def _field_cost(recording: RecordedFrames, field: FoundField, *, is_in_front: bool) -> float:
@@ -206,16 +209,16 @@ def _field_cost(recording: RecordedFrames, field: FoundField, *, is_in_front: bo
             # A lower cost, so that they are not mistaken for the highest bits of the position.
             return field.width - 1.0
         return field.width + _CONSTANT_BITS
-    values = recording.values(field.start, field.end)
+    values = recording.numbers_in_bits(field.start, field.end)
     if field.width == 1:
         return _FLAG_BITS + _cost_of_flag(values)
     # Only the position benefits from smooth values, because the highest bits of a smooth number are also smooth.
-    return _NUMBER_BITS + uniform_cost(field.width, len(values))
+    return _NUMBER_BITS + cost_of_random_numbers(field.width, len(values))
 
 
 def is_all_ones(recording: RecordedFrames, field: FoundField) -> bool:
     """Return whether all bits of a constant field are 1."""
-    return all(recording.level(place) for place in range(field.start, field.end))
+    return all(recording.bit_value(bit_index) for bit_index in range(field.start, field.end))
 
 
 def _cost_of_flag(values: Sequence[int]) -> float:
@@ -231,12 +234,12 @@ def _cost_of_flag(values: Sequence[int]) -> float:
     return len(values) * entropy + bits_of_count
 
 
-def uniform_cost(width: int, count: int) -> float:
+def cost_of_random_numbers(width: int, count: int) -> float:
     """Return the number of bits that describe ``count`` random numbers of ``width`` bits."""
     return float(width * count)
 
 
-def smooth_cost(values: Sequence[int], width: int) -> float:
+def cost_of_smooth_values(values: Sequence[int], width: int) -> float:
     """Estimate the number of bits that describe a series of values of ``width`` bits that change smoothly.
 
     The series is described by its first value and its first differences, or by its first value, its first difference

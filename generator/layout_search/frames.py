@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 #: Fewest frames from which a layout can be found.
-FEWEST = 2
+FEWEST_FRAMES = 2
 #: Maximum number of frames whose values are compared. A CRC must be correct in all frames.
-MOST_FRAMES = 60
+MOST_COMPARED_FRAMES = 60
 #: Fewest bits of a frame whose bits are all equal because the line is dead. In shorter frames, this may be chance.
 _LEAST_EQUAL_BITS = 12
 
@@ -43,7 +43,7 @@ class RecordedFrames:
         return self.bits >= _LEAST_EQUAL_BITS and set(self.frames) <= {0, all_ones}
 
     @cached_property
-    def changing(self) -> tuple[bool, ...]:
+    def bit_changes(self) -> tuple[bool, ...]:
         """True for each bit that differs between frames, in the order in which the bits are sent."""
         changing_bits = 0
         for difference in self.differences:
@@ -52,22 +52,22 @@ class RecordedFrames:
         return tuple(bool((changing_bits >> bit) & 1) for bit in range(highest_bit, -1, -1))
 
     @cached_property
-    def independent(self) -> int:
+    def independent_difference_count(self) -> int:
         """Number of differences that are not the XOR of others. The remaining frames prove nothing about a CRC."""
         return rank(self.differences)
 
-    def values(self, start: int, end: int) -> list[int]:
+    def numbers_in_bits(self, start: int, end: int) -> list[int]:
         """Return the number that the bits from ``start`` to before ``end`` form in each frame, at most 60 frames.
 
         Bits are counted from 0 for the first bit sent.
         """
         mask = (1 << (end - start)) - 1
         bits_behind = self.bits - end
-        return [(frame >> bits_behind) & mask for frame in self.frames[:MOST_FRAMES]]
+        return [(frame >> bits_behind) & mask for frame in self.frames[:MOST_COMPARED_FRAMES]]
 
-    def level(self, place: int) -> int:
-        """Return the value of a constant bit. ``place`` counts from 0 for the first bit sent."""
-        bits_behind = self.bits - 1 - place
+    def bit_value(self, bit_index: int) -> int:
+        """Return the value of a constant bit. ``bit_index`` counts from 0 for the first bit sent."""
+        bits_behind = self.bits - 1 - bit_index
         any_frame = self.frames[0]
         return (any_frame >> bits_behind) & 1
 

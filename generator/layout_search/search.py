@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from operator import attrgetter
 
-from .checks import FoundCrc, FoundParity, crcs_of, parities_of
-from .fields import FrameSplit, splits_of
-from .frames import FEWEST, MOST_FRAMES, NoLayout, RecordedFrames
+from .checks import FoundCrc, FoundParity, find_crcs, find_parities
+from .fields import FrameSplit, possible_splits
+from .frames import FEWEST_FRAMES, MOST_COMPARED_FRAMES, NoLayout, RecordedFrames
 
 #: Maximum number of layouts in an answer.
 MOST_LAYOUTS = 3
@@ -31,14 +31,15 @@ class FoundLayout:
     """A layout that all frames may have.
 
     ``cost`` is the number of bits that describe the layout and, with it, the frames. The layout with the lowest cost is
-    the most likely. ``other_code`` is true if the frames do not show whether the position is in Gray code or binary.
+    the most likely. ``may_be_other_code`` is true if the frames do not show whether the position is in Gray code or
+    binary.
     """
 
     crc: FoundCrc | None
     parity: FoundParity | None
-    split: FrameSplit
+    frame_split: FrameSplit
     cost: float
-    other_code: bool = False
+    may_be_other_code: bool = False
 
 
 def find_layouts(recording: RecordedFrames) -> list[FoundLayout]:
@@ -52,7 +53,7 @@ def find_layouts(recording: RecordedFrames) -> list[FoundLayout]:
     """
     if recording.is_dead_line:
         raise NoLayout("dead line: all bits of each frame are equal; check the wires and the supply of the encoder")
-    if len(set(recording.frames)) < FEWEST:
+    if len(set(recording.frames)) < FEWEST_FRAMES:
         raise NoLayout("all frames are equal; turn the shaft, and give at least 2 different frames")
     best_first = sorted(_possible_layouts(recording), key=attrgetter("cost"))
     best_of_group: dict[object, FoundLayout] = {}
@@ -76,7 +77,7 @@ def _possible_layouts(recording: RecordedFrames) -> Iterator[FoundLayout]:
     The other bits are split into the position and other fields in every possible way. If the frames prove a CRC,
     layouts without one are omitted.
     """
-    crcs = crcs_of(recording)
+    crcs = find_crcs(recording)
     crc_candidates: list[FoundCrc | None] = list(crcs)
     is_crc_proved = any(crc.evidence > _CERTAIN_EVIDENCE for crc in crcs)
     if not is_crc_proved:
@@ -85,12 +86,12 @@ def _possible_layouts(recording: RecordedFrames) -> Iterator[FoundLayout]:
         # The CRC is at the end of the frame, and the body is everything before it.
         body_bits = recording.bits - (crc.width if crc is not None else 0)
         crc_cost = crc.cost if crc is not None else 0.0
-        for parity in (*parities_of(recording, body_bits), None):
+        for parity in (*find_parities(recording, body_bits), None):
             first_bit, end = _bits_between_checks(parity, body_bits)
             parity_cost = _parity_cost(recording, parity, crc) if parity is not None else 0.0
-            for split in splits_of(recording, first_bit, end):
+            for split in possible_splits(recording, first_bit, end):
                 total_cost = crc_cost + parity_cost + split.cost
-                yield FoundLayout(crc=crc, parity=parity, split=split, cost=total_cost)
+                yield FoundLayout(crc=crc, parity=parity, frame_split=split, cost=total_cost)
 
 
 def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[int, int]:
@@ -100,7 +101,7 @@ def _bits_between_checks(parity: FoundParity | None, body_bits: int) -> tuple[in
     """
     if parity is None:
         return 0, body_bits
-    is_first_bit = parity.place == 0
+    is_first_bit = parity.bit_index == 0
     return (1, body_bits) if is_first_bit else (0, body_bits - 1)
 
 
@@ -110,11 +111,11 @@ def _parity_cost(recording: RecordedFrames, parity: FoundParity, crc: FoundCrc |
     They are one bit for each frame that does not prove it, a few bits for the parity itself, and more for an unusual
     place, and in addition to a CRC.
     """
-    sample_count = min(len(recording.frames), MOST_FRAMES)
-    unproved_bits = max(sample_count - recording.independent, 0)
+    sample_count = min(len(recording.frames), MOST_COMPARED_FRAMES)
+    unproved_bits = max(sample_count - recording.independent_difference_count, 0)
     cost = _PARITY_BITS + unproved_bits
     usual_is_first_bit = recording.interface == "spi"
-    is_first_bit = parity.place == 0
+    is_first_bit = parity.bit_index == 0
     if is_first_bit != usual_is_first_bit:
         cost += _OTHER_PLACE_BITS
     if crc is not None:
@@ -124,29 +125,29 @@ def _parity_cost(recording: RecordedFrames, parity: FoundParity, crc: FoundCrc |
 
 def _group_key(recording: RecordedFrames, layout: FoundLayout) -> object:
     """Return a key that is equal for layouts that differ only in how many constant bits the position begins with."""
-    split = layout.split
-    first_changing_bit = recording.changing.index(True, split.start, split.end)
+    split = layout.frame_split
+    first_changing_bit = recording.bit_changes.index(True, split.position_start, split.position_end)
     polynomial = layout.crc.polynomial if layout.crc is not None else 0
-    return polynomial, layout.parity, first_changing_bit, split.end, split.is_gray, split.byte_order
+    return polynomial, layout.parity, first_changing_bit, split.position_end, split.is_gray, split.byte_order
 
 
 def _merge_undecided_codes(layouts: list[FoundLayout]) -> list[FoundLayout]:
     """Merge layouts that differ only in the code of the position, Gray or binary, if the frames do not decide it.
 
-    This is the case if their costs differ by less than 3 bits. The better one remains, with ``other_code`` true. The
-    layouts are sorted by cost, and stay in this order.
+    This is the case if their costs differ by less than 3 bits. The better one remains, with ``may_be_other_code``
+    true. The layouts are sorted by cost, and stay in this order.
     """
     merged_layouts: list[FoundLayout] = []
     # Index of the best layout in Gray code and in binary, by everything else that distinguishes the layouts.
     index_by_key: dict[tuple[object, bool], int] = {}
     for layout in layouts:
-        split = layout.split
-        key_without_code = layout.crc, layout.parity, split.start, split.end
+        split = layout.frame_split
+        key_without_code = layout.crc, layout.parity, split.position_start, split.position_end
         index_in_other_code = index_by_key.get((key_without_code, not split.is_gray))
         if index_in_other_code is not None:
             better_layout = merged_layouts[index_in_other_code]
             if layout.cost - better_layout.cost < _UNDECIDED_DIFFERENCE:
-                merged_layouts[index_in_other_code] = replace(better_layout, other_code=True)
+                merged_layouts[index_in_other_code] = replace(better_layout, may_be_other_code=True)
                 continue
         index_by_key.setdefault((key_without_code, split.is_gray), len(merged_layouts))
         merged_layouts.append(layout)
