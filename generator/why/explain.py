@@ -104,7 +104,7 @@ def _find_corrupted_constant_bits(placed_layout: PlacedLayout, typed_frame: Type
     """
     frame = typed_frame.number
     _, are_correct = check_constant_bits(placed_layout, frame)
-    if are_correct or not typed_frame.may_have(placed_layout.bits):
+    if are_correct or not typed_frame.may_have_length(placed_layout.bits):
         return ()
     correcting_bits: list[int] = []
     for bit in range(placed_layout.bits):
@@ -140,7 +140,7 @@ def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout,
     It is also empty if the recording can have the length of the frame, or if the line carries bytes.
     """
     line = LINES.get(line_name(device.interface(variant.interface)))
-    if line is None or typed_frame.may_have(placed_layout.bits):
+    if line is None or typed_frame.may_have_length(placed_layout.bits):
         return ""
     crc = device.crc_of(placed_layout)
     for hypothesis in moved_frame_hypotheses(device, variant, placed_layout, crc, typed_frame):

@@ -35,7 +35,7 @@ class TypedFrame:
     is_bytes: bool = False
     padded: str = ""
 
-    def may_have(self, bits: int) -> bool:
+    def may_have_length(self, bits: int) -> bool:
         """Return whether the frame can have this number of bits, possibly with leading zeros that were not typed."""
         if self.exact:
             return self.bits == bits

@@ -80,19 +80,19 @@ def moved_frame_hypotheses(
     line = LINES.get(line_name(device.interface(variant.interface)))
     if line is None or not placed_layout.bits:
         return
-    if typed_frame.may_have(placed_layout.bits):
+    if typed_frame.may_have_length(placed_layout.bits):
         yield from echo_hypotheses(device, variant, placed_layout, typed_frame.number)
     if variant.interface == Spi.name:
         yield from _left_out_command_hypotheses(placed_layout, crc, typed_frame)
         yield from _idle_command_hypotheses(placed_layout, crc, typed_frame)
-        yield from _offsets_after_command(line, placed_layout, crc, typed_frame)
+        yield from _data_offset_hypotheses(line, placed_layout, crc, typed_frame)
     received_bits = recorded_bits(typed_frame, placed_layout.bits)
     extra_bits = typed_frame.written - placed_layout.bits
     if variant.interface == Spi.name and typed_frame.is_bytes and 0 < extra_bits < 8:
         # A word that does not fill its bytes can be at their beginning. The zeros in front are then received bits.
         received_bits = received_bits.zfill(typed_frame.written)
     hypotheses_by_rule: list[Hypothesis] = []
-    possible_offsets = [offset for offset in line.slips if _can_have(placed_layout, crc, offset)]
+    possible_offsets = [offset for offset in line.offsets if _can_lose_bits(placed_layout, crc, offset)]
     for length in possible_lengths(placed_layout, typed_frame):
         for offset in possible_offsets:
             if placed_layout.bits + offset.additional_bits == length:
@@ -106,15 +106,15 @@ def moved_frame_hypotheses(
         yield from window_hypotheses(placed_layout, crc, received_bits)
 
 
-def _can_have(placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset) -> bool:
+def _can_lose_bits(placed_layout: PlacedLayout, crc: Crc | None, offset: FrameOffset) -> bool:
     """Return whether a frame with this CRC is long enough to lose as many bits as this offset says.
 
     Lost last bits must belong to the CRC, if there is one.
     """
-    missing_bits = len(offset.missing) + offset.lost
+    missing_bits = len(offset.missing_first_bits) + offset.lost_last_bits
     if missing_bits > placed_layout.bits:
         return False
-    return crc is None or offset.lost <= crc.width
+    return crc is None or offset.lost_last_bits <= crc.width
 
 
 def _left_out_command_hypotheses(
@@ -126,7 +126,7 @@ def _left_out_command_hypotheses(
     """
     command, command_bits = _bits_during_command(placed_layout, crc)
     remaining_bits = placed_layout.bits - command_bits
-    has_remaining_bits = typed_frame.may_have(remaining_bits) and typed_frame.written == remaining_bits
+    has_remaining_bits = typed_frame.may_have_length(remaining_bits) and typed_frame.written == remaining_bits
     has_command = command_bits > 0
     if not has_command or not has_remaining_bits:
         return
@@ -136,7 +136,7 @@ def _left_out_command_hypotheses(
         kind="command_left_out", description=description, placed_layout=placed_layout, crc=crc, frame=frame
     )
     # The constants that were assumed prove nothing.
-    assumed_bits = _constant_bits_from(placed_layout, remaining_bits)
+    assumed_bits = _constant_bits_at_or_above(placed_layout, remaining_bits)
     yield replace(hypothesis, determined_bits=hypothesis.determined_bits - assumed_bits)
 
 
@@ -149,10 +149,10 @@ def _idle_command_hypotheses(
     """
     command, command_bits = _bits_during_command(placed_layout, crc)
     remaining_bits = placed_layout.bits - command_bits
-    assumed_bits = _constant_bits_from(placed_layout, remaining_bits)
+    assumed_bits = _constant_bits_at_or_above(placed_layout, remaining_bits)
     are_bits_typed = typed_frame.exact or typed_frame.written > remaining_bits
     has_data = remaining_bits > 0
-    is_possible = are_bits_typed and typed_frame.may_have(placed_layout.bits)
+    is_possible = are_bits_typed and typed_frame.may_have_length(placed_layout.bits)
     if not assumed_bits or not has_data or not is_possible:
         return
     received_command = typed_frame.number >> remaining_bits
@@ -171,7 +171,7 @@ def _idle_command_hypotheses(
     yield replace(hypothesis, determined_bits=hypothesis.determined_bits - assumed_bits + idle_evidence)
 
 
-def _offsets_after_command(
+def _data_offset_hypotheses(
     line: LineMistakes, placed_layout: PlacedLayout, crc: Crc | None, typed_frame: TypedFrame
 ) -> Iterator[Hypothesis]:
     """Yield hypotheses in which the first bits of an SPI word, the command, are intact, and the data are shifted.
@@ -182,12 +182,12 @@ def _offsets_after_command(
     """
     _, command_bits = _bits_during_command(placed_layout, crc)
     remaining_bits = placed_layout.bits - command_bits
-    constant_bits = _constant_bits_from(placed_layout, remaining_bits)
+    constant_bits = _constant_bits_at_or_above(placed_layout, remaining_bits)
     has_data = remaining_bits > 0
-    if not constant_bits or not has_data or not typed_frame.may_have(placed_layout.bits):
+    if not constant_bits or not has_data or not typed_frame.may_have_length(placed_layout.bits):
         return
-    for offset in line.slips:
-        if offset.additional_bits != 0 or not _can_have(placed_layout, crc, offset):
+    for offset in line.offsets:
+        if offset.additional_bits != 0 or not _can_lose_bits(placed_layout, crc, offset):
             continue
         hypotheses = _offset_hypotheses(
             placed_layout=placed_layout,
@@ -214,8 +214,10 @@ def data_bits_of_zero_reply(placed_layout: PlacedLayout, crc: Crc | None, typed_
     """
     command, command_bits = _bits_during_command(placed_layout, crc)
     data_bits = placed_layout.bits - command_bits
-    has_command = _constant_bits_from(placed_layout, data_bits) > 0
-    is_command_and_zeros = typed_frame.may_have(placed_layout.bits) and typed_frame.number == command << data_bits
+    has_command = _constant_bits_at_or_above(placed_layout, data_bits) > 0
+    is_command_and_zeros = (
+        typed_frame.may_have_length(placed_layout.bits) and typed_frame.number == command << data_bits
+    )
     return data_bits if has_command and is_command_and_zeros else 0
 
 
@@ -242,7 +244,7 @@ def _bits_during_command(placed_layout: PlacedLayout, crc: Crc | None) -> tuple[
     return (command >> lowest_bit, command_bits) if is_whole_bytes else (0, 0)
 
 
-def _constant_bits_from(placed_layout: PlacedLayout, lowest_bit: int) -> int:
+def _constant_bits_at_or_above(placed_layout: PlacedLayout, lowest_bit: int) -> int:
     """Return the number of bits in the constants of a layout whose bits are all at ``lowest_bit`` or above."""
     constants = [field for field in placed_layout.fields if isinstance(field.field.kind, Constant)]
     return sum(constant.width for constant in constants if constant.low >= lowest_bit)
@@ -251,29 +253,29 @@ def _constant_bits_from(placed_layout: PlacedLayout, lowest_bit: int) -> int:
 class _OffsetParts(NamedTuple):
     """The bits before a frame, the bits behind it, and the frame, whose missing last bits are 0."""
 
-    front: int
-    behind: int
+    bits_before: int
+    bits_after: int
     frame_without_last_bits: int
 
 
 def _divide_by_offset(offset: FrameOffset, number: int, length: int) -> _OffsetParts:
     """Divide the ``length`` bits of ``number`` into the extra bits of an offset and the frame between them."""
-    frame_part_length = length - len(offset.front) - len(offset.behind)
-    front_and_frame_part = number >> len(offset.behind)
-    frame_part = front_and_frame_part & ((1 << frame_part_length) - 1)
-    missing_first_bits = int(offset.missing or "0", 2)
+    frame_part_length = length - len(offset.bits_before) - len(offset.bits_after)
+    number_without_bits_after = number >> len(offset.bits_after)
+    frame_part = number_without_bits_after & ((1 << frame_part_length) - 1)
+    missing_first_bits = int(offset.missing_first_bits or "0", 2)
     return _OffsetParts(
-        front=front_and_frame_part >> frame_part_length,
-        behind=number & ((1 << len(offset.behind)) - 1),
-        frame_without_last_bits=((missing_first_bits << frame_part_length) | frame_part) << offset.lost,
+        bits_before=number_without_bits_after >> frame_part_length,
+        bits_after=number & ((1 << len(offset.bits_after)) - 1),
+        frame_without_last_bits=((missing_first_bits << frame_part_length) | frame_part) << offset.lost_last_bits,
     )
 
 
-def _likelihood_around(offset: FrameOffset, parts: _OffsetParts) -> float:
+def _likelihood_of_extra_bits(offset: FrameOffset, received: _OffsetParts) -> float:
     """Return the likelihood of those extra bits that are mostly 0."""
-    front = _bits_with_mark(offset.front, "~", parts.front)
-    behind = _bits_with_mark(offset.behind, "~", parts.behind)
-    return prod(ACTIVE if bit else IDLE for bit in (*front, *behind))
+    mostly_0_before = _bits_with_mark(offset.bits_before, "~", received.bits_before)
+    mostly_0_after = _bits_with_mark(offset.bits_after, "~", received.bits_after)
+    return prod(ACTIVE if bit else IDLE for bit in (*mostly_0_before, *mostly_0_after))
 
 
 def _offset_hypotheses(
@@ -293,26 +295,26 @@ def _offset_hypotheses(
     """
     affected_length = length - command_bits
     command = number >> affected_length
-    parts = _divide_by_offset(offset, number & ((1 << affected_length) - 1), affected_length)
-    frame_without_last_bits = (command << (placed_layout.bits - command_bits)) | parts.frame_without_last_bits
+    received = _divide_by_offset(offset, number & ((1 << affected_length) - 1), affected_length)
+    frame_without_last_bits = (command << (placed_layout.bits - command_bits)) | received.frame_without_last_bits
     template = TEXTS["after_command"].format(offset.text) if command_bits else offset.text
-    start_bits = _bits_with_mark(offset.front, "1", parts.front)
-    assumed_bits = offset.lost + len(offset.missing) if crc is None else 0
-    for last_bits in range(1 << offset.lost) if crc is None else range(1):
+    start_bits = _bits_with_mark(offset.bits_before, "1", received.bits_before)
+    assumed_bits = offset.lost_last_bits + len(offset.missing_first_bits) if crc is None else 0
+    for last_bits in range(1 << offset.lost_last_bits) if crc is None else range(1):
         hypothesis = frame_hypothesis(
             kind=offset.kind,
-            description=template.format(offset.missing),
+            description=template.format(offset.missing_first_bits),
             placed_layout=placed_layout,
             crc=crc,
             frame=frame_without_last_bits | last_bits,
-            lost_bits=assumed_bits if crc is None else offset.lost,
+            lost_bits=assumed_bits if crc is None else offset.lost_last_bits,
             determined_bits=len(start_bits),
             do_determined_bits_match=all(start_bits),
         )
         yield replace(
             hypothesis,
             template=template,
-            likelihood=hypothesis.likelihood * _likelihood_around(offset, parts),
+            likelihood=hypothesis.likelihood * _likelihood_of_extra_bits(offset, received),
             has_assumed_bit=assumed_bits > 0,
             relative_frequency=AFTER_COMMAND if command_bits else 1.0,
         )
@@ -340,7 +342,7 @@ def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fram
     # The mask without the CRC then has ones only in its lowest bits.
     lowest_bits_mask = (1 << status_bits) - 1
     are_last_before_crc = frame_status_mask >> crc.width == lowest_bits_mask
-    if not frame_status_mask or not are_last_before_crc or not typed_frame.may_have(bits_without_status):
+    if not frame_status_mask or not are_last_before_crc or not typed_frame.may_have_length(bits_without_status):
         return
     data = typed_frame.number >> crc.width
     received_crc = typed_frame.number & crc.mask
@@ -398,7 +400,7 @@ def other_answer_hypotheses(
             continue
         option_text = " ".join(_decode_options(device, answers))
         description = f"{other_layout.bits} bits, as with {option_text}"
-        if typed_frame.may_have(other_layout.bits):
+        if typed_frame.may_have_length(other_layout.bits):
             yield frame_hypothesis(
                 kind="other_answer",
                 description=description,
@@ -406,7 +408,7 @@ def other_answer_hypotheses(
                 crc=crc,
                 frame=typed_frame.number,
             )
-        if typed_frame.may_have(other_layout.bits + 1):
+        if typed_frame.may_have_length(other_layout.bits + 1):
             too_long_text = f"{description}, read one bit too long"
             yield frame_hypothesis(
                 kind="other_answer",

@@ -57,7 +57,7 @@ def _hypotheses_with_crc(
     yield from _complete_frame_hypotheses(variant, placed_layout, crc, typed_frame, shapes_by_length)
     for shape_bits, shapes in shapes_by_length.items():
         extra_bits = placed_layout.bits - shape_bits
-        if extra_bits > 0 and typed_frame.may_have(placed_layout.bits):
+        if extra_bits > 0 and typed_frame.may_have_length(placed_layout.bits):
             yield _too_long_hypothesis(
                 variant=variant, shapes=shapes, crc=crc, number=typed_frame.number, extra_bits=extra_bits
             )
@@ -100,8 +100,8 @@ def _may_be_complete(typed_frame: TypedFrame, length: int, expected_length: int)
 
     If the number of bits is not known, this is the expected length, or a length whose leading zeros were typed.
     """
-    if typed_frame.exact or not typed_frame.may_have(length):
-        return typed_frame.may_have(length)
+    if typed_frame.exact or not typed_frame.may_have_length(length):
+        return typed_frame.may_have_length(length)
     return length == expected_length or length <= typed_frame.written
 
 
@@ -175,7 +175,7 @@ def _complete_frame_hypotheses(
         return
     possible_shapes: list[FrameShape] = []
     for shape_bits, shapes in shapes_by_length.items():
-        if typed_frame.may_have(shape_bits):
+        if typed_frame.may_have_length(shape_bits):
             possible_shapes.append(_possible_shape(shapes, typed_frame.number))
     if not possible_shapes:
         return

@@ -21,41 +21,43 @@ from .hypotheses import Hypothesis, TypedFrame, frame_hypothesis
 class BitPattern:
     """Bits around a frame, as a regular expression for the bits in the order received.
 
-    Each group is a part of the recording, and ``#`` in the pattern is the number of bits of the frame. The bits in the
-    groups listed in ``proof`` can have only one value, so they are evidence. The group ``again`` must repeat the frame,
-    starting with its first bit.
+    Each group is a part of the recording, and ``#`` is the number of bits of the frame. The bits in the groups
+    ``proof_groups`` can have only one value, so they are evidence. The group ``again`` must repeat the frame, starting
+    with its first bit.
     """
 
     kind: str
     text: str
-    pattern: str
-    proof: tuple[str, ...] = ()
+    regular_expression: str
+    proof_groups: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class FrameOffset:
     """Bits that do not begin and end with the frame.
 
-    ``front`` and ``behind`` are extra bits before and after the frame: ``1`` is a start bit, ``~`` is mostly 0, like a
-    CDS or stop bit, and ``?`` is any bit. ``missing`` are missing first bits of the frame, and ``lost`` is the number
-    of missing last bits. ``{0}`` in the text is replaced by ``missing``.
+    ``bits_before`` and ``bits_after`` are extra bits around the frame: ``1`` is a start bit, ``~`` is mostly 0, like a
+    CDS or stop bit, and ``?`` is any bit. ``missing_first_bits`` are the values of first bits that were not
+    received, and ``lost_last_bits`` is the number of missing last bits. ``{0}`` in the text is replaced by
+    ``missing_first_bits``.
     """
 
     kind: str
     text: str
-    front: str = ""
-    missing: str = ""
-    lost: int = 0
-    behind: str = ""
+    bits_before: str = ""
+    missing_first_bits: str = ""
+    lost_last_bits: int = 0
+    bits_after: str = ""
 
     @property
     def additional_bits(self) -> int:
         """Number of received bits in addition to those of the frame. It is negative if fewer bits were received."""
-        return len(self.front) - len(self.missing) - self.lost + len(self.behind)
+        extra_bits = len(self.bits_before) + len(self.bits_after)
+        return extra_bits - len(self.missing_first_bits) - self.lost_last_bits
 
 
 @dataclass(frozen=True, slots=True)
-class Incomplete:
+class IncompletePattern:
     """A recording without a complete frame.
 
     In the text, ``{0}`` is the number of bits of the frame that were received, ``{1}`` the number of bits that it has,
@@ -63,19 +65,19 @@ class Incomplete:
     """
 
     text: str
-    pattern: str
+    regular_expression: str
 
 
 @dataclass(frozen=True, slots=True)
 class LineMistakes:
     """Mistakes with the bits around a frame on one kind of line, in the order in which they are tried.
 
-    ``slips`` are the offsets by one or two bits.
+    ``offsets`` are by one or two bits.
     """
 
-    slips: tuple[FrameOffset, ...]
-    recordings: tuple[BitPattern, ...]
-    incomplete: tuple[Incomplete, ...]
+    offsets: tuple[FrameOffset, ...]
+    recording_patterns: tuple[BitPattern, ...]
+    incomplete_patterns: tuple[IncompletePattern, ...]
 
 
 #: Kind of a frame that no rule finds, only its CRC.
@@ -86,77 +88,80 @@ FRAME_INSIDE_TEXT = "the frame begins after {0} other bits"
 _FRAME = "(?P<frame>[01]{#})"
 _TAIL = "(?P<time_out>0*)(?P<behind>[01]*)$"
 
-_BISS_SLIPS = (
+_BISS_OFFSETS = (
     *(
         FrameOffset(
             "first_bit_missing",
             text="started one clock late: the first bit ({0}) is missing, and an extra bit follows",
-            missing=missing,
-            behind="~",
+            missing_first_bits=missing,
+            bits_after="~",
         )
         for missing in "01"
     ),
     FrameOffset(
         "bits_in_front",
         text="started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
-        front="~",
-        lost=1,
+        bits_before="~",
+        lost_last_bits=1,
     ),
     FrameOffset(
         "bits_in_front",
         text="started two clocks early: start bit and CDS are in front, and the last two bits are missing",
-        front="1~",
-        lost=2,
+        bits_before="1~",
+        lost_last_bits=2,
     ),
-    FrameOffset("bits_in_front", text="an extra bit in front, such as CDS", front="~"),
-    FrameOffset("bits_behind", text="an extra bit at the end, such as the stop bit", behind="~"),
-    FrameOffset("bits_in_front", text="two extra bits in front: start bit and CDS", front="1~"),
+    FrameOffset("bits_in_front", text="an extra bit in front, such as CDS", bits_before="~"),
+    FrameOffset("bits_behind", text="an extra bit at the end, such as the stop bit", bits_after="~"),
+    FrameOffset("bits_in_front", text="two extra bits in front: start bit and CDS", bits_before="1~"),
     FrameOffset(
         "bits_in_front",
         text="an extra bit in front, such as CDS, and one at the end, such as the stop bit",
-        front="~",
-        behind="~",
+        bits_before="~",
+        bits_after="~",
     ),
-    FrameOffset("bits_behind", text="two extra bits at the end", behind="~?"),
-    *(FrameOffset("first_bit_missing", text="the first bit ({0}) is missing", missing=missing) for missing in "01"),
-    FrameOffset("last_bits_missing", text="the last bit is missing", lost=1),
-    FrameOffset("last_bits_missing", text="the last two bits are missing", lost=2),
+    FrameOffset("bits_behind", text="two extra bits at the end", bits_after="~?"),
+    *(
+        FrameOffset("first_bit_missing", text="the first bit ({0}) is missing", missing_first_bits=missing)
+        for missing in "01"
+    ),
+    FrameOffset("last_bits_missing", text="the last bit is missing", lost_last_bits=1),
+    FrameOffset("last_bits_missing", text="the last two bits are missing", lost_last_bits=2),
 )
 
 _BISS = LineMistakes(
-    slips=_BISS_SLIPS,
-    recordings=(
+    offsets=_BISS_OFFSETS,
+    recording_patterns=(
         # The rule of the C receiver: the start bit is the first 1 after a 0.
         BitPattern(
             "raw_buffer",
             "a raw buffer: acknowledge, start bit and CDS are in front of the frame",
             f"^(?P<idle>1*)(?P<acknowledge>0+)(?P<start>1)(?P<CDS>[01]){_FRAME}(?P<stop>0?){_TAIL}",
-            proof=("stop",),
+            proof_groups=("stop",),
         ),
         BitPattern(
             "bits_around",
             "start bit and CDS are in front of the frame, and stop bit and timeout follow",
             f"^(?P<start>1)(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
-            proof=("start", "stop"),
+            proof_groups=("start", "stop"),
         ),
         BitPattern(
             "bits_around",
             "CDS is in front of the frame, and stop bit and timeout follow",
             f"^(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
-            proof=("stop",),
+            proof_groups=("stop",),
         ),
         BitPattern(
             "bits_around",
             "stop bit and timeout follow the frame",
             f"^{_FRAME}(?P<stop>0){_TAIL}",
-            proof=("stop",),
+            proof_groups=("stop",),
         ),
     ),
-    incomplete=(
-        Incomplete("as a raw buffer, it has no acknowledge (a 0 after the idle bits) and no frame", "^1+$"),
-        Incomplete("as a raw buffer, it has no start bit (a 1 after the acknowledge) and no frame", "^1*0+$"),
-        Incomplete("as a raw buffer, it ends at the start bit: CDS and the frame are missing", "^1*0+1$"),
-        Incomplete(
+    incomplete_patterns=(
+        IncompletePattern("as a raw buffer, it has no acknowledge (a 0 after the idle bits) and no frame", "^1+$"),
+        IncompletePattern("as a raw buffer, it has no start bit (a 1 after the acknowledge) and no frame", "^1*0+$"),
+        IncompletePattern("as a raw buffer, it ends at the start bit: CDS and the frame are missing", "^1*0+1$"),
+        IncompletePattern(
             "as a raw buffer, it ends after {0} of the {1} bits of the frame. Bits still to be read: {2}",
             "^1*0+1[01](?P<frame>[01]*)$",
         ),
@@ -164,36 +169,41 @@ _BISS = LineMistakes(
 )
 
 _WORD_FIRST = BitPattern(
-    "zeros_behind", "the word comes first, and the other clocks read 0", f"^{_FRAME}(?P<zeros>0+)$", proof=("zeros",)
+    "zeros_behind",
+    "the word comes first, and the other clocks read 0",
+    f"^{_FRAME}(?P<zeros>0+)$",
+    proof_groups=("zeros",),
 )
 _WORD_TWICE = BitPattern(
     "word_twice",
     "the word is repeated after its last bit",
     # Fewer repeated bits prove too little. The position is the same as with any other bits behind the word.
     f"^{_FRAME}(?P<gap>0?)(?P<again>[01]{{4,}})$",
-    proof=("gap", "again"),
+    proof_groups=("gap", "again"),
 )
 _BIT_IN_FRONT = BitPattern(
     "bits_in_front",
     "the first clock carries no data, and the word follows",
     f"^(?P<front>[01]){_FRAME}(?P<zeros>0*)$",
-    proof=("zeros",),
+    proof_groups=("zeros",),
 )
 _BITS_AROUND = BitPattern(
     "bits_around",
     "the first clock carries no data, and extra bits follow the word",
     # Before the first bit, the line is idle, which is high.
     f"^(?P<front>1){_FRAME}(?P<other>[01]+)$",
-    proof=("front",),
+    proof_groups=("front",),
 )
 _WORD_LAST = BitPattern(
-    "zeros_in_front", "zeros come first, and then the word", f"^(?P<zeros>0+){_FRAME}$", proof=("zeros",)
+    "zeros_in_front", "zeros come first, and then the word", f"^(?P<zeros>0+){_FRAME}$", proof_groups=("zeros",)
 )
 _OTHERS_BEHIND = BitPattern("bits_behind", "the word comes first, and extra bits follow", f"^{_FRAME}(?P<other>[01]+)$")
 _OTHERS_IN_FRONT = BitPattern(
     "bits_in_front", "extra bits come first, and then the word", f"^(?P<other>[01]+){_FRAME}$"
 )
-_TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$")
+_TOO_SHORT = IncompletePattern(
+    "it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$"
+)
 
 
 def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
@@ -204,8 +214,11 @@ def _one_clock_offsets(cause: str) -> tuple[FrameOffset, ...]:
     late_text = f"started one clock late{cause}: the first bit ({{0}}) is missing, and an extra bit follows"
     early_text = f"started one clock early{cause}: an extra bit is in front, and the last bit is missing"
     return (
-        FrameOffset("bits_in_front", text=early_text, front="?", lost=1),
-        *(FrameOffset("first_bit_missing", text=late_text, missing=missing, behind="?") for missing in "01"),
+        FrameOffset("bits_in_front", text=early_text, bits_before="?", lost_last_bits=1),
+        *(
+            FrameOffset("first_bit_missing", text=late_text, missing_first_bits=missing, bits_after="?")
+            for missing in "01"
+        ),
     )
 
 
@@ -270,42 +283,47 @@ def recording_hypotheses(
     A rule is a pattern of the bits around the frame. Bits that can have only one value are evidence that the rule
     applies. If the pattern contains the frame twice, the second one must begin like the first.
     """
-    for recording in line.recordings:
-        match = _compile_for_length(recording.pattern, placed_layout.bits).match(received_bits)
+    for pattern in line.recording_patterns:
+        match = _compile_for_length(pattern.regular_expression, placed_layout.bits).match(received_bits)
         if match is None:
             continue
         bits_by_part = {name: bits for name, bits in match.groupdict().items() if bits}
         frame_bits = bits_by_part["frame"]
         # Some encoders repeat the word while the clock continues.
         repeated_bits = bits_by_part.get("again", "")
-        bits_of_proof = sum(len(bits_by_part.get(name, "")) for name in recording.proof)
+        proof_bits = sum(len(bits_by_part.get(name, "")) for name in pattern.proof_groups)
         if "zeros" in bits_by_part:
-            bits_of_proof -= _zeros_of_word(placed_layout, bits_by_part["zeros"], is_first=match.start("zeros") == 0)
+            proof_bits -= _zeros_that_may_be_of_word(
+                placed_layout, bits_by_part["zeros"], is_first=match.start("zeros") == 0
+            )
         hypothesis = frame_hypothesis(
-            kind=recording.kind,
-            description=recording.text,
+            kind=pattern.kind,
+            description=pattern.text,
             placed_layout=placed_layout,
             crc=crc,
             frame=int(frame_bits, 2),
-            determined_bits=bits_of_proof,
+            determined_bits=proof_bits,
             do_determined_bits_match=frame_bits.startswith(repeated_bits),
         )
         yield replace(hypothesis, recording_parts=tuple(bits_by_part.items()))
 
 
-def _zeros_of_word(placed_layout: PlacedLayout, zeros: str, *, is_first: bool) -> int:
+def _zeros_that_may_be_of_word(placed_layout: PlacedLayout, zeros: str, *, is_first: bool) -> int:
     """Return how many of the extra zeros on one side of a word could be part of the word itself.
 
     Every word has this many constant zeros at this end, such as the padding of a number. They do not show that the
     extra zeros lie outside the word. ``is_first`` is true for zeros in front of the word.
     """
-    zeros_mask = 0
+    constant_zeros_mask = 0
     for placed_field in placed_layout.fields:
         if isinstance(placed_field.field.kind, Constant):
-            zeros_mask |= (placed_field.mask & ~placed_field.field.kind.value) << placed_field.low
-    marks = f"{zeros_mask:0{placed_layout.bits}b}"  # 1 for each zero
-    remaining_marks = marks.lstrip("1") if is_first else marks.rstrip("1")
-    return min(len(marks) - len(remaining_marks), len(zeros))
+            # The bits of the constant that are 0.
+            constant_zeros_mask |= (placed_field.mask & ~placed_field.field.kind.value) << placed_field.low
+    # A 1 for each bit of the word that is always 0, the first bit sent first.
+    marks = f"{constant_zeros_mask:0{placed_layout.bits}b}"
+    marks_without_end = marks.lstrip("1") if is_first else marks.rstrip("1")
+    constant_zeros_at_end = len(marks) - len(marks_without_end)
+    return min(constant_zeros_at_end, len(zeros))
 
 
 def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str) -> Iterator[Hypothesis]:
@@ -343,18 +361,18 @@ def missing_part(line: LineMistakes, frame_length: int, received_bits: str) -> s
 
     It is empty if no pattern of an incomplete recording matches, or if the recording contains the complete frame.
     """
-    for incomplete in line.incomplete:
-        match = _compile_for_length(incomplete.pattern, frame_length).match(received_bits)
+    for pattern in line.incomplete_patterns:
+        match = _compile_for_length(pattern.regular_expression, frame_length).match(received_bits)
         if match is None:
             continue
         received_frame_bits = match.groupdict().get("frame", "")
         received_length = len(received_frame_bits)
         if received_length < frame_length:
-            return incomplete.text.format(received_length, frame_length, frame_length - received_length)
+            return pattern.text.format(received_length, frame_length, frame_length - received_length)
     return ""
 
 
 @lru_cache(maxsize=1024)
-def _compile_for_length(pattern: str, frame_length: int) -> re.Pattern[str]:
-    """Compile a pattern of a recording, in which ``#`` stands for the number of bits of the frame."""
-    return re.compile(pattern.replace("#", f"{frame_length}"))
+def _compile_for_length(regular_expression: str, frame_length: int) -> re.Pattern[str]:
+    """Compile a regular expression for a recording, in which ``#`` stands for the number of bits of the frame."""
+    return re.compile(regular_expression.replace("#", f"{frame_length}"))

@@ -375,14 +375,25 @@ def script_table(library: Library) -> Data:
 
 def _line_data(line: LineMistakes) -> Data:
     """Return the mistakes with the bits around a frame, each as a list, with patterns in the notation of JavaScript."""
-    return {
-        "slips": [[slip.kind, slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in line.slips],
-        "recordings": [
-            [recording.kind, recording.text, javascript_pattern(recording.pattern), recording.proof]
-            for recording in line.recordings
-        ],
-        "incomplete": [[incomplete.text, javascript_pattern(incomplete.pattern)] for incomplete in line.incomplete],
-    }
+    offsets = [
+        [
+            offset.kind,
+            offset.text,
+            offset.bits_before,
+            offset.missing_first_bits,
+            offset.lost_last_bits,
+            offset.bits_after,
+        ]
+        for offset in line.offsets
+    ]
+    recordings = [
+        [pattern.kind, pattern.text, javascript_pattern(pattern.regular_expression), pattern.proof_groups]
+        for pattern in line.recording_patterns
+    ]
+    incomplete = [
+        [pattern.text, javascript_pattern(pattern.regular_expression)] for pattern in line.incomplete_patterns
+    ]
+    return {"slips": offsets, "recordings": recordings, "incomplete": incomplete}
 
 
 def _family_data(device: Device, library: Library, options: Options) -> Data:
