@@ -384,7 +384,7 @@ class Evidence(NamedTuple):
 
 def explanations_of(diagnosis: Diagnosis | None) -> Sequence[Explanation]:
     """Return all explanations of a frame, including those that lead to the same frame as another one."""
-    return (diagnosis.unmerged or diagnosis.explanations) if diagnosis is not None else ()
+    return (diagnosis.all_explanations or diagnosis.explanations) if diagnosis is not None else ()
 
 
 def measure(encoder: Encoder, sets: int, counts: dict[tuple[str, str], Count], misses: Counter[str]) -> None:
@@ -457,11 +457,13 @@ def why(encoder: Encoder, planted: Planted, *, with_pairs: bool = False) -> Diag
 
 def without_pairs(diagnosis: Diagnosis) -> Diagnosis:
     """Return what ``decode`` shows for a single frame: pairs only if no single mistake explains it by a rule."""
-    single_mistakes = [explanation for explanation in diagnosis.explanations if not explanation.twice]
+    single_mistakes = [explanation for explanation in diagnosis.explanations if not explanation.needs_two_mistakes]
     if all(explanation.kind == FRAME_INSIDE for explanation in single_mistakes):
         return diagnosis
-    all_single_mistakes = tuple(explanation for explanation in diagnosis.unmerged if not explanation.twice)
-    return replace(diagnosis, explanations=tuple(single_mistakes), unmerged=all_single_mistakes)
+    all_single_mistakes = tuple(
+        explanation for explanation in diagnosis.all_explanations if not explanation.needs_two_mistakes
+    )
+    return replace(diagnosis, explanations=tuple(single_mistakes), all_explanations=all_single_mistakes)
 
 
 def count_single_frames(encoder: Encoder, mistake: Mistake, planted_frames: Sequence[Planted], count: Count) -> None:
@@ -479,7 +481,7 @@ def count_single_frames(encoder: Encoder, mistake: Mistake, planted_frames: Sequ
 def is_missing(encoder: Encoder, planted: Planted) -> bool:
     """Return whether the result says that a byte is missing."""
     diagnosis = why(encoder, planted)
-    return diagnosis is not None and bool(diagnosis.missing)
+    return diagnosis is not None and bool(diagnosis.missing_part)
 
 
 def count_doubts(encoder: Encoder, mistake: Mistake, planted_frames: Sequence[Planted], count: Count) -> None:
@@ -512,11 +514,11 @@ def right_mistakes(mistake: Mistake, planted: Planted, diagnosis: Diagnosis | No
 
 def explains(mistake: Mistake, planted: Planted, explanation: Explanation) -> bool:
     """Return whether an explanation names the mistake and gives the numbers that were sent."""
-    if explanation.kind not in mistake.kinds or explanation.twice != mistake.pair:
+    if explanation.kind not in mistake.kinds or explanation.needs_two_mistakes != mistake.pair:
         return False
-    if not explanation.reads or not mistake.changes_frame:
+    if not explanation.numbers_read or not mistake.changes_frame:
         return True
-    return planted.numbers in [dict(reads) for reads in (explanation.reads, *explanation.or_reads)]
+    return planted.numbers in [dict(reads) for reads in (explanation.numbers_read, *explanation.other_numbers_read)]
 
 
 def is_decidable(encoder: Encoder, mistake: Mistake, source: random.Random) -> bool:

@@ -79,7 +79,9 @@ def measure(devices: Mapping[str, Device], rounds: int) -> dict[str, Count]:
             count.unseen += 1
             continue
         places = [place for place, explanation in enumerate(why.explanations) if _explains(explanation, plant)]
-        count.listed += bool(places) if plant.kind else any(not explanation.twice for explanation in why.explanations)
+        count.listed += (
+            bool(places) if plant.kind else any(not explanation.needs_two_mistakes for explanation in why.explanations)
+        )
         count.first += places[:1] == [0]
         count.explanations += len(why.explanations)
     return counts
@@ -87,7 +89,7 @@ def measure(devices: Mapping[str, Device], rounds: int) -> dict[str, Count]:
 
 def _explains(explanation: Explanation, plant: planted.Plant) -> bool:
     """Return whether an explanation names the planted mistake."""
-    words = f"{explanation.text} {' '.join(explanation.codes)}"
+    words = f"{explanation.text} {' '.join(explanation.order_codes)}"
     return explanation.kind == plant.kind and plant.words in words
 
 

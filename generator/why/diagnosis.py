@@ -24,11 +24,11 @@ class Explanation:
     """A mistake that would explain the CRC.
 
     It matches one of ``one_in`` random frames. ``frequency`` is the part of the score that belongs to the mistake and
-    not to the frame. ``reads`` are the numbers in the frame without the mistake, if that
-    changes the frame, and ``or_reads`` the numbers with another value of a lost bit. ``codes`` are the order codes that
-    would send it. ``twice`` is true if two mistakes are needed. ``parts`` are the parts of a recording, each with its
-    bits. ``template`` is the text without the details of this frame, if the text has details. With ``hides_shift``, the
-    CRC of the explanation does not detect every shift.
+    not to the frame. ``numbers_read`` are the numbers in the frame without the mistake, by field, if that changes the
+    frame, and ``other_numbers_read`` the numbers with another value of a lost bit. ``order_codes`` would send the
+    frame. ``recording_parts`` are the parts of a recording, each with its bits. ``template`` is the text without the
+    details of this frame, if the text has details. With ``hides_shift``, the CRC of the explanation does not detect
+    every shift.
     """
 
     kind: str
@@ -36,41 +36,41 @@ class Explanation:
     one_in: int
     score: float
     frequency: float
-    reads: Mapping[str, int]
-    codes: tuple[str, ...] = ()
-    twice: bool = False
-    parts: tuple[tuple[str, str], ...] = ()
+    numbers_read: Mapping[str, int]
+    order_codes: tuple[str, ...] = ()
+    needs_two_mistakes: bool = False
+    recording_parts: tuple[tuple[str, str], ...] = ()
     template: str = ""
-    or_reads: tuple[Mapping[str, int], ...] = ()
+    other_numbers_read: tuple[Mapping[str, int], ...] = ()
     hides_shift: bool = False
 
     @property
     def mistake(self) -> tuple[str, str, bool]:
         """Key of the mistake, which is the same for all frames with this mistake."""
-        return self.kind, self.template or self.text, self.twice
+        return self.kind, self.template or self.text, self.needs_two_mistakes
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
     """Explanations of a frame, most likely first.
 
-    ``tried`` is the number of mistakes tried, pairs included. At least one of them matches the fraction ``coincidence``
-    of random frames. ``cannot_see`` lists mistakes that a CRC of this kind cannot detect. ``disturbed`` are the bits,
-    counted from the last as 0, that make the frame valid if one of them is inverted. Such noise is the usual cause if
-    only some frames fail, but one frame cannot prove it: the CRC is short, and most random frames have such a bit.
-    ``unmerged`` contains all explanations, including those that lead to the same frame as a likelier one. ``missing``
-    is the part that a recording without a complete frame lacks. ``has_crc`` is false if only constants, parity and the
-    length can contradict a frame, so that nothing is certain.
+    ``tried_count`` is the number of mistakes tried, pairs included. At least one of them matches the fraction
+    ``chance_of_match`` of random frames. ``undetectable_mistakes`` lists mistakes that a CRC of this kind cannot
+    detect. ``bits_to_invert`` are the bits, counted from the last as 0, that make the frame valid if one of them is
+    inverted. Such noise is the usual cause if only some frames fail, but one frame cannot prove it: the CRC is short,
+    and most random frames have such a bit. ``all_explanations`` also contains those that lead to the same frame as a
+    likelier one. ``missing_part`` is the part that a recording without a complete frame lacks. ``has_crc`` is false if
+    only constants, parity and the length can contradict a frame, so that nothing is certain.
     """
 
     explanations: tuple[Explanation, ...]
-    tried: int
-    coincidence: float
-    cannot_see: tuple[str, ...]
-    disturbed: tuple[int, ...] = ()
-    missing: str = ""
+    tried_count: int
+    chance_of_match: float
+    undetectable_mistakes: tuple[str, ...]
+    bits_to_invert: tuple[int, ...] = ()
+    missing_part: str = ""
     has_crc: bool = True
-    unmerged: tuple[Explanation, ...] = ()
+    all_explanations: tuple[Explanation, ...] = ()
 
     @property
     def equal_readings(self) -> int:
@@ -102,13 +102,13 @@ class _ExplainedFrame(NamedTuple):
 
 
 def diagnose_without_crc(
-    device: Device, hypotheses: Iterable[Hypothesis], missing: str, disturbed: tuple[int, ...] = ()
+    device: Device, hypotheses: Iterable[Hypothesis], missing_part: str, bits_to_invert: tuple[int, ...] = ()
 ) -> Diagnosis | None:
     """Return the possible explanations of a frame without a CRC, most likely first. None of them is certain.
 
-    If several mistakes lead to the same frame, only the likeliest is listed. ``missing`` is a text about the part that
-    the received bits lack, or empty. ``disturbed`` are the positions of bits, one of which may be corrupted. Return
-    None if nothing fits, nothing is missing, and no bit may be corrupted.
+    If several mistakes lead to the same frame, only the likeliest is listed. ``missing_part`` is a text about the part
+    that the received bits lack, or empty. ``bits_to_invert`` are the positions of bits, one of which may be corrupted.
+    Return None if nothing fits, nothing is missing, and no bit may be corrupted.
     """
     explained_frames: list[_ExplainedFrame] = []
     for same_mistake in _grouped_by_mistake(hypotheses):
@@ -123,17 +123,17 @@ def diagnose_without_crc(
     likeliest_by_frame: dict[int | str, Explanation] = {}
     for resulting_frame, explanation in explained_frames:
         likeliest_by_frame.setdefault(resulting_frame, explanation)
-    if not likeliest_by_frame and not missing and not disturbed:
+    if not likeliest_by_frame and not missing_part and not bits_to_invert:
         return None
     return Diagnosis(
         explanations=tuple(likeliest_by_frame.values()),
-        tried=len(likeliest_by_frame),
-        coincidence=1.0,
-        cannot_see=(),
-        missing=missing,
-        disturbed=disturbed,
+        tried_count=len(likeliest_by_frame),
+        chance_of_match=1.0,
+        undetectable_mistakes=(),
+        missing_part=missing_part,
+        bits_to_invert=bits_to_invert,
         has_crc=False,
-        unmerged=tuple(explained_frame.explanation for explained_frame in explained_frames),
+        all_explanations=tuple(explained_frame.explanation for explained_frame in explained_frames),
     )
 
 
@@ -169,7 +169,7 @@ def _explain_mistake(device: Device, same_mistake: Sequence[Hypothesis]) -> Expl
         text=without_details(likeliest.template),
         one_in=sum(explanation.one_in for explanation in explanations),
         score=sum(explanation.score for explanation in explanations),
-        or_reads=tuple(explanation.reads for explanation in others),
+        other_numbers_read=tuple(explanation.numbers_read for explanation in others),
     )
 
 
@@ -195,7 +195,7 @@ def diagnose(
 
     Hypotheses that match the same frames as a ``refuted`` one are not tried. Pairs of mistakes would often match by
     chance, so they are only tried if no single mistake matches, or with ``with_pairs``. ``repeated`` are hypotheses
-    that lead to the same frame as a better one, and are added to ``unmerged`` only. Fields that depend on
+    that lead to the same frame as a better one, and are added to ``all_explanations`` only. Fields that depend on
     ``undecided_parameters`` are not decoded. Return None if no hypothesis could be tried.
     """
     significant = significant_hypotheses(hypotheses, refuted)
@@ -204,22 +204,22 @@ def diagnose(
         return None
     explanations = _explain_hypotheses(device, tried_hypotheses, undecided_parameters)
     repeated_hypotheses = significant_hypotheses(repeated, refuted)
-    unmerged = _explain_hypotheses(device, [*significant, *repeated_hypotheses], undecided_parameters)
+    all_explanations = _explain_hypotheses(device, [*significant, *repeated_hypotheses], undecided_parameters)
     if with_pairs or all(explanation.kind == FRAME_INSIDE for explanation in explanations):
         single_count = len(tried_hypotheses)
         pairs = significant_hypotheses(_paired_with_inversion(significant), refuted)
         tried_hypotheses = _distinct_hypotheses((*tried_hypotheses, *pairs))
         distinct_pairs = tried_hypotheses[single_count:]
         explanations += _explain_hypotheses(device, distinct_pairs, undecided_parameters, by_two_mistakes=True)
-        unmerged += _explain_hypotheses(device, pairs, undecided_parameters, by_two_mistakes=True)
+        all_explanations += _explain_hypotheses(device, pairs, undecided_parameters, by_two_mistakes=True)
     explanations.sort(key=lambda explanation: -explanation.score)
-    unmerged.sort(key=lambda explanation: -explanation.score)
+    all_explanations.sort(key=lambda explanation: -explanation.score)
     return Diagnosis(
         explanations=tuple(explanations),
-        tried=len(tried_hypotheses),
-        coincidence=_chance_of_any(tried_hypotheses),
-        cannot_see=tuple(_blind_spots(crcs)),
-        unmerged=tuple(unmerged),
+        tried_count=len(tried_hypotheses),
+        chance_of_match=_chance_of_any(tried_hypotheses),
+        undetectable_mistakes=tuple(_blind_spots(crcs)),
+        all_explanations=tuple(all_explanations),
     )
 
 
@@ -326,7 +326,7 @@ def _explain_hypotheses(
     for hypothesis in hypotheses:
         if hypothesis.fits:
             explanation = _explain_hypothesis(device, hypothesis, undecided_parameters)
-            explanations.append(replace(explanation, twice=by_two_mistakes))
+            explanations.append(replace(explanation, needs_two_mistakes=by_two_mistakes))
     return explanations
 
 
@@ -345,9 +345,9 @@ def _explain_hypothesis(device: Device, hypothesis: Hypothesis, undecided_parame
         one_in=hypothesis.one_in,
         score=hypothesis.score,
         frequency=hypothesis.frequency,
-        reads=numbers,
-        codes=hypothesis.order_codes,
-        parts=hypothesis.recording_parts,
+        numbers_read=numbers,
+        order_codes=hypothesis.order_codes,
+        recording_parts=hypothesis.recording_parts,
         template=hypothesis.template,
         hides_shift=_hides_shift(hypothesis),
     )

@@ -60,7 +60,7 @@ def other_positions(
     if not is_count:
         return []
     readings: list[tuple[str, int]] = []
-    may_be_bytes = typed_frame is None or not typed_frame.exact or typed_frame.bits % 8 == 0
+    may_be_bytes = typed_frame is None or not typed_frame.is_length_known or typed_frame.bits % 8 == 0
     other_frames = _frames_without_mistake(placed_layout, position_field, decoded.number, may_be_bytes=may_be_bytes)
     texts_and_frames = [*zip(READINGS, other_frames, strict=True)]
     if typed_frame is not None:
@@ -89,10 +89,10 @@ def _recorded_frames(
     cut_frame = _cut_frame(placed_layout, typed_frame)
     if cut_frame is not None:
         yield CUT_OFF, cut_frame
-    has_extra_zeros = not typed_frame.exact and typed_frame.written > placed_layout.bits
+    has_extra_zeros = not typed_frame.is_length_known and typed_frame.digit_bits > placed_layout.bits
     if not isinstance(interface, Ssi) or not has_extra_zeros:
         return
-    received_bits = f"{typed_frame.number:0{typed_frame.written}b}"
+    received_bits = f"{typed_frame.number:0{typed_frame.digit_bits}b}"
     known_frames = {typed_frame.number}
     for hypothesis in recording_hypotheses(LINES[line_name(interface)], placed_layout, None, received_bits):
         if hypothesis.fits and hypothesis.frame not in known_frames:
@@ -102,7 +102,7 @@ def _recorded_frames(
 
 def _left_aligned_frame(interface: Interface, placed_layout: PlacedLayout, typed_frame: TypedFrame) -> int | None:
     """Return the frame at the beginning of the bytes of an SPI word, or None if it fills them or cannot be valid."""
-    extra_bits = typed_frame.written - placed_layout.bits
+    extra_bits = typed_frame.digit_bits - placed_layout.bits
     if not isinstance(interface, Spi) or not typed_frame.is_bytes or not 0 < extra_bits < 8:
         return None
     frame = typed_frame.number >> extra_bits
@@ -115,8 +115,8 @@ def _cut_frame(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> int | No
 
     Such a number usually lacks its leading zeros, but a program may also have read too few bytes.
     """
-    missing_bits = placed_layout.bits - (typed_frame.written or placed_layout.bits)
-    if typed_frame.exact or missing_bits < 8:
+    missing_bits = placed_layout.bits - (typed_frame.digit_bits or placed_layout.bits)
+    if typed_frame.is_length_known or missing_bits < 8:
         return None
     return _frame_if_possible(placed_layout, typed_frame.number << missing_bits)
 

@@ -34,7 +34,7 @@ from .in_bytes import byte_hypotheses, is_valid_in_bytes
 from .other_crcs import hypothesis_without_mistake
 from .other_order_codes import other_order_code_hypotheses
 from .rearranged import rearranged_frame_hypotheses
-from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
+from .recordings import FRAME_INSIDE, LINES, line_name, missing_part_text, recorded_bits
 
 
 def _diagnose_dead_line(
@@ -42,7 +42,7 @@ def _diagnose_dead_line(
 ) -> Diagnosis | None:
     """Return the diagnosis of a frame whose bits are all equal, or None for any other frame."""
     # If leading zeros may be missing, the frame is at least as long as expected.
-    frame_length = typed_frame.bits if typed_frame.exact else max(typed_frame.bits, placed_layout.bits)
+    frame_length = typed_frame.bits if typed_frame.is_length_known else max(typed_frame.bits, placed_layout.bits)
     doubt = _doubt_about_dead_line(placed_layout, crc, typed_frame.number, is_valid)
     return _diagnose_equal_bits(variant, typed_frame.number, frame_length, doubt)
 
@@ -69,21 +69,21 @@ def explain_bits(
     zero_reply = _diagnose_zero_reply(variant, placed_layout, crc, typed_frame)
     if zero_reply is not None:
         return zero_reply
-    missing = _missing_part(device, variant, placed_layout, typed_frame)
+    missing_part = _missing_part_text(device, variant, placed_layout, typed_frame)
     if crc is None:
         hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
         corrupted_bits = _find_corrupted_constant_bits(placed_layout, typed_frame)
-        return diagnose_without_crc(device, hypotheses, missing, disturbed=corrupted_bits)
+        return diagnose_without_crc(device, hypotheses, missing_part, bits_to_invert=corrupted_bits)
     refuted = _refuted_hypotheses(placed_layout, crc, typed_frame)
     hypotheses = all_hypotheses(device, variant, placed_layout, crc, typed_frame)
     diagnosis = diagnose(device, hypotheses, refuted, [crc], with_pairs=with_pairs)
     if diagnosis is None or not diagnosis.explanations:
-        missing = missing or _missing_digits(placed_layout, typed_frame)
+        missing_part = missing_part or _missing_digits_text(placed_layout, typed_frame)
     if diagnosis is None:
-        return _only_missing(missing) if missing else None
+        return _only_missing(missing_part) if missing_part else None
     # There is a refuted hypothesis only if the frame can have the expected length.
     bits_to_invert = _bits_to_invert(placed_layout, crc, typed_frame.number) if refuted else []
-    return replace(diagnosis, missing=missing, disturbed=tuple(bits_to_invert))
+    return replace(diagnosis, missing_part=missing_part, bits_to_invert=tuple(bits_to_invert))
 
 
 def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[int]:
@@ -129,12 +129,14 @@ def _doubt_about_dead_line(placed_layout: PlacedLayout | None, crc: Crc | None, 
     return TEXTS["has_no_crc"] if are_constants_correct else ""
 
 
-def _only_missing(missing: str) -> Diagnosis:
-    """Return the diagnosis of an incomplete frame: only ``missing``, the text about the missing part."""
-    return Diagnosis(explanations=(), tried=0, coincidence=0.0, cannot_see=(), missing=missing)
+def _only_missing(missing_part: str) -> Diagnosis:
+    """Return the diagnosis of an incomplete frame: only ``missing_part``, the text about the missing part."""
+    return Diagnosis(
+        explanations=(), tried_count=0, chance_of_match=0.0, undetectable_mistakes=(), missing_part=missing_part
+    )
 
 
-def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:
+def _missing_part_text(device: Device, variant: Variant, placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:
     """Return a text about the part that a recording of the line lacks, or an empty string if it contains a frame.
 
     It is also empty if the recording can have the length of the frame, or if the line carries bytes.
@@ -148,26 +150,28 @@ def _missing_part(device: Device, variant: Variant, placed_layout: PlacedLayout,
         is_found_by_rule = hypothesis.fits and hypothesis.kind != FRAME_INSIDE
         if is_found_by_rule and (hypothesis.crc is None or is_significant(hypothesis)):
             return ""
-    missing = missing_part(line, placed_layout.bits, recorded_bits(typed_frame, placed_layout.bits))
-    if not missing and typed_frame.is_bytes:
-        missing = _missing_bytes(placed_layout, typed_frame.written)
-    has_two_readings = bool(missing and typed_frame.padded)
-    return TEXTS["zeros_left_out"].format(missing, typed_frame.padded) if has_two_readings else missing
+    missing_text = missing_part_text(line, placed_layout.bits, recorded_bits(typed_frame, placed_layout.bits))
+    if not missing_text and typed_frame.is_bytes:
+        missing_text = _missing_bytes_text(placed_layout, typed_frame.digit_bits)
+    has_two_readings = bool(missing_text and typed_frame.text_with_zeros)
+    return (
+        TEXTS["zeros_left_out"].format(missing_text, typed_frame.text_with_zeros) if has_two_readings else missing_text
+    )
 
 
-def _missing_digits(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:
+def _missing_digits_text(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> str:
     """Return a text about the bytes of the frame that the user did not type, or an empty string.
 
     These bytes are treated as zeros.
     """
-    has_known_digits = not typed_frame.exact and typed_frame.written > 0
+    has_known_digits = not typed_frame.is_length_known and typed_frame.digit_bits > 0
     if not has_known_digits:
         return ""
-    missing = _missing_bytes(placed_layout, typed_frame.written)
-    return TEXTS["read_as_zeros"].format(missing) if missing else ""
+    missing_text = _missing_bytes_text(placed_layout, typed_frame.digit_bits)
+    return TEXTS["read_as_zeros"].format(missing_text) if missing_text else ""
 
 
-def _missing_bytes(placed_layout: PlacedLayout, received_bits: int) -> str:
+def _missing_bytes_text(placed_layout: PlacedLayout, received_bits: int) -> str:
     """Return a text about the number of missing bytes of a frame, or an empty string if none are missing."""
     received_bytes = (received_bits + 7) // 8  # rounded up
     frame_bytes = (placed_layout.bits + 7) // 8
@@ -202,7 +206,7 @@ def explain_constant(
     if crc is None:
         hypotheses = _hypotheses_without_crc(device, variant, placed_layout, typed_frame)
         corrupted_bits = _find_corrupted_constant_bits(placed_layout, typed_frame)
-        return diagnose_without_crc(device, hypotheses, missing="", disturbed=corrupted_bits)
+        return diagnose_without_crc(device, hypotheses, missing_part="", bits_to_invert=corrupted_bits)
     answer_hypotheses = other_answer_hypotheses(device, variant, placed_layout, typed_frame)
     fitting_hypotheses = [hypothesis for hypothesis in answer_hypotheses if hypothesis.fits]
     frame_hypotheses = [
@@ -245,16 +249,16 @@ def explain_bytes(
     if _has_crc_in_bytes(device, variant, sender):
         diagnosis = _diagnose_with_crc(device, hypotheses, whole_frames, with_pairs=with_pairs)
     else:
-        diagnosis = diagnose_without_crc(device, hypotheses, missing="")
+        diagnosis = diagnose_without_crc(device, hypotheses, missing_part="")
     if placed_layout is None:
         return diagnosis
-    missing = _missing_bytes(placed_layout, 8 * len(received_bytes))
+    missing_part = _missing_bytes_text(placed_layout, 8 * len(received_bytes))
     is_explained = diagnosis is not None and bool(diagnosis.explanations)
-    if missing and not is_explained:
-        return _only_missing(missing)
+    if missing_part and not is_explained:
+        return _only_missing(missing_part)
     if diagnosis is None or 8 * len(received_bytes) != placed_layout.bits:
         return diagnosis
-    return replace(diagnosis, disturbed=tuple(_bits_of_bytes_to_invert(device, placed_layout, received_bytes)))
+    return replace(diagnosis, bits_to_invert=tuple(_bits_of_bytes_to_invert(device, placed_layout, received_bytes)))
 
 
 def _diagnose_with_crc(
@@ -322,7 +326,7 @@ def _refuted_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_frame: Type
     expected length.
     """
     is_too_long = typed_frame.bits > placed_layout.bits
-    is_too_short = typed_frame.exact and typed_frame.bits < placed_layout.bits
+    is_too_short = typed_frame.is_length_known and typed_frame.bits < placed_layout.bits
     if is_too_long or is_too_short:
         return []
     return [hypothesis_without_mistake(placed_layout, crc, typed_frame.number)]
@@ -373,9 +377,9 @@ def _diagnosis_of_dead_line(explanation_text: str, bits_that_agree: int) -> Diag
         one_in=one_in,
         score=frequency * one_in,
         frequency=frequency,
-        reads={},
+        numbers_read={},
     )
-    return Diagnosis(explanations=(explanation,), tried=1, coincidence=1 / one_in, cannot_see=())
+    return Diagnosis(explanations=(explanation,), tried_count=1, chance_of_match=1 / one_in, undetectable_mistakes=())
 
 
 #: Fewest bits that the CRCs of all channels need together. Of 65,536 random frames, one has valid CRCs by chance.

@@ -23,21 +23,22 @@ from ..reference.bits_and_values import compute_bits, compute_bytes, parity_bit
 class TypedFrame:
     """A frame as the user typed it, with ``bits`` bits, or at least that many if leading zeros may be missing.
 
-    ``exact`` is true if none are missing. ``written`` is the number of bits of all digits, including leading zeros, or
-    0 for a decimal number. ``is_bytes`` is true for several bytes, which usually have all their zeros. If the
-    frame is too short, ``padded`` is its text in case that leading zeros are missing, not its last bits.
+    ``is_length_known`` is true if none are missing. ``digit_bits`` is the number of bits of all digits, including
+    leading zeros, or 0 for a decimal number. ``is_bytes`` is true for several bytes, which usually have all their
+    zeros. If the frame is too short, ``text_with_zeros`` is its text in case that leading zeros are missing, not its
+    last bits.
     """
 
     number: int
     bits: int
-    exact: bool
-    written: int = 0
+    is_length_known: bool
+    digit_bits: int = 0
     is_bytes: bool = False
-    padded: str = ""
+    text_with_zeros: str = ""
 
     def may_have_length(self, bits: int) -> bool:
         """Return whether the frame can have this number of bits, possibly with leading zeros that were not typed."""
-        if self.exact:
+        if self.is_length_known:
             return self.bits == bits
         return self.bits <= bits
 
@@ -321,7 +322,7 @@ def possible_lengths(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> li
     If the user may have omitted leading zeros, these are the length of the expected frame, and one bit less, since its
     first bit may be missing.
     """
-    has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
+    has_known_length = typed_frame.is_length_known or typed_frame.bits > placed_layout.bits
     if has_known_length:
         return [typed_frame.bits]
     lengths = (placed_layout.bits, placed_layout.bits - 1)

@@ -87,10 +87,10 @@ def moved_frame_hypotheses(
         yield from _idle_command_hypotheses(placed_layout, crc, typed_frame)
         yield from _data_offset_hypotheses(line, placed_layout, crc, typed_frame)
     received_bits = recorded_bits(typed_frame, placed_layout.bits)
-    extra_bits = typed_frame.written - placed_layout.bits
+    extra_bits = typed_frame.digit_bits - placed_layout.bits
     if variant.interface == Spi.name and typed_frame.is_bytes and 0 < extra_bits < 8:
         # A word that does not fill its bytes can be at their beginning. The zeros in front are then received bits.
-        received_bits = received_bits.zfill(typed_frame.written)
+        received_bits = received_bits.zfill(typed_frame.digit_bits)
     hypotheses_by_rule: list[Hypothesis] = []
     possible_offsets = [offset for offset in line.offsets if _can_lose_bits(placed_layout, crc, offset)]
     for length in possible_lengths(placed_layout, typed_frame):
@@ -126,7 +126,7 @@ def _left_out_command_hypotheses(
     """
     command, command_bits = _bits_during_command(placed_layout, crc)
     remaining_bits = placed_layout.bits - command_bits
-    has_remaining_bits = typed_frame.may_have_length(remaining_bits) and typed_frame.written == remaining_bits
+    has_remaining_bits = typed_frame.may_have_length(remaining_bits) and typed_frame.digit_bits == remaining_bits
     has_command = command_bits > 0
     if not has_command or not has_remaining_bits:
         return
@@ -150,7 +150,7 @@ def _idle_command_hypotheses(
     command, command_bits = _bits_during_command(placed_layout, crc)
     remaining_bits = placed_layout.bits - command_bits
     assumed_bits = _constant_bits_at_or_above(placed_layout, remaining_bits)
-    are_bits_typed = typed_frame.exact or typed_frame.written > remaining_bits
+    are_bits_typed = typed_frame.is_length_known or typed_frame.digit_bits > remaining_bits
     has_data = remaining_bits > 0
     is_possible = are_bits_typed and typed_frame.may_have_length(placed_layout.bits)
     if not assumed_bits or not has_data or not is_possible:
@@ -352,7 +352,7 @@ def _removed_status_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fram
         kind="status_not_sent", description=TEXTS["removed_and_idle"], placed_layout=placed_layout, crc=crc, frame=frame
     )
     # If leading zeros may be missing, other hypotheses include a CRC over the bits before error and warning.
-    if typed_frame.exact:
+    if typed_frame.is_length_known:
         yield Hypothesis(
             kind="status_not_sent",
             description=TEXTS["removed"],

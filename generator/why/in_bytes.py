@@ -64,7 +64,7 @@ def byte_hypotheses(
             yield _other_message_hypothesis(placed_layout, crc, received_bytes)
         if crc is None:
             number = number_from_bytes(layout, received_bytes)
-            typed_frame = TypedFrame(number, bits=8 * len(received_bytes), exact=True)
+            typed_frame = TypedFrame(number, bits=8 * len(received_bytes), is_length_known=True)
             yield from other_order_code_hypotheses(device, variant, placed_layout, typed_frame)
         usual_values = usual_values_of(device, variant.interface, layout)
         first_bytes = tuple(_possible_first_bytes(placed_layout, usual_values))

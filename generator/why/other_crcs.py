@@ -278,7 +278,7 @@ def other_polynomial_hypotheses(placed_layout: PlacedLayout, crc: Crc, typed_fra
         expected_length = placed_layout.bits
         different_lengths = dict.fromkeys((complete_length, expected_length))
         for length in different_lengths:
-            may_lack_leading_zeros = not typed_frame.exact and length > typed_frame.bits
+            may_lack_leading_zeros = not typed_frame.is_length_known and length > typed_frame.bits
             if length == typed_frame.bits or may_lack_leading_zeros:
                 yield _polynomial_hypothesis(
                     placed_layout=placed_layout, crc=crc, other_crc=other_crc, number=typed_frame.number, length=length

@@ -100,9 +100,9 @@ def _may_be_complete(typed_frame: TypedFrame, length: int, expected_length: int)
 
     If the number of bits is not known, this is the expected length, or a length whose leading zeros were typed.
     """
-    if typed_frame.exact or not typed_frame.may_have_length(length):
+    if typed_frame.is_length_known or not typed_frame.may_have_length(length):
         return typed_frame.may_have_length(length)
-    return length == expected_length or length <= typed_frame.written
+    return length == expected_length or length <= typed_frame.digit_bits
 
 
 def _too_long_hypothesis(
@@ -170,7 +170,7 @@ def _complete_frame_hypotheses(
     length and the order codes of all lengths, represents them, because the CRC cannot distinguish them.
     """
     # A number that fits in the expected frame does not need a longer frame as its explanation.
-    has_known_length = typed_frame.exact or typed_frame.bits > placed_layout.bits
+    has_known_length = typed_frame.is_length_known or typed_frame.bits > placed_layout.bits
     if not has_known_length:
         return
     possible_shapes: list[FrameShape] = []

@@ -60,7 +60,7 @@ def _byte_order_hypotheses(
         return
     has_possible_length = typed_frame.bits in (placed_layout.bits, padded_bits)
     is_whole_bytes = typed_frame.bits % 8 == 0 and has_possible_length
-    if typed_frame.exact and not is_whole_bytes:
+    if typed_frame.is_length_known and not is_whole_bytes:
         return
     if kind == "words_swapped":
         padded_frame = swapped_words(typed_frame.number, padded_bits // 8)

@@ -268,8 +268,8 @@ def recorded_bits(typed_frame: TypedFrame, frame_length: int) -> str:
     """
     fits_in_frame = typed_frame.number >> frame_length == 0
     bit_count = typed_frame.bits
-    if not typed_frame.exact and not fits_in_frame:
-        bit_count = max(typed_frame.written, typed_frame.bits)
+    if not typed_frame.is_length_known and not fits_in_frame:
+        bit_count = max(typed_frame.digit_bits, typed_frame.bits)
     # The number 0 without leading zeros has 0 bits, but one digit.
     digit_count = max(bit_count, 1)
     return f"{typed_frame.number:0{digit_count}b}"
@@ -356,7 +356,7 @@ def window_hypotheses(placed_layout: PlacedLayout, crc: Crc, received_bits: str)
         )
 
 
-def missing_part(line: LineMistakes, frame_length: int, received_bits: str) -> str:
+def missing_part_text(line: LineMistakes, frame_length: int, received_bits: str) -> str:
     """Return a text about the part of the frame that a recording lacks, or an empty string.
 
     It is empty if no pattern of an incomplete recording matches, or if the recording contains the complete frame.

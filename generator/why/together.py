@@ -52,8 +52,8 @@ def judge_together(diagnoses: Sequence[Diagnosis]) -> list[CommonMistake]:
 def _likeliest_explanations(diagnosis: Diagnosis) -> Iterable[Explanation]:
     """Return the likeliest explanation of a frame for each mistake, which may explain the frame in several ways."""
     likeliest_by_mistake: dict[tuple[str, str, bool], Explanation] = {}
-    # Both tuples are sorted by likelihood. ``unmerged`` also has explanations that lead to the same frame.
-    all_explanations = diagnosis.unmerged or diagnosis.explanations
+    # Both tuples are sorted by likelihood. ``all_explanations`` also has explanations that lead to the same frame.
+    all_explanations = diagnosis.all_explanations or diagnosis.explanations
     least_likely_first = reversed(all_explanations)
     for explanation in least_likely_first:
         likeliest_by_mistake[explanation.mistake] = explanation  # replaces a less likely one

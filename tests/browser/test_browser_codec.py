@@ -284,7 +284,7 @@ def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library)
 
     def number(text: str) -> dict[str, Any]:
         read = frame_number(placed, text)
-        bits = {"bits": read.bits, "exact": read.exact, "written": read.written, "isBytes": read.is_bytes}
+        bits = {"bits": read.bits, "exact": read.is_length_known, "written": read.digit_bits, "isBytes": read.is_bytes}
         return {"number": str(read.number), **bits}
 
     for text, answers in zip(TEXTS, node("readings", [{"text": text} for text in TEXTS]), strict=True):
@@ -576,12 +576,18 @@ def expected_explanations(case: Case, text: str) -> list[Any] | None:
     why = why_of(case, text)
     if why is None:
         return [[], "", False, False, []]
-    single_kinds = {mistake.kind for mistake in why.explanations if not mistake.twice}
+    single_kinds = {mistake.kind for mistake in why.explanations if not mistake.needs_two_mistakes}
     if single_kinds & COMMAND_KINDS and single_kinds <= COMMAND_KINDS | {"frame_inside"}:
         return None
     page_why = of_page(why)
     reasons = [reason(mistake) for mistake in page_why.explanations]
-    return [reasons, why.missing, bool(reasons) and why.has_crc, page_why.needs_another_frame, [*why.disturbed]]
+    return [
+        reasons,
+        why.missing_part,
+        bool(reasons) and why.has_crc,
+        page_why.needs_another_frame,
+        [*why.bits_to_invert],
+    ]
 
 
 def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | None:
@@ -597,7 +603,7 @@ def why_of(case: Case, text: str, *, with_pairs: bool = False) -> Diagnosis | No
     frame = typed_bits(case.device, case.placed, text)
     decoded = (
         codec.decode_bits(case.device, case.placed, frame.number, frame.bits)
-        if frame.exact
+        if frame.is_length_known
         else codec.decode(case.device, case.placed, frame.number)
     )
     faults = {problem.fault.value for problem in decoded.problems}
@@ -616,10 +622,10 @@ def of_page(why: Diagnosis) -> Diagnosis:
     def known(mistakes: tuple[Explanation, ...]) -> tuple[Explanation, ...]:
         return tuple(mistake for mistake in mistakes if mistake.kind not in COMMAND_KINDS | {"line_stuck"})
 
-    return replace(why, explanations=known(why.explanations), unmerged=known(why.unmerged))
+    return replace(why, explanations=known(why.explanations), all_explanations=known(why.all_explanations))
 
 
 def reason(mistake: Explanation) -> Reason:
-    readings = (mistake.reads, *mistake.or_reads)
+    readings = (mistake.numbers_read, *mistake.other_numbers_read)
     reads = [f"{name} {value}" for numbers in readings for name, value in numbers.items()]
-    return [mistake.text, str(mistake.one_in), reads, [" ".join(part) for part in mistake.parts]]
+    return [mistake.text, str(mistake.one_in), reads, [" ".join(part) for part in mistake.recording_parts]]

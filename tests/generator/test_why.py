@@ -67,7 +67,9 @@ def explanation_lines(device: Device, plant: Plant) -> list[str] | None:
     if explained is None:
         return None
     explanations = explained.explanations
-    return [f"{explanation.kind}: {explanation.text} {' '.join(explanation.codes)}" for explanation in explanations]
+    return [
+        f"{explanation.kind}: {explanation.text} {' '.join(explanation.order_codes)}" for explanation in explanations
+    ]
 
 
 def is_planted(plant: Plant) -> Callable[[str], bool]:
@@ -443,20 +445,24 @@ def explain_noise(device: Device, code: str, frames: int) -> Iterator[Diagnosis]
 def test_the_stated_coincidence_is_what_noise_shows(code: str, devices: Mapping[str, Device]) -> None:
     """The stated number of random frames has an explanation, within the spread of 600 frames and of related tries."""
     outcomes_of_noise = list(explain_noise(family(devices, code), code, 600))
-    single = [outcome for outcome in outcomes_of_noise if outcome.explanations and not outcome.explanations[0].twice]
+    single = [
+        outcome
+        for outcome in outcomes_of_noise
+        if outcome.explanations and not outcome.explanations[0].needs_two_mistakes
+    ]
     doubled = [outcome for outcome in outcomes_of_noise if outcome not in single]
     assert single
     assert doubled
-    assert abs(len(single) / len(outcomes_of_noise) - single[0].coincidence) < 0.08
+    assert abs(len(single) / len(outcomes_of_noise) - single[0].chance_of_match) < 0.08
     assert (
         abs(
             sum(bool(outcome.explanations) for outcome in outcomes_of_noise) / len(outcomes_of_noise)
-            - doubled[0].coincidence
+            - doubled[0].chance_of_match
         )
         < 0.12
     )
-    assert all(explanation.twice for outcome in doubled for explanation in outcome.explanations)
-    assert all(outcome.tried > single[0].tried for outcome in doubled)
+    assert all(explanation.needs_two_mistakes for outcome in doubled for explanation in outcome.explanations)
+    assert all(outcome.tried_count > single[0].tried_count for outcome in doubled)
 
 
 @pytest.mark.slow

@@ -100,6 +100,6 @@ def test_a_diagnosis_without_pairs_is_that_of_decode() -> None:
                 assert diagnosis is reduced
                 continue
             assert reduced.explanations == diagnosis.explanations
-            assert reduced.missing == diagnosis.missing
+            assert reduced.missing_part == diagnosis.missing_part
             compared_pairs += reduced.explanations != planted.diagnoses[0].explanations
     assert compared_pairs > 10

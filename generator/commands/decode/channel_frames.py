@@ -94,8 +94,8 @@ class ChannelDecoder:
             number_of_bytes = (length + 7) // 8
             written_lengths |= {4 * number_of_hex_digits, 8 * number_of_bytes}
         fits_into_channel = typed_frame.number < 1 << longest
-        has_digits_of_channel = typed_frame.written in written_lengths and fits_into_channel
-        has_bits_of_channel = typed_frame.exact and typed_frame.bits <= longest
+        has_digits_of_channel = typed_frame.digit_bits in written_lengths and fits_into_channel
+        has_bits_of_channel = typed_frame.is_length_known and typed_frame.bits <= longest
         return None if has_digits_of_channel or has_bits_of_channel else typed_frame
 
     def decode(self, typed_frame: TypedFrame) -> ChannelResult:
@@ -105,7 +105,7 @@ class ChannelDecoder:
         decoded_channels: tuple[codec.DecodedFrame, ...] = ()
         findings = ChannelFindings(channels=(), agree=None, verdict=None)
         # Without an exact number of bits, leading zeros may be missing.
-        length = typed_frame.bits if typed_frame.exact else max(frame.bits, typed_frame.bits)
+        length = typed_frame.bits if typed_frame.is_length_known else max(frame.bits, typed_frame.bits)
         if length == frame.bits:
             decoded_channels = decode_channels(device, frame, number)
             findings = channel_findings(device, self._variant, frame, decoded_channels)

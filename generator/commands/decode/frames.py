@@ -182,7 +182,7 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
     without_gaps = _GAPS_IN_NUMBERS.sub("", prefixed_text)
     if _BINARY_NUMBER.fullmatch(without_gaps):
         bits = len(without_gaps) - len("0b")
-        return TypedFrame(int(without_gaps, 2), bits, exact=True, written=bits)
+        return TypedFrame(int(without_gaps, 2), bits, is_length_known=True, digit_bits=bits)
     pieces = prefixed_text.split()
     are_bytes = len(pieces) > 1 and all(map(_WHOLE_BYTES.fullmatch, pieces))
     if are_bytes:
@@ -193,11 +193,13 @@ def frame_number(placed: PlacedLayout | PlacedChannels, frame_text: str, *, exac
         bits = 4 * (len(without_gaps) - len("0x"))
         needed_bytes = (placed.bits + 7) // 8
         if exact and bits // 8 != needed_bytes:
-            return TypedFrame(int(without_gaps, 16), bits, exact=True, written=bits)
+            return TypedFrame(int(without_gaps, 16), bits, is_length_known=True, digit_bits=bits)
     if _PREFIXED_HEX.fullmatch(without_gaps):
         number = int(without_gaps, 16)
         hex_digits = len(without_gaps) - len("0x")
-        return TypedFrame(number, number.bit_length(), exact=False, written=4 * hex_digits, is_bytes=are_bytes)
+        return TypedFrame(
+            number, number.bit_length(), is_length_known=False, digit_bits=4 * hex_digits, is_bytes=are_bytes
+        )
     if len(pieces) == 1:
         return _number_without_prefix(placed, without_gaps, frame_text)
     meanings = meanings_of_decimal_bytes(pieces)
@@ -218,18 +220,20 @@ def typed_bits(device: Device, placed_layout: PlacedLayout, frame_text: str, *, 
         FrameTextError: The text has a different form.
     """
     typed_frame = frame_number(placed_layout, frame_text, exact=exact)
-    lacks_bytes = typed_frame.written // 8 < (placed_layout.bits + 7) // 8
-    lacks_bits = typed_frame.exact and typed_frame.bits < placed_layout.bits
+    lacks_bytes = typed_frame.digit_bits // 8 < (placed_layout.bits + 7) // 8
+    lacks_bits = typed_frame.is_length_known and typed_frame.bits < placed_layout.bits
     may_lack_zeros = lacks_bits and typed_frame.number.bit_length() == typed_frame.bits
     if not may_lack_zeros and not (typed_frame.is_bytes and lacks_bytes):
         return typed_frame
     is_valid = not codec.decode(device, placed_layout, typed_frame.number).problems
     if may_lack_zeros:
-        return replace(typed_frame, padded=f"0b{typed_frame.number:0{placed_layout.bits}b}" if is_valid else "")
+        return replace(
+            typed_frame, text_with_zeros=f"0b{typed_frame.number:0{placed_layout.bits}b}" if is_valid else ""
+        )
     if is_valid and device.crc_of(placed_layout) is not None:
         return typed_frame
     padded = f"0x{typed_frame.number:0{(placed_layout.bits + 3) // 4}X}" if is_valid else ""
-    return replace(typed_frame, bits=typed_frame.written, exact=True, padded=padded)
+    return replace(typed_frame, bits=typed_frame.digit_bits, is_length_known=True, text_with_zeros=padded)
 
 
 def _number_without_prefix(placed: PlacedLayout | PlacedChannels, digits: str, frame_text: str) -> TypedFrame:
@@ -240,11 +244,11 @@ def _number_without_prefix(placed: PlacedLayout | PlacedChannels, digits: str, f
     """
     meanings = list(possible_meanings(digits, placed.bits))
     if meanings == [frame_texts.if_bits(digits)]:
-        return TypedFrame(int(digits, 2), len(digits), exact=True, written=len(digits))
+        return TypedFrame(int(digits, 2), len(digits), is_length_known=True, digit_bits=len(digits))
     # Hex digits with only one meaning already have a prefix, unless it is misspelled.
     if len(meanings) == 1 and digits.isdecimal():
         number = int(digits)
-        return TypedFrame(number, number.bit_length(), exact=False)
+        return TypedFrame(number, number.bit_length(), is_length_known=False)
     if not meanings:
         meanings = list(meanings_of_long_number(digits))
     if meanings:
@@ -383,7 +387,7 @@ def _has_length(placed_layout: PlacedLayout, frame_text: str) -> bool:
     # The frames of the sender have different lengths, so the number of hex bytes determines the length.
     frame = frame_number(placed_layout, frame_text, exact=True)
     bits = placed_layout.layout.sent_bits.value(placed_layout.parameters)
-    has_known_length = frame.exact
+    has_known_length = frame.is_length_known
     return frame.bits == bits if has_known_length else frame.bits <= bits
 
 
@@ -402,9 +406,9 @@ def decode_as(
         frame_in_bytes = placed_bytes(placed_layout, variant, frame_text)
         return codec.decode_placed(device, placed_layout, frame_in_bytes)
     typed_frame = typed_bits(device, placed_layout, frame_text, exact=exact)
-    if typed_frame.exact:
+    if typed_frame.is_length_known:
         return codec.decode_bits(device, placed_layout, typed_frame.number, typed_frame.bits)
     has_too_many_bits = typed_frame.number >> placed_layout.bits != 0
     if typed_frame.is_bytes and has_too_many_bits:
-        return codec.decode_bits(device, placed_layout, typed_frame.number, typed_frame.written)
+        return codec.decode_bits(device, placed_layout, typed_frame.number, typed_frame.digit_bits)
     return codec.decode(device, placed_layout, typed_frame.number)

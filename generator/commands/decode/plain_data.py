@@ -138,11 +138,11 @@ def _why_data(diagnosis: Diagnosis) -> dict[str, Any]:
     """Return the possible explanations of an error in a frame, for JSON."""
     return {
         "explanations": [_explanation_data(explanation) for explanation in diagnosis.explanations],
-        "tried": diagnosis.tried,
-        "coincidence": round(diagnosis.coincidence, 4),
-        "cannot_see": list(diagnosis.cannot_see),
-        "disturbed": list(diagnosis.disturbed),
-        "missing": diagnosis.missing or None,
+        "tried": diagnosis.tried_count,
+        "coincidence": round(diagnosis.chance_of_match, 4),
+        "cannot_see": list(diagnosis.undetectable_mistakes),
+        "disturbed": list(diagnosis.bits_to_invert),
+        "missing": diagnosis.missing_part or None,
         "another_frame_helps": diagnosis.needs_another_frame,
         "equal_readings": diagnosis.equal_readings,
     }
@@ -154,9 +154,9 @@ def _explanation_data(explanation: Explanation) -> dict[str, Any]:
         "kind": explanation.kind,
         "text": explanation.text,
         "one_in": explanation.one_in,
-        "twice": explanation.twice,
-        "order_codes": list(explanation.codes),
-        "reads": dict(explanation.reads),
-        "or_reads": [dict(numbers) for numbers in explanation.or_reads],
-        "parts": [{"name": name, "bits": bits} for name, bits in explanation.parts],
+        "twice": explanation.needs_two_mistakes,
+        "order_codes": list(explanation.order_codes),
+        "reads": dict(explanation.numbers_read),
+        "or_reads": [dict(numbers) for numbers in explanation.other_numbers_read],
+        "parts": [{"name": name, "bits": bits} for name, bits in explanation.recording_parts],
     }

@@ -315,10 +315,10 @@ def _why_lines(diagnosis: Diagnosis, placed_layout: PlacedLayout | None) -> list
         explanation = as_sentence(capitalized(diagnosis.explanations[0].text))
         return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
     lines = []
-    if diagnosis.missing:
-        missing_bits = as_sentence(capitalized(diagnosis.missing))
+    if diagnosis.missing_part:
+        missing_bits = as_sentence(capitalized(diagnosis.missing_part))
         lines += ["", wrapped(missing_bits, WIDTH, prefix="  ", first="")]
-    lines += _disturbed_lines(diagnosis.disturbed, placed_layout)
+    lines += _disturbed_lines(diagnosis.bits_to_invert, placed_layout)
     return lines + _mistake_lines(diagnosis)
 
 
@@ -349,14 +349,14 @@ def _bit_name(bit: int, placed_layout: PlacedLayout) -> str:
 
 def _mistake_lines(diagnosis: Diagnosis) -> list[str]:
     """Return the mistakes that explain a frame, each with its probability, or a line that none does, and then hints."""
-    whole_percent = round(100 * diagnosis.coincidence)
+    whole_percent = round(100 * diagnosis.chance_of_match)
     percent = f"{whole_percent}" if whole_percent else "less than 1"
-    mistakes = count_with_unit(diagnosis.tried, "common mistake")
+    mistakes = count_with_unit(diagnosis.tried_count, "common mistake")
     chance = f"{mistakes} tried; {percent} of 100 random frames would match at least one"
     lines = []
     if diagnosis.explanations:
         lines.append(wrapped(_introduction_sentence(diagnosis, chance), WIDTH, prefix="  ", first=""))
-    elif diagnosis.tried:
+    elif diagnosis.tried_count:
         lines.append(wrapped(f"{frame_texts.NO_EXPLANATION} ({chance}).", WIDTH, prefix="  ", first=""))
     for explanation in diagnosis.explanations:
         lines.append(wrapped(explanation.text, WIDTH, prefix=" " * 6, first="    - "))
@@ -377,8 +377,8 @@ def _hint_lines(diagnosis: Diagnosis) -> list[str]:
         lines.append(wrapped(as_sentence(equal_readings), WIDTH, prefix="  ", first=""))
     if diagnosis.needs_another_frame:
         lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
-    if diagnosis.cannot_see:
-        undetected_errors = "; ".join(diagnosis.cannot_see)
+    if diagnosis.undetectable_mistakes:
+        undetected_errors = "; ".join(diagnosis.undetectable_mistakes)
         lines.append(wrapped(f"This CRC cannot detect: {undetected_errors}.", WIDTH, prefix="  ", first=""))
     return lines
 
@@ -409,7 +409,7 @@ def _introduction_sentence(diagnosis: Diagnosis, chance: str) -> str:
     """Return the sentence before the possible explanations of a frame. With a CRC, it includes ``chance``."""
     if not diagnosis.has_crc:
         return f"{UNCERTAIN_READINGS}:"
-    needs_two = diagnosis.explanations[-1].twice
+    needs_two = diagnosis.explanations[-1].needs_two_mistakes
     introduction = "No single mistake explains it. Two at once would" if needs_two else "Possible explanations"
     return f"{introduction}, most likely first ({chance}):"
 
@@ -422,8 +422,8 @@ def _chance_and_values(explanation: Explanation) -> str:
     details = []
     if explanation.one_in > 1:
         details.append(f"matches by chance in {_frequency_text(explanation.one_in)} frames")
-    if explanation.reads:
-        readings = map(_numbers_text, (explanation.reads, *explanation.or_reads))
+    if explanation.numbers_read:
+        readings = map(_numbers_text, (explanation.numbers_read, *explanation.other_numbers_read))
         details.append(f"gives {' or '.join(readings)}")
     return ", and ".join(details)
 
@@ -435,7 +435,7 @@ def _numbers_text(numbers: Mapping[str, int]) -> str:
 
 def _parts_of_recording(explanation: Explanation) -> str:
     """Return the parts of a recording in the order received, such as ``start 0, position 101101, crc 011010``."""
-    return ", ".join(f"{name.replace('_', '-')} {bits}" for name, bits in explanation.parts)
+    return ", ".join(f"{name.replace('_', '-')} {bits}" for name, bits in explanation.recording_parts)
 
 
 def _frequency_text(frames_per_match: int) -> str:
