@@ -80,9 +80,9 @@ class Diagnosis:
         """
         if self.has_crc:
             return 0
-        strengths = [explanation.one_in for explanation in self.explanations]
-        greatest_strength = max(strengths, default=0)
-        equal_count = strengths.count(greatest_strength)
+        improbabilities = [explanation.one_in for explanation in self.explanations]
+        best_improbability = max(improbabilities, default=0)
+        equal_count = improbabilities.count(best_improbability)
         return equal_count if equal_count > 1 else 0
 
     @property
@@ -111,12 +111,12 @@ def diagnose_without_crc(
     Return None if nothing fits, nothing is missing, and no bit may be corrupted.
     """
     explained_frames: list[_ExplainedFrame] = []
-    for same_mistake in _grouped_by_mistake(hypotheses):
-        likeliest = same_mistake[0]  # The likeliest hypothesis is the first.
+    for hypotheses_of_mistake in _grouped_by_mistake(hypotheses):
+        likeliest = hypotheses_of_mistake[0]
         has_frame = likeliest.frame_layout is not None
         # The description replaces the frame for a mistake that does not change it.
         resulting_frame = likeliest.frame if has_frame else likeliest.description
-        explanation = _explain_mistake(device, same_mistake)
+        explanation = _explain_mistake(device, hypotheses_of_mistake)
         explained_frames.append(_ExplainedFrame(resulting_frame, explanation))
     explained_frames.sort(key=lambda explained_frame: -explained_frame.explanation.score)
     # The first explanation of each frame is the likeliest.
@@ -153,13 +153,14 @@ def _grouped_by_mistake(hypotheses: Iterable[Hypothesis]) -> Iterable[list[Hypot
     return hypotheses_by_mistake.values()
 
 
-def _explain_mistake(device: Device, same_mistake: Sequence[Hypothesis]) -> Explanation:
+def _explain_mistake(device: Device, hypotheses_of_mistake: Sequence[Hypothesis]) -> Explanation:
     """Return one explanation for hypotheses with the same mistake, which differ only in the value of a lost bit.
 
     With two possible values, the mistake matches twice as many frames by chance.
     """
     explanations = [
-        _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset()) for hypothesis in same_mistake
+        _explain_hypothesis(device, hypothesis, undecided_parameters=frozenset())
+        for hypothesis in hypotheses_of_mistake
     ]
     likeliest, *others = explanations
     if not others:
@@ -198,16 +199,16 @@ def diagnose(
     that lead to the same frame as a better one, and are added to ``all_explanations`` only. Fields that depend on
     ``undecided_parameters`` are not decoded. Return None if no hypothesis could be tried.
     """
-    significant = significant_hypotheses(hypotheses, refuted)
+    significant = unrefuted_significant_hypotheses(hypotheses, refuted)
     tried_hypotheses = _distinct_hypotheses(significant)
     if not tried_hypotheses:
         return None
     explanations = _explain_hypotheses(device, tried_hypotheses, undecided_parameters)
-    repeated_hypotheses = significant_hypotheses(repeated, refuted)
+    repeated_hypotheses = unrefuted_significant_hypotheses(repeated, refuted)
     all_explanations = _explain_hypotheses(device, [*significant, *repeated_hypotheses], undecided_parameters)
     if with_pairs or all(explanation.kind == FRAME_INSIDE for explanation in explanations):
         single_count = len(tried_hypotheses)
-        pairs = significant_hypotheses(_paired_with_inversion(significant), refuted)
+        pairs = unrefuted_significant_hypotheses(_paired_with_inversion(significant), refuted)
         tried_hypotheses = _distinct_hypotheses((*tried_hypotheses, *pairs))
         distinct_pairs = tried_hypotheses[single_count:]
         explanations += _explain_hypotheses(device, distinct_pairs, undecided_parameters, by_two_mistakes=True)
@@ -218,7 +219,7 @@ def diagnose(
         explanations=tuple(explanations),
         tried_count=len(tried_hypotheses),
         chance_of_match=_chance_of_any(tried_hypotheses),
-        undetectable_mistakes=tuple(_blind_spots(crcs)),
+        undetectable_mistakes=tuple(_undetectable_mistakes(crcs)),
         all_explanations=tuple(all_explanations),
     )
 
@@ -270,7 +271,9 @@ def is_significant(hypothesis: Hypothesis) -> bool:
     return hypothesis.received_crc_bits + hypothesis.determined_bits >= LEAST_BITS
 
 
-def significant_hypotheses(hypotheses: Iterable[Hypothesis], refuted: Sequence[Hypothesis]) -> list[Hypothesis]:
+def unrefuted_significant_hypotheses(
+    hypotheses: Iterable[Hypothesis], refuted: Sequence[Hypothesis]
+) -> list[Hypothesis]:
     """Return the hypotheses whose match would mean something, without those that the frame refutes.
 
     A hypothesis is refuted if it matches the same frames as one of ``refuted``.
@@ -384,7 +387,7 @@ def _numbers_in_frame(
     return numbers
 
 
-def _blind_spots(crcs: Iterable[Crc]) -> list[str]:
+def _undetectable_mistakes(crcs: Iterable[Crc]) -> list[str]:
     """Return the mistakes that at least one of the CRCs cannot detect, as texts without duplicates.
 
     A CRC that is the XOR of the bytes does not depend on their order. If the start value is 0, leading zeros do not

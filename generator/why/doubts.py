@@ -51,24 +51,26 @@ def other_positions(
     placed_layout = decoded.layout
     if placed_layout is None or placed_layout.layout.in_bytes or placed_layout.layout.sender != "encoder":
         return []
-    has_digits = any(field.kind.digit_code for field in placed_layout.layout.fields)
-    if decoded.problems or decoded.crc is not None or has_digits:
+    has_digit_fields = any(field.kind.digit_code for field in placed_layout.layout.fields)
+    if decoded.problems or decoded.crc is not None or has_digit_fields:
         return []
-    position_field = position_name(device, variant)
-    position = decoded.values.get(position_field)
+    position_field_name = position_name(device, variant)
+    position = decoded.values.get(position_field_name)
     is_count = isinstance(position, int) and not isinstance(position, bool)
     if not is_count:
         return []
     readings: list[tuple[str, int]] = []
     may_be_bytes = typed_frame is None or not typed_frame.is_length_known or typed_frame.bits % 8 == 0
-    other_frames = _frames_without_mistake(placed_layout, position_field, decoded.number, may_be_bytes=may_be_bytes)
+    other_frames = _frames_without_mistake(
+        placed_layout, position_field_name, decoded.number, may_be_bytes=may_be_bytes
+    )
     texts_and_frames = [*zip(READINGS, other_frames, strict=True)]
     if typed_frame is not None:
         texts_and_frames += _recorded_frames(device, variant, placed_layout, typed_frame)
     for reading_text, other_frame in texts_and_frames:
         if other_frame is None:
             continue
-        other_position = codec.decode(device, placed_layout, other_frame).values[position_field]
+        other_position = codec.decode(device, placed_layout, other_frame).values[position_field_name]
         if isinstance(other_position, int) and other_position != position:
             readings.append((reading_text, other_position))
     return readings
@@ -115,8 +117,10 @@ def _cut_frame(placed_layout: PlacedLayout, typed_frame: TypedFrame) -> int | No
 
     Such a number usually lacks its leading zeros, but a program may also have read too few bytes.
     """
-    missing_bits = placed_layout.bits - (typed_frame.digit_bits or placed_layout.bits)
-    if typed_frame.is_length_known or missing_bits < 8:
+    if typed_frame.is_length_known or not typed_frame.digit_bits:
+        return None
+    missing_bits = placed_layout.bits - typed_frame.digit_bits
+    if missing_bits < 8:
         return None
     return _frame_if_possible(placed_layout, typed_frame.number << missing_bits)
 
@@ -141,8 +145,8 @@ def _frames_without_mistake(
         yield from_binary(placed_layout, frame)
     else:
         yield _with_position_from_gray(placed_layout, (position_name,), frame)
-        parts = _parts_of(placed_layout, position_name)
-        yield _with_position_from_gray(placed_layout, parts, frame) if len(parts) > 1 else None
+        part_names = _fields_of_joined_position(placed_layout, position_name)
+        yield _with_position_from_gray(placed_layout, part_names, frame) if len(part_names) > 1 else None
         yield None
     byte_count = (placed_layout.bits + 7) // 8  # rounded up
     frame_with_reversed_bytes = int.from_bytes(frame.to_bytes(byte_count, "little"), "big")
@@ -158,7 +162,7 @@ def _frame_if_possible(placed_layout: PlacedLayout, frame: int) -> int | None:
     return frame if are_correct else None
 
 
-def _parts_of(placed_layout: PlacedLayout, position_name: str) -> Sequence[str]:
+def _fields_of_joined_position(placed_layout: PlacedLayout, position_name: str) -> Sequence[str]:
     """Return the names of the fields that form the position together, such as ``["multiturn", "singleturn"]``.
 
     The list is empty if the position is a single field.
@@ -170,14 +174,15 @@ def _parts_of(placed_layout: PlacedLayout, position_name: str) -> Sequence[str]:
     return []
 
 
-def _with_position_from_gray(placed_layout: PlacedLayout, numbers: Sequence[str], frame: int) -> int:
+def _with_position_from_gray(placed_layout: PlacedLayout, number_names: Sequence[str], frame: int) -> int:
     """Return the frame with the numbers of these names converted from Gray code to binary."""
-    for name in numbers:
-        low, width = placed_layout.place_of(name)
-        number = (frame >> low) & ((1 << width) - 1)
-        frame_without_number = frame ^ (number << low)
-        frame = frame_without_number | (gray_to_binary(number) << low)
-    return frame
+    converted_frame = frame
+    for name in number_names:
+        lowest_bit, width = placed_layout.place_of(name)
+        number = (frame >> lowest_bit) & ((1 << width) - 1)
+        frame_without_number = converted_frame ^ (number << lowest_bit)
+        converted_frame = frame_without_number | (gray_to_binary(number) << lowest_bit)
+    return converted_frame
 
 
 def _read_one_clock_later(placed_layout: PlacedLayout, frame: int) -> int:

@@ -20,7 +20,7 @@ from .diagnosis import (
     diagnose,
     diagnose_without_crc,
     is_significant,
-    significant_hypotheses,
+    unrefuted_significant_hypotheses,
 )
 from .exchanges import exchange_hypotheses
 from .hypotheses import LEAST_EQUAL_BITS, MISTAKES, TEXTS, Hypothesis, TypedFrame, check_constant_bits, frame_hypothesis
@@ -90,8 +90,8 @@ def _bits_to_invert(placed_layout: PlacedLayout, crc: Crc, frame: int) -> list[i
     """Return the positions of the bits that make a frame valid if only this bit is inverted. The last bit is 0."""
     bits_to_invert: list[int] = []
     for bit in range(placed_layout.bits):
-        frame_with_flip = frame ^ (1 << bit)
-        if frame_hypothesis(kind="", description="", placed_layout=placed_layout, crc=crc, frame=frame_with_flip).fits:
+        changed_frame = frame ^ (1 << bit)
+        if frame_hypothesis(kind="", description="", placed_layout=placed_layout, crc=crc, frame=changed_frame).fits:
             bits_to_invert.append(bit)
     return bits_to_invert
 
@@ -108,8 +108,8 @@ def _find_corrupted_constant_bits(placed_layout: PlacedLayout, typed_frame: Type
         return ()
     correcting_bits: list[int] = []
     for bit in range(placed_layout.bits):
-        frame_with_flip = frame ^ (1 << bit)
-        _, are_correct = check_constant_bits(placed_layout, frame_with_flip)
+        changed_frame = frame ^ (1 << bit)
+        _, are_correct = check_constant_bits(placed_layout, changed_frame)
         if are_correct:
             correcting_bits.append(bit)
     return tuple(correcting_bits)
@@ -214,7 +214,9 @@ def explain_constant(
         *moved_frame_hypotheses(device, variant, placed_layout, crc, typed_frame),
     ]
     fitting_frames = [hypothesis for hypothesis in frame_hypotheses if hypothesis.fits]
-    fitting_hypotheses += significant_hypotheses(fitting_frames, _refuted_hypotheses(placed_layout, crc, typed_frame))
+    fitting_hypotheses += unrefuted_significant_hypotheses(
+        fitting_frames, _refuted_hypotheses(placed_layout, crc, typed_frame)
+    )
     if not fitting_hypotheses:
         return None
     return diagnose(device, fitting_hypotheses, refuted=[], crcs=[crc])
@@ -313,8 +315,8 @@ def _bits_of_bytes_to_invert(device: Device, placed_layout: PlacedLayout, receiv
     bits_to_invert: list[int] = []
     number = int.from_bytes(received_bytes, "big")
     for bit in range(placed_layout.bits):
-        frame_with_flip = (number ^ (1 << bit)).to_bytes(len(received_bytes), "big")
-        if is_valid_in_bytes(device, placed_layout, frame_with_flip):
+        changed_bytes = (number ^ (1 << bit)).to_bytes(len(received_bytes), "big")
+        if is_valid_in_bytes(device, placed_layout, changed_bytes):
             bits_to_invert.append(bit)
     return bits_to_invert
 

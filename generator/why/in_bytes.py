@@ -234,7 +234,11 @@ def _missing_first_byte_hypotheses(
     for first_byte in first_bytes:
         hypothesis = with_first_byte(first_byte)
         yield replace(hypothesis, determined_bits=hypothesis.determined_bits - assumed_bits)
-    if crc is not None and crc.width - 8 + _constant_bits(placed_layout) - assumed_bits >= LEAST_EVIDENCE:
+    if crc is None:
+        return
+    # One of the 256 bytes always fits 8 bits of the CRC, so these bits prove nothing.
+    evidence_bits = crc.width - 8 + _constant_bits(placed_layout) - assumed_bits
+    if evidence_bits >= LEAST_EVIDENCE:
         searched_byte = _find_first_byte(placed_layout, crc, received_bytes)
         if searched_byte not in first_bytes:
             yield replace(with_first_byte(searched_byte), searched_places=BYTE_VALUES)
@@ -247,15 +251,16 @@ def _find_first_byte(placed_layout: PlacedLayout, crc: Crc, received_bytes: byte
     """
     frame_number = number_from_bytes(placed_layout.layout, b"\0" + received_bytes)
     data = received_bytes[: -crc.width // 8]
-    crc_with_0 = compute_bytes(crc, b"\0" + data)
-    wrong_crc_bits = _received_crc(placed_layout, frame_number) ^ crc_with_0
-    crc_bits_by_bit = [compute_bytes(crc, bytes([1 << bit]) + data) ^ crc_with_0 for bit in range(8)]
+    crc_with_byte_0 = compute_bytes(crc, b"\0" + data)
+    crc_bits_to_invert = _received_crc(placed_layout, frame_number) ^ crc_with_byte_0
+    # The bits of the CRC that each bit of the first byte inverts.
+    inverted_by_bit = [compute_bytes(crc, bytes([1 << bit]) + data) ^ crc_with_byte_0 for bit in range(8)]
     for first_byte in range(BYTE_VALUES):
         inverted_crc_bits = 0
-        for bit, crc_bits in enumerate(crc_bits_by_bit):
+        for bit, inverted_by_this_bit in enumerate(inverted_by_bit):
             if (first_byte >> bit) & 1:
-                inverted_crc_bits ^= crc_bits
-        if inverted_crc_bits == wrong_crc_bits:
+                inverted_crc_bits ^= inverted_by_this_bit
+        if inverted_crc_bits == crc_bits_to_invert:
             return first_byte
     return 0
 
@@ -287,9 +292,11 @@ def _constant_bits(placed_layout: PlacedLayout) -> int:
 
 def _constant_bits_in_first_byte(placed_layout: PlacedLayout) -> int:
     """Return how many bits of the constants, parity bits and selector of a frame are in its first byte."""
-    bits_of_first_byte = _first_byte_mask(placed_layout)
-    fields_outside = [field for field in placed_layout.fields if not (bits_of_first_byte >> field.low) & field.mask]
-    layout_without_first_byte = replace(placed_layout, fields=tuple(fields_outside))
+    first_byte_mask = _first_byte_mask(placed_layout)
+    fields_after_first_byte = [
+        field for field in placed_layout.fields if not (first_byte_mask >> field.low) & field.mask
+    ]
+    layout_without_first_byte = replace(placed_layout, fields=tuple(fields_after_first_byte))
     return _constant_bits(placed_layout) - _constant_bits(layout_without_first_byte)
 
 
@@ -348,16 +355,16 @@ def _possible_first_bytes(placed_layout: PlacedLayout, usual_values: Mapping[str
     frame_without_selector = 0
     parity_fields: list[PlacedField] = []
     for field in fields_in_first_byte:
-        kind = field.field.kind
-        values = usual_values.get(field.name, ())
+        field_kind = field.field.kind
+        values_of_field = usual_values.get(field.name, ())
         if field.name == layout.selector:
             continue
-        if isinstance(kind, Parity):
+        if isinstance(field_kind, Parity):
             parity_fields.append(field)
-        elif isinstance(kind, Constant):
-            frame_without_selector |= kind.value << field.low
-        elif len(values) == 1:
-            frame_without_selector |= values[0] << field.low
+        elif isinstance(field_kind, Constant):
+            frame_without_selector |= field_kind.value << field.low
+        elif len(values_of_field) == 1:
+            frame_without_selector |= values_of_field[0] << field.low
         else:
             return
     selector_fields = [field for field in fields_in_first_byte if field.name == layout.selector]

@@ -196,8 +196,8 @@ def _remove_bits(data: int, data_bits: int, mask: int) -> tuple[int, int]:
     """
     remaining_data = remaining_bits = 0
     for bit in reversed(range(data_bits)):
-        is_masked = (mask >> bit) & 1
-        if not is_masked:
+        is_removed = (mask >> bit) & 1
+        if not is_removed:
             value_of_bit = (data >> bit) & 1
             remaining_data = (remaining_data << 1) | value_of_bit
             remaining_bits += 1
@@ -211,23 +211,23 @@ def _position_code_hypotheses(
 
     The CRC then covers the frame with the other form of the position. Nothing is yielded for a frame without a number.
     """
-    low, width = _place_of_position(placed_layout)
+    lowest_bit, width = _lowest_bit_and_width_of_position(placed_layout)
     if not width:
         return
     position_mask = (1 << width) - 1
-    position = (frame >> low) & position_mask
-    frame_without_position = frame ^ (position << low)
+    position = (frame >> lowest_bit) & position_mask
+    frame_without_position = frame ^ (position << lowest_bit)
     conversions = (
         (gray_to_binary(position), TEXTS["covers_binary"]),
         (binary_to_gray(position), TEXTS["covers_gray"]),
     )
     for converted_position, description in conversions:
-        converted_frame = frame_without_position | (converted_position << low)
+        converted_frame = frame_without_position | (converted_position << lowest_bit)
         covered_data = converted_frame >> without_mistake.received_crc_bits
         yield replace(without_mistake, kind="other_code", description=description, covered_data=covered_data)
 
 
-def _place_of_position(placed_layout: PlacedLayout) -> tuple[int, int]:
+def _lowest_bit_and_width_of_position(placed_layout: PlacedLayout) -> tuple[int, int]:
     """Return the lowest bit and the width of the number that a master would convert from Gray code to binary.
 
     This is the number that is sent in Gray code. Without one, it is the number that several fields form, or else the

@@ -279,12 +279,13 @@ def _shapes_of_order_codes(device: Device, variant: Variant, layout: Layout) -> 
     Order codes share a shape if the length, the CRC, and the places of the constants and parity bits are the same. The
     shapes are stored, because several frames usually have the same layout.
     """
-    identities = id(device), id(variant), id(layout)
-    if identities not in _shapes_of_last_layout:
+    cache_key = id(device), id(variant), id(layout)
+    if cache_key not in _shapes_of_last_layout:
         _shapes_of_last_layout.clear()
         shapes = _compute_shapes_of_order_codes(device, variant, layout)
-        _shapes_of_last_layout[identities] = (device, variant, layout), shapes
-    _, shapes = _shapes_of_last_layout[identities]
+        # The objects are kept, so that no other object gets the same identity.
+        _shapes_of_last_layout[cache_key] = (device, variant, layout), shapes
+    _, shapes = _shapes_of_last_layout[cache_key]
     return list(shapes)
 
 
