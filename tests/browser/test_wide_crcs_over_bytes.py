@@ -102,7 +102,7 @@ def test_a_lost_byte_that_was_searched_proves_a_byte_less(capsys: Capture) -> No
 
 
 def test_a_first_byte_that_any_frame_could_have_is_not_searched(capsys: Capture) -> None:
-    """With a CRC of 8 bits, a first byte makes every frame valid. Its own 4 constant bits are no proof that it is lost."""
+    """With a CRC of 8 bits, a first byte makes every frame valid. Its constant bits do not prove that it is lost."""
     line = "rs485,high_byte_first:constant=4:0x5,address=4,position=24,crc=8:0x7"
     _, crc = device_and_crc(line)
     frame = with_crc(crc, bytes.fromhex("5A 01 02 03"))
