@@ -42,7 +42,7 @@ def facts_in_words(facts: EncoderFacts) -> Iterator[tuple[str, str]]:
     yield "Interface", INTERFACES[facts.words["interface"]].title
     yield from _frame_facts(facts)
     yield "Clock", _clock_limits_text(facts)
-    if facts.cables.rows:
+    if facts.cable_table.rows:
         yield "Clock by cable", _cable_table_text(facts)
     if INTERFACES[facts.words["interface"]] is Biss:
         yield "Timeout", facts.timeout or _not_stated_text(facts, Topic.TIMEOUT)
@@ -64,11 +64,11 @@ def _frame_facts(facts: EncoderFacts) -> Iterator[tuple[str, str]]:
     yield "Position bits", position_text
     yield "Padding", padding_text(facts)
     yield "Status bits", _status_bits_text(facts)
-    other_parts = [part.name for part in facts.parts if part.role == "other"]
+    other_parts = [part.name for part in facts.frame_parts if part.role == "other"]
     if other_parts:
         yield "Other bits", ", ".join(other_parts)
     yield "Data bits", _data_bits_text(facts)
-    parts_text = ", ".join(f"{part.name} {part.bits}" for part in facts.parts)
+    parts_text = ", ".join(f"{part.name} {part.bits}" for part in facts.frame_parts)
     yield "Order", f"{parts_text}, most significant bit first"
     yield "Code", CODINGS_IN_WORDS[facts.words["coding"]]
     yield "CRC", _crc_text(facts)
@@ -101,13 +101,13 @@ def _clock_limits_text(facts: EncoderFacts) -> str:
 
 def _not_stated_text(facts: EncoderFacts, subject: Topic | None = None) -> str:
     """Return the words for a fact that the manual does not give, or a reference to a text that mentions the subject."""
-    reference = facts.mentioned[subject] if subject is not None else ""
-    return reference or f"the {facts.document} does not say"
+    reference = facts.mention_by_topic[subject] if subject is not None else ""
+    return reference or f"the {facts.document_word} does not say"
 
 
 def _cable_table_text(facts: EncoderFacts) -> str:
     """Return the table of clocks by cable length in words, with its source, its errata, and the user's cable length."""
-    table = facts.cables
+    table = facts.cable_table
     rows_text = ", ".join(row.text for row in table.rows)
     errata_text = f", errata {', '.join(table.errata)}" if table.errata else ""
     text = f"{rows_text} (table in {table.origin}{errata_text})"
@@ -132,7 +132,7 @@ def _time_limit_text(time_us: int | None, bound: str) -> str:
 def _status_bits_text(facts: EncoderFacts) -> str:
     """Return the status bits with their active levels, such as ``error (active low)``, or ``none``."""
     level_words = {"low": "active low", "high": "active high", "": "always 1"}
-    status_parts = [part for part in facts.parts if part.role == "status"]
+    status_parts = [part for part in facts.frame_parts if part.role == "status"]
     texts = [f"{part.name} ({level_words[part.active]})" for part in status_parts]
     return ", ".join(texts) or "none"
 
@@ -421,12 +421,12 @@ def _data_of_facts(facts: EncoderFacts) -> dict[str, Any]:
         **facts.words,
         **facts.numbers,
         "clock_used_hz": list(facts.used_hz),
-        "frame": [asdict(part) for part in facts.parts],
+        "frame": [asdict(part) for part in facts.frame_parts],
         "timeout": facts.timeout,
         "cable_m": facts.cable_m,
-        "cable_lengths": [asdict(row) for row in facts.cables.rows],
-        "cable_lengths_from": facts.cables.origin if facts.cables.rows else "",
-        "cable_errata": list(facts.cables.errata),
+        "cable_lengths": [asdict(row) for row in facts.cable_table.rows],
+        "cable_lengths_from": facts.cable_table.origin if facts.cable_table.rows else "",
+        "cable_errata": list(facts.cable_table.errata),
         "notes": list(facts.notes),
     }
 

@@ -111,7 +111,7 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         "anchor": interface.name,
         "facts": [*order_code_rows, *((escape(name), value) for name, value in common_rows)],
         "tables": tables,
-        "cable_errata": _links_to_errata(device, groups[0].facts.cables.errata),
+        "cable_errata": _links_to_errata(device, groups[0].facts.cable_table.errata),
         "notes": list(notes),
         "masters": master_sections,
         "links": master_links,
