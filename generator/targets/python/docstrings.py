@@ -53,45 +53,45 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     A block is a paragraph, lines that are not wrapped, or a title with entries. An entry is a name with its text. The
     name is empty for plain text, as below ``Returns``.
     """
-    pad = " " * indent
+    indentation = " " * indent
     # Without blocks, the closing quotes are on the line of the summary.
     summary_width = WIDTH if any(blocks) else WIDTH - len('"""')
-    docstring_lines = [wrap_text(_in_docstring(summary), summary_width, prefix=pad, first=f'{pad}"""')]
+    docstring_lines = [wrap_text(_in_docstring(summary), summary_width, prefix=indentation, first=f'{indentation}"""')]
     for block in blocks:
-        block_lines = _block_lines(block, pad)
+        block_lines = _block_lines(block, indentation)
         if block_lines:
             docstring_lines += ["", *block_lines]
     unfinished_docstring = "\n".join(docstring_lines)
     if "\n" in unfinished_docstring:
-        return f'{unfinished_docstring}\n{pad}"""'
+        return f'{unfinished_docstring}\n{indentation}"""'
     # A quotation mark at the end would be read as a closing quotation mark, so it is escaped.
     if _OPEN_QUOTE.search(unfinished_docstring):
         unfinished_docstring = f'{unfinished_docstring[:-1]}\\"'
     return unfinished_docstring + '"""'
 
 
-def _block_lines(block: Block, pad: str) -> list[str]:
+def _block_lines(block: Block, indentation: str) -> list[str]:
     """Return the lines of a block, or none if it has no text or no entries."""
     if isinstance(block, str):
-        return [wrap_text(_in_docstring(block), WIDTH, pad)] if block else []
+        return [wrap_text(_in_docstring(block), WIDTH, indentation)] if block else []
     if isinstance(block, Lines):
-        return [f"{pad}    {_in_docstring_line(line)}" for line in block.lines]
-    title, entries = block
+        return [f"{indentation}    {_in_docstring_line(line)}" for line in block.lines]
+    block_title, entries = block
     if not entries:
         return []
     return [
-        wrap_text(_in_docstring(f"{title}:"), WIDTH, pad),
-        *(_block_entry(name, text, pad) for name, text in entries),
+        wrap_text(_in_docstring(f"{block_title}:"), WIDTH, indentation),
+        *(_block_entry(name, text, indentation) for name, text in entries),
     ]
 
 
-def _block_entry(name: str, text: str, pad: str) -> str:
+def _block_entry(name: str, text: str, indentation: str) -> str:
     """Return an entry of a block, such as ``    bits: Width of the position.`` Its further lines are indented.
 
     Without a name, the entry is only the text, and all of its lines begin at the same column.
     """
-    first_prefix = f"{pad}    {_in_docstring(name)}: " if name else f"{pad}    "
-    further_prefix = f"{pad}        " if name else first_prefix
+    first_prefix = f"{indentation}    {_in_docstring(name)}: " if name else f"{indentation}    "
+    further_prefix = f"{indentation}        " if name else first_prefix
     return wrap_text(_in_docstring(text), WIDTH, prefix=further_prefix, first=first_prefix)
 
 
@@ -177,18 +177,22 @@ def _short_erratum(statement: Statement) -> tuple[str, str]:
     sentence of its first statement.
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
-    phrases_by_label = {part.label: DOCSTRING_STYLE.phrase(part) for part in statement.below}
-    first_part = statement.below[0]
-    correction = phrases_by_label.get("Used") or f"{first_part.label}: {DOCSTRING_STYLE.phrase(first_part)}"
+    phrases_by_label = {
+        part_statement.label: DOCSTRING_STYLE.phrase(part_statement) for part_statement in statement.below
+    }
+    first_statement = statement.below[0]
+    correction_text = (
+        phrases_by_label.get("Used") or f"{first_statement.label}: {DOCSTRING_STYLE.phrase(first_statement)}"
+    )
     # Changes by overlays and other editions have no short form.
     is_erratum_of_manual = bool(statement.brief) and "Used" in phrases_by_label
     if is_erratum_of_manual:
-        return title_of_erratum, as_sentence(correction)
-    first_sentence = _END_OF_SENTENCE.split(correction)[0]
+        return title_of_erratum, as_sentence(correction_text)
+    first_sentence = _END_OF_SENTENCE.split(correction_text)[0]
     return title_of_erratum, as_sentence(first_sentence)
 
 
-def notes(device: Device, interface: Interface) -> list[list[str]]:
+def errata_lines(device: Device, interface: Interface) -> list[list[str]]:
     """Return the errata of an interface that do not affect a single frame only, each as a list of lines."""
     path = f"interfaces.{interface.name}"
     interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
@@ -198,9 +202,12 @@ def notes(device: Device, interface: Interface) -> list[list[str]]:
 # -- order codes
 
 
-def describe_variant(device: Device, names: dict[str, str]) -> str:
-    """Return the docstring of the class of encoders. ``names`` are the attributes of its parameters."""
-    quantities = [(names[parameter.name], _about_quantity(device, parameter)) for parameter in device.set_parameters]
+def describe_variant(device: Device, attribute_by_parameter: dict[str, str]) -> str:
+    """Return the docstring of the class of encoders. ``attribute_by_parameter`` contains their attributes."""
+    quantities = [
+        (attribute_by_parameter[parameter.name], _about_quantity(device, parameter))
+        for parameter in device.set_parameters
+    ]
     parts = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
         ("family", "Family of the encoder."),
@@ -226,14 +233,14 @@ def _about_quantity(device: Device, parameter: Parameter) -> str:
     It names the interface if other interfaces do not have the parameter. If a register contains the parameter, it says
     which value applies until the register is read.
     """
-    about = describe_parameter(device, parameter)
+    description = describe_parameter(device, parameter)
     if parameter.interface and len(device.interfaces) > 1:
-        about += f" Applies only to {device.interface(parameter.interface).title}."
+        description += f" Applies only to {device.interface(parameter.interface).title}."
     if parameter.read_from:
         has_factory_default = device.register(parameter.register).default is not None
         initial_value = "the factory default" if has_factory_default else "that of the order code"
-        about += f" The value is {initial_value} unless set by with_registers()."
-    return about
+        description += f" The value is {initial_value} unless set by with_registers()."
+    return description
 
 
 def describe_alternative(device: Device, alternative: Alternative) -> str:
@@ -310,15 +317,18 @@ def describe_register(device: Device, device_register: Register) -> tuple[str, l
 
 
 def describe_class(
-    about: tuple[str, list[Block]], kind: str, attributes: Iterable[tuple[str, str]], *further_blocks: Block
+    summary_and_blocks: tuple[str, list[Block]],
+    frame_or_register: str,
+    attributes: Iterable[tuple[str, str]],
+    *further_blocks: Block,
 ) -> str:
-    """Return the docstring of a class. ``about`` is its summary and the paragraphs after the attributes.
+    """Return the docstring of a class. ``summary_and_blocks`` is its summary and the paragraphs after the attributes.
 
-    If the class has the attribute ``variant``, ``kind`` says what it is: ``frame`` or ``register``. Otherwise it is
-    empty.
+    If the class has the attribute ``variant``, ``frame_or_register`` says what it is: ``frame`` or ``register``.
+    Otherwise it is empty.
     """
-    variant = [("variant", f"Encoder to which the {kind} belongs.")] if kind else []
-    summary, blocks = about
+    variant = [("variant", f"Encoder to which the {frame_or_register} belongs.")] if frame_or_register else []
+    summary, blocks = summary_and_blocks
     return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *further_blocks, indent=4)
 
 
@@ -348,10 +358,10 @@ def describe_field(device: Device, data_field: Field, *, may_be_missing: bool) -
 
     ``may_be_missing`` is True if some order codes do not have the field.
     """
-    missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
+    missing_statement = [statement("0 if the encoder does not have this field")] if may_be_missing else []
     statements = [
         *say_register.describe_meaning(data_field, data_field.meaning),
-        *missing,
+        *missing_statement,
         *say_register.rules(device, data_field),
         *spec_text(data_field.note),
     ]
@@ -364,12 +374,12 @@ ABOUT_UNUSED = "Mask of the unused bits that differ from the manual. 0 if none d
 ABOUT_OTHERS = "Bits that the manual does not describe, at their positions in the number that the bytes form."
 
 
-def describe_unused(unused_field: Field, at: int) -> str:
+def describe_unused(unused_field: Field, lowest_bit: int) -> str:
     """Return the bits and the name of a field of unused bits, such as ``bits 5:4, reserved``.
 
-    The bits are those in the attribute ``unused``, where its lowest bit is bit ``at``.
+    The bits are those in the attribute ``unused``, where its lowest bit is bit ``lowest_bit``.
     """
-    return f"{names_and_evidence.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
+    return f"{names_and_evidence.bits(lowest_bit + unused_field.widest - 1, lowest_bit)}, {unused_field.name}"
 
 
 def describe_value(named_value: Field | Value) -> str:
