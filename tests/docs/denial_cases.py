@@ -351,8 +351,8 @@ case(
 )
 case(
     "cable_clock",
-    lambda: cable_table(tv62(), biss()).about(20_000_000),
-    lambda: cable_table(tv62(), biss()).about(1_000_000),
+    lambda: cable_table(tv62(), biss()).sentence_on_clock(20_000_000),
+    lambda: cable_table(tv62(), biss()).sentence_on_clock(1_000_000),
 )
 
 ONE_LED = Led(name="power", title="Power", states=(LedState(state="on", meaning="Supply is on"),), source=())
@@ -617,7 +617,7 @@ def run_names(has_gap: bool) -> str:
     word = interface_of("ssi").layouts[0]
     fields = tuple(present for present in word.fields if not (has_gap and present.name == "alarm"))
     placed = replace(word, fields=fields).place(tv62().variants_over("ssi")[0].parameters)
-    return " ".join(run.name for run in layout_pictures.runs_of(placed))
+    return " ".join(run.name for run in layout_pictures.runs_of_layout(placed))
 
 
 # -- errata

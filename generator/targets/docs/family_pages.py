@@ -96,8 +96,8 @@ def _release_section(release: Release) -> dict[str, Any]:
             impact_sections.append({"title": title, "lines": change_lines})
     if release.names:
         impact_sections.append({"title": "Names in code", "lines": [escape(name) for name in release.names]})
-    about = f"Changes since {release.since}, with revision {release.manual} of the manual."
-    return {"version": escape(release.version), "about": about, "parts": impact_sections}
+    introduction = f"Changes since {release.since}, with revision {release.manual} of the manual."
+    return {"version": escape(release.version), "about": introduction, "parts": impact_sections}
 
 
 def _change_line(change: ReleasedChange) -> str:
@@ -166,8 +166,8 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     """Return a row of interface, order codes, clock or port, links to its further pages."""
     codes = [variant.code for variant in device.variants_over(interface.name)]
     # The first settings are the clocks of the master, or the port of a serial interface.
-    number_of_clocks_or_ports = len(interface.clocks) if isinstance(interface, Clocked) else 1
-    first_settings = list(describe_settings(device, interface))[:number_of_clocks_or_ports]
+    setting_count = len(interface.clocks) if isinstance(interface, Clocked) else 1
+    first_settings = list(describe_settings(device, interface))[:setting_count]
     return (
         markdown_link(interface.title, interface_page_path(device, interface)),
         order_codes(device, codes),
@@ -200,8 +200,8 @@ def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
     if frame_links:
         yield "Read the position", ", ".join(frame_links)
     yield "Check whether the position is usable", markdown_link("usable or not", verdict_page.file_name(device))
-    for section, task in _TASKS_BY_SECTION.items():
-        section_links = list(_section_links(device, section))
+    for section_name, task in _TASKS_BY_SECTION.items():
+        section_links = list(_section_links(device, section_name))
         if section_links:
             yield task, ", ".join(section_links)
     for procedure in device.procedures:
@@ -234,13 +234,13 @@ _TASKS_BY_SECTION = {
 }
 
 
-def _section_links(device: Device, section: str) -> Iterator[str]:
+def _section_links(device: Device, section_name: str) -> Iterator[str]:
     """Yield a link to a section, such as ``leds``, for each interface whose pages have this section."""
     for interface in device.interfaces:
         page_device = for_interface(device, interface.name)
         contents_by_section = {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}
-        if contents_by_section[section]:
-            yield markdown_link(interface.title, path_to_anchor(device, interface.name, section))
+        if contents_by_section[section_name]:
+            yield markdown_link(interface.title, path_to_anchor(device, interface.name, section_name))
 
 
 def hardware_values(device: Device) -> HardwarePage:
@@ -306,13 +306,13 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     if device.manufacturer.website:
         yield "Website", escape(device.manufacturer.website)
     yield "Transcribed", _second_reading_text(device.times_read)
-    for evidence in (describe_grade(device), *basis(device)):
-        yield evidence.label, MARKDOWN.phrase(replace(evidence, label=""))
+    for evidence_statement in (describe_grade(device), *basis(device)):
+        yield evidence_statement.label, MARKDOWN.phrase(replace(evidence_statement, label=""))
     yield "Manufacturer", escape(device.manufacturer.title)
     for edition in manual.editions:
-        language = escape(language_name(edition.language))
-        revision = f"revision {escape(edition.revision)}"
-        yield "Other edition", join_filled([language, escape(edition.title), revision, edition.date], ", ")
+        language_text = escape(language_name(edition.language))
+        revision_text = f"revision {escape(edition.revision)}"
+        yield "Other edition", join_filled([language_text, escape(edition.title), revision_text, edition.date], ", ")
     changes_link = markdown_link("changes", f"../{changes_file_name(device)}")
     yield "Version", f"{escape(device.manufacturer.version)}, {changes_link}"
 
@@ -375,22 +375,22 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     """Return one erratum for the errata page: a summary, and a table with a single row for its texts."""
     labels_and_texts = (*fact_tables.printed_and_used_rows(erratum), ("Why", escape(erratum.why)))
     # The labels become the head of the table, and the texts its only row.
-    head, cells = zip(*labels_and_texts, strict=True)
-    affected = ", ".join(map(code_span, erratum.affects))
-    result = f"{status_badge(erratum)}: {consequence(erratum.severity)}."
-    summary = f"{result} Affected parts of the spec: {affected}. Source: {citation(erratum.source)}."
-    return {"erratum": erratum, "summary": summary, "head": head, "cells": cells}
+    labels, texts = zip(*labels_and_texts, strict=True)
+    affected_paths = ", ".join(map(code_span, erratum.affects))
+    status_and_result = f"{status_badge(erratum)}: {consequence(erratum.severity)}."
+    summary = f"{status_and_result} Affected parts of the spec: {affected_paths}. Source: {citation(erratum.source)}."
+    return {"erratum": erratum, "summary": summary, "head": labels, "cells": texts}
 
 
-def _summary_of_counts(count: int, open_count: int) -> str:
+def _summary_of_counts(erratum_count: int, open_count: int) -> str:
     """Return sentences that state how many errata there are, how many are open, and what that means."""
-    if not count:
+    if not erratum_count:
         return "No errata are known."
-    sentences = ["There is 1 known erratum." if count == 1 else f"There are {count} known errata."]
+    sentences = ["There is 1 known erratum." if erratum_count == 1 else f"There are {erratum_count} known errata."]
     if open_count:
         verb = "is" if open_count == 1 else "are"
         sentences.append(f"{open_count} {verb} open, which means that only hardware or the manufacturer can decide.")
-    resolved_count = count - open_count
+    resolved_count = erratum_count - open_count
     if resolved_count > 0:
         verb = "is" if resolved_count == 1 else "are"
         sentences.append(f"{resolved_count} {verb} resolved by the manual's own evidence or by arithmetic.")
@@ -402,10 +402,10 @@ def _sections_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator
     for status, status_word in STATUS_IN_WORDS.items():
         errata_of_status = [erratum for erratum in listed_errata if erratum.status == status]
         for severity in fact_tables.SEVERITIES:
-            errata_of_kind = [erratum for erratum in errata_of_status if erratum.severity == severity]
-            if errata_of_kind:
+            errata_of_severity = [erratum for erratum in errata_of_status if erratum.severity == severity]
+            if errata_of_severity:
                 heading = f"{status_word.capitalize()}: {fact_tables.severity_text(severity)}"
-                yield escape(heading), list(map(_erratum_section, errata_of_kind))
+                yield escape(heading), list(map(_erratum_section, errata_of_severity))
 
 
 def _sections_of_changes(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[dict[str, Any]]]]:
