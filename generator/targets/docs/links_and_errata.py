@@ -341,7 +341,7 @@ def erratum_line(listed_erratum: Erratum, page: str) -> str:
     title_link = markdown_link(escape(listed_erratum.title), f"{page}#erratum-{listed_erratum.name}")
     status_and_title = f"{status_badge(listed_erratum)} {title_link}"
     if listed_erratum.overlay:
-        reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).below)
+        reasons = map(MARKDOWN.sentence, erratum_statement(listed_erratum).statements_below)
         return " ".join([f"{status_and_title} {MARKDOWN.cited(listed_erratum.source)}:", *reasons])
     value_used = _shorten_sentences(as_sentence(listed_erratum.used))
     return f"{status_and_title}. Used: {escape(value_used)}"

@@ -153,7 +153,7 @@ def paragraphs(statements: Iterable[Statement]) -> list[Block]:
     short_errata: list[tuple[str, str]] = []
     for printed_statement in statements:
         # Only errata have statements below them.
-        if printed_statement.below:
+        if printed_statement.statements_below:
             short_errata.append(_short_erratum(printed_statement))
         else:
             sentences.append(DOCSTRING_STYLE.sentence(printed_statement))
@@ -162,7 +162,10 @@ def paragraphs(statements: Iterable[Statement]) -> list[Block]:
 
 def _in_full(statements: Iterable[Statement]) -> list[Block]:
     """Return a block for each statement: its heading, and the labeled statements below it."""
-    return [(DOCSTRING_STYLE.head(statement), list(map(_split_label, statement.below))) for statement in statements]
+    return [
+        (DOCSTRING_STYLE.head(statement), list(map(_split_label, statement.statements_below)))
+        for statement in statements
+    ]
 
 
 def _split_label(statement: Statement) -> tuple[str, str]:
@@ -178,9 +181,9 @@ def _short_erratum(statement: Statement) -> tuple[str, str]:
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
     phrases_by_label = {
-        part_statement.label: DOCSTRING_STYLE.phrase(part_statement) for part_statement in statement.below
+        part_statement.label: DOCSTRING_STYLE.phrase(part_statement) for part_statement in statement.statements_below
     }
-    first_statement = statement.below[0]
+    first_statement = statement.statements_below[0]
     correction_text = (
         phrases_by_label.get("Used") or f"{first_statement.label}: {DOCSTRING_STYLE.phrase(first_statement)}"
     )
