@@ -24,7 +24,7 @@ from codewheel.model import INTERFACES, Biss, Device, Interface, Ssi
 from codewheel.model.expressions import Expression
 from codewheel.one_line.spec import device_of_line
 from codewheel.say import decimal
-from codewheel.say.names_and_evidence import GRADES, grade_below_manual, origin
+from codewheel.say.names_and_evidence import GRADES, differences_from_manual, grade_below_manual
 from codewheel.say.text import PLAIN_STYLE
 from codewheel.targets.masters.files import file_text
 
@@ -134,7 +134,7 @@ def page_data(devices: Sequence[Device]) -> Page:
 
 def _family_data(device: Device) -> dict[str, Any]:
     """Return the title of a family, and the sentences about its grade and its origin."""
-    statements = (*grade_below_manual(device), *origin(device))
+    statements = (*grade_below_manual(device), *differences_from_manual(device))
     return {"title": device.title, "statements": [PLAIN_STYLE.sentence(statement) for statement in statements]}
 
 

@@ -13,7 +13,7 @@ from ..model import INTERFACES, Biss, Device
 from ..model.kinds import DIGIT_CODES
 from ..order_codes.labels import LabelMatch
 from ..say import WIDTH, two_columns, wrap_text
-from ..say.names_and_evidence import Topic, grade_below_manual, origin
+from ..say.names_and_evidence import Topic, differences_from_manual, grade_below_manual
 from ..say.order_code import clocks_in_use
 from ..say.text import PLAIN_STYLE, hertz, time_text, volts
 from .encoder_facts import EncoderFacts
@@ -299,7 +299,7 @@ def _lines_of_facts(device: Device, code_match: LabelMatch, facts: EncoderFacts)
     if code_match.unlisted:
         unlisted_parts = ", ".join(code_match.unlisted)
         lines.append(wrap_text(f"accepted, although not listed in the manual: {unlisted_parts}", WIDTH, prefix="  "))
-    statements = (*grade_below_manual(device), *origin(device))
+    statements = (*grade_below_manual(device), *differences_from_manual(device))
     lines += [wrap_text(PLAIN_STYLE.sentence(statement), WIDTH, prefix="  ") for statement in statements]
     if code_match.special:
         lines.append(wrap_text("A code that ends in /Sxxx may differ from the manual.", WIDTH, prefix="  "))

@@ -38,7 +38,7 @@ from ..model import (
     member_named,
 )
 from ..model.record import dataclass
-from .errata import describe_erratum, errata
+from .errata import describe_erratum, errata_affecting
 from .names_and_evidence import heading, order_codes_text, register_at, register_field, short_number, title_of
 from .names_and_evidence import register_reference as reference_to_register
 from .text import (
@@ -59,7 +59,7 @@ def describe_procedure(device: Device, procedure: Procedure) -> Iterator[Stateme
     """Yield all statements about a procedure except its title, its arguments and its steps."""
     yield from about_procedure(procedure)
     yield from spec_text(procedure.note)
-    yield from map(describe_erratum, errata(device, f"procedures.{procedure.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"procedures.{procedure.name}"))
 
 
 def about_procedure(procedure: Procedure) -> Iterator[Statement]:
@@ -341,7 +341,7 @@ def describe_alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
     """Yield all statements about an alarm except its name."""
     yield from spec_text(device_alarm.meaning, source=device_alarm.source)
     yield from alarm_facts(device, device_alarm)
-    yield from map(describe_erratum, errata(device, f"alarms.{device_alarm.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"alarms.{device_alarm.name}"))
 
 
 def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:

@@ -254,7 +254,7 @@ STATUS_IN_WORDS = {"open": "open", "settled": "resolved"}
 _LONGEST_INLINE_REASON = 100
 
 
-def errata(
+def errata_affecting(
     device: Device, *paths: str, without: Collection[str] = (), exactly: Collection[str] = (), wording: bool = False
 ) -> tuple[Erratum, ...]:
     """Return the errata that affect the parts of the spec at these paths, or anything inside these parts.

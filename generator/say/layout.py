@@ -24,7 +24,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from . import count_with_unit
-from .errata import answer_names, deciding_alternatives, describe_erratum, errata, needed_answers
+from .errata import answer_names, deciding_alternatives, describe_erratum, errata_affecting, needed_answers
 from .names_and_evidence import bits, conditions_text
 from .text import (
     VERDICT_CLAUSES,
@@ -98,7 +98,7 @@ def describe_layout(device: Device, interface: Interface, frame: Layout) -> Iter
 
 def errata_of(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
     """Yield the errata about a frame as a whole."""
-    yield from map(describe_erratum, errata(device, f"interfaces.{interface.name}.{frame.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"interfaces.{interface.name}.{frame.name}"))
 
 
 def has_excess(layout: Layout) -> bool:
@@ -227,7 +227,7 @@ def describe_crc(device: Device, checksum: Crc) -> Iterator[Statement]:
     """Yield all statements about a CRC: its parameters, its note and its errata."""
     yield describe_crc_head(device, checksum)
     yield from spec_text(checksum.note)
-    yield from map(describe_erratum, errata(device, f"crcs.{checksum.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"crcs.{checksum.name}"))
 
 
 def describe_crc_head(device: Device, checksum: Crc) -> Statement:
@@ -387,28 +387,30 @@ def _first_and_last_byte(layout: Layout, bit_count: int, highest_bit: int, lowes
     return last_byte_of_frame - highest_byte, last_byte_of_frame - lowest_byte
 
 
-def bit_place(layout: Layout, length: int, high: int, low: int) -> str:
+def bit_place(layout: Layout, bit_count: int, highest_bit: int, lowest_bit: int) -> str:
     """Return the position of a field in short: ``46:31``, or ``byte 2.7:4`` for bits 7 to 4 of byte 2.
 
-    ``high`` and ``low`` are its highest and lowest bit in the frame as one number of ``length`` bits.
+    ``highest_bit`` and ``lowest_bit`` are its highest and lowest bit in the frame as one number of ``bit_count`` bits.
     The first byte is byte 0. ``bytes 1.3-2.7`` means from bit 3 of byte 1 to bit 7 of byte 2.
     """
-    is_one_bit = high == low
+    is_one_bit = highest_bit == lowest_bit
     if not layout.in_bytes:
-        return f"{high}" if is_one_bit else f"{high}:{low}"
-    first_byte, last_byte = _first_and_last_byte(layout, length, high, low)
+        return f"{highest_bit}" if is_one_bit else f"{highest_bit}:{lowest_bit}"
+    first_byte, last_byte = _first_and_last_byte(layout, bit_count, highest_bit, lowest_bit)
     if first_byte != last_byte:
         # From the lowest bit of a byte to the highest bit of a byte.
-        are_whole_bytes = low % 8 == 0 and high % 8 == 7
+        are_whole_bytes = lowest_bit % 8 == 0 and highest_bit % 8 == 7
         if are_whole_bytes:
             return f"bytes {first_byte}-{last_byte}"
-        first_bit, last_bit = (low, high) if layout.byte_order == "low_byte_first" else (high, low)
+        first_bit, last_bit = (
+            (lowest_bit, highest_bit) if layout.byte_order == "low_byte_first" else (highest_bit, lowest_bit)
+        )
         return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
-    fills_byte = high - low == 7
+    fills_byte = highest_bit - lowest_bit == 7
     if fills_byte:
         return f"byte {first_byte}"
-    place_in_byte = f"byte {first_byte}.{high % 8}"
-    return place_in_byte if is_one_bit else f"{place_in_byte}:{low % 8}"
+    place_in_byte = f"byte {first_byte}.{highest_bit % 8}"
+    return place_in_byte if is_one_bit else f"{place_in_byte}:{lowest_bit % 8}"
 
 
 def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[TextPart]:

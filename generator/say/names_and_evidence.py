@@ -220,7 +220,7 @@ def word_for_document(device: Device) -> str:
     return "manual" if device.evidence.grade == "manual" else "spec"
 
 
-def basis(device: Device) -> Iterator[Statement]:
+def describe_evidence_basis(device: Device) -> Iterator[Statement]:
     """Yield the basis of the grade, and the facts that the spec leaves out.
 
     The basis consists of the pages read in each document, the implementations and the test vectors. It is omitted for
@@ -237,7 +237,7 @@ def basis(device: Device) -> Iterator[Statement]:
         yield statement(fact, label="Left out")
 
 
-def origin(device: Device) -> Iterator[Statement]:
+def differences_from_manual(device: Device) -> Iterator[Statement]:
     """Yield how the family differs from its manual: as a special model, as another edition, and by overlays."""
     specials = [overlay.special for overlay in device.overlays if overlay.special]
     if specials:
@@ -273,7 +273,7 @@ def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]
         )
 
 
-def removals(device: Device) -> Iterator[Statement]:
+def describe_removals(device: Device) -> Iterator[Statement]:
     """Yield the changes by overlays and editions that removed a part of the spec, so that no note can be next to it.
 
     A part that only another edition lacks is still in the family itself, which has no base. Changes of wording are

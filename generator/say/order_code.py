@@ -39,7 +39,7 @@ from ..model import (
 from ..model.expressions import Expression
 from ..model.order_codes import Restricted
 from . import count_with_unit, group_digits
-from .errata import describe_erratum, errata
+from .errata import describe_erratum, errata_affecting
 from .names_and_evidence import hexadecimal, name_in_words, printed_name_of, register_at, register_field
 from .names_and_evidence import register_reference as reference_to_register
 from .register import describe_range, describe_value
@@ -60,7 +60,7 @@ from .text import (
 )
 
 
-def order_code(device: Device) -> Iterator[Statement]:
+def describe_order_code(device: Device) -> Iterator[Statement]:
     """Yield all statements about the order codes of a family."""
     code = device.order_code
     yield statement(CodeText(code.pattern), label="Order codes", source=code.source)
@@ -71,7 +71,7 @@ def order_code(device: Device) -> Iterator[Statement]:
     yield from not_on_label(device)
     yield from spec_text(code.note)
     yield from spec_text(code.special)
-    yield from map(describe_erratum, errata(device, "order_code", "parameters"))
+    yield from map(describe_erratum, errata_affecting(device, "order_code", "parameters"))
 
 
 def not_on_label(device: Device) -> Iterator[Statement]:
@@ -243,10 +243,10 @@ def describe_interface_facts(device: Device, interface: Interface) -> Iterator[S
             pass
         case Biss():
             yield from spec_text(interface.control_data_note, label="Control data")
-            yield from map(control_field, interface.control_data)
+            yield from map(describe_control_field, interface.control_data)
         case Rs485():
             yield from map(describe_data_id, interface.data_ids)
-            yield from map(memory_access, interface.memory_access)
+            yield from map(describe_memory_access, interface.memory_access)
             yield from map(describe_exchange, interface.exchanges)
         case Spi():
             yield from map(describe_exchange, interface.exchanges)
@@ -418,7 +418,7 @@ def describe_data_id(request: DataId) -> Statement:
     )
 
 
-def memory_access(access: MemoryAccess) -> Statement:
+def describe_memory_access(access: MemoryAccess) -> Statement:
     """Return the meaning of one kind of memory access, and what its reply has as address and data."""
     text = f"{as_sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
     return statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
@@ -439,7 +439,7 @@ def describe_exchange(request: Exchange) -> Statement:
     return statement(*exchange_parts, source=request.source)
 
 
-def control_field(field: ControlField) -> Statement:
+def describe_control_field(field: ControlField) -> Statement:
     """Return the width, the meaning and the named values of a field in the BiSS control frame."""
     width_and_meaning = count_with_unit(field.bits, "bit")
     if field.meaning:

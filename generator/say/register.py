@@ -28,7 +28,7 @@ from ..model import (
 from ..model.expressions import Expression
 from . import formula
 from .commands_and_alarms import describe_remedy
-from .errata import describe_erratum, errata, needed_answers
+from .errata import describe_erratum, errata_affecting, needed_answers
 from .names_and_evidence import (
     HasOtherNames,
     hexadecimal,
@@ -79,7 +79,7 @@ def describe_register(device: Device, register: Register) -> Iterator[Statement]
     yield from spec_text(register.meaning)
     yield from describe_register_facts(device, register)
     yield from spec_text(register.note)
-    yield from map(describe_erratum, errata(device, f"registers.{register.name}"))
+    yield from map(describe_erratum, errata_affecting(device, f"registers.{register.name}"))
 
 
 def describe_register_facts(device: Device, register: Register) -> Iterator[Statement]:
@@ -204,7 +204,7 @@ def _register_meaning(device: Device, meaning: RegisterMeaning) -> Statement:
 def describe_field(device: Device, field: Field) -> Iterator[Statement]:
     """Yield all statements about a field of a frame or register: its meaning, its rules and its note."""
     yield from describe_meaning(field, field.meaning)
-    yield from rules(device, field)
+    yield from describe_field_rules(device, field)
     yield from spec_text(field.note)
 
 
@@ -217,7 +217,7 @@ def describe_meaning(named_item: HasOtherNames, text: str) -> Iterator[Statement
         yield statement(manual_name)
 
 
-def rules(device: Device, field: Field) -> Iterator[Statement]:
+def describe_field_rules(device: Device, field: Field) -> Iterator[Statement]:
     """Yield how to interpret the bits of a field, its default, and the rules for its use."""
     yield from spec_text(field.unit, label="Unit")
     scale = field.scale
@@ -421,7 +421,7 @@ def _expected_value(stated_value: Expression | int | str, bit_count: int) -> Tex
     return Hex(number, _hex_digits_for(bit_count))
 
 
-def choices(values: tuple[Value, ...]) -> Statement:
+def describe_choices(values: tuple[Value, ...]) -> Statement:
     """Return all named values in one statement, such as ``0 off, 1 on, 1Fh test``."""
     numbers_and_names = [(f"{short_number(named_value.value)} ", CodeText(named_value.name)) for named_value in values]
     return statement(*join_groups(numbers_and_names), label="Values")

@@ -35,7 +35,7 @@ from ...plan.steps import VerifyWrite
 from ...say import count_with_unit, group_digits, quantity_text
 from ...say import register as say_register
 from ...say.commands_and_alarms import describe_step, read_back
-from ...say.errata import content_before_and_after, errata
+from ...say.errata import content_before_and_after, errata_affecting
 from ...say.layout import crc_sent, describe_measurement, describe_position_range, own_ranges
 from ...say.names_and_evidence import Titled, addresses_text, heading, hexadecimal, title_of
 from ...say.order_code import bounds_with_codes, describe_settings
@@ -150,7 +150,7 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
     for label, content in _facts_and_empty_facts(device, example):
         if content:
             yield label, content
-    listed_errata = {erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)}
+    listed_errata = {erratum.name for erratum in errata_affecting(device, f"examples.{example.name}", wording=True)}
     if example.erratum and example.erratum not in listed_errata:
         title_by_erratum = {erratum.name: erratum.title for erratum in device.errata}
         title = title_by_erratum[example.erratum]

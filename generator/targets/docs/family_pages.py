@@ -10,7 +10,14 @@ from ...model import Clocked, Device, Erratum, Interface, Manual, Release, Relea
 from ...order_codes.reduction import for_interface
 from ...say import count_with_unit
 from ...say.errata import STATUS_IN_WORDS, consequence
-from ...say.names_and_evidence import _second_reading_text, basis, describe_grade, edition_test, origin, other_editions
+from ...say.names_and_evidence import (
+    _second_reading_text,
+    describe_evidence_basis,
+    describe_grade,
+    differences_from_manual,
+    edition_test,
+    other_editions,
+)
 from ...say.order_code import describe_settings
 from ...say.text import (
     MARKDOWN,
@@ -147,7 +154,7 @@ def index_values(family_codes: OrderCodes) -> FamilyPage:
     device = family_codes.device
     return {
         "device": device,
-        "origin": [*origin(device), *other_editions(device)],
+        "origin": [*differences_from_manual(device), *other_editions(device)],
         "manual": f"{escape(device.manual.title)}, revision {revision_and_date(device.manual)}",
         "evidence": describe_grade(device),
         "errata_at": ErrataLines(device, f"{device.name}/"),
@@ -306,7 +313,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     if device.manufacturer.website:
         yield "Website", escape(device.manufacturer.website)
     yield "Transcribed", _second_reading_text(device.times_read)
-    for evidence_statement in (describe_grade(device), *basis(device)):
+    for evidence_statement in (describe_grade(device), *describe_evidence_basis(device)):
         yield evidence_statement.label, MARKDOWN.phrase(replace(evidence_statement, label=""))
     yield "Manufacturer", escape(device.manufacturer.title)
     for edition in manual.editions:

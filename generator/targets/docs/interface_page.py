@@ -35,8 +35,8 @@ from ...say.errata import needed_answers
 from ...say.names_and_evidence import (
     HasOtherNames,
     addresses_text,
+    differences_from_manual,
     name_in_words,
-    origin,
     other_editions,
     title_of,
     word_for_document,
@@ -94,7 +94,7 @@ def page_sections(device: Device) -> Sections:
     return {
         "device": device,
         "document": word_for_document(device),
-        "origin": [*origin(device), *other_editions(device)],
+        "origin": [*differences_from_manual(device), *other_editions(device)],
         "verdict_page": verdict_page.file_name(device),
         "errata_at": ErrataLines(device),
         "alternatives": order_code_tables.alternative_sections(device),

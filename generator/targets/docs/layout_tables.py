@@ -23,7 +23,7 @@ from ...model.record import dataclass
 from ...say.errata import answer_names
 from ...say.layout import field_place, frame_bytes
 from ...say.names_and_evidence import HasOtherNames, bit_range, bits, hexadecimal
-from ...say.register import describe_value, rules
+from ...say.register import describe_field_rules, describe_value
 from ...say.text import (
     MARKDOWN,
     CodeText,
@@ -97,7 +97,7 @@ def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
     statements = [
         *spec_text(field.meaning),
         *_value_statements(field, in_register),
-        *rules(device, field),
+        *describe_field_rules(device, field),
         *spec_text(field.note),
     ]
     return join_filled(map(MARKDOWN.sentence, statements))

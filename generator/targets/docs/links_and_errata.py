@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from ...model import LEFT_OUT, NOT_KNOWN, Alarm, Device, Erratum, Interface, Layout, Procedure, Register, Ssi
-from ...say.errata import STATUS_IN_WORDS, errata
+from ...say.errata import STATUS_IN_WORDS, errata_affecting
 from ...say.errata import describe_erratum as erratum_statement
 from ...say.names_and_evidence import Titled, heading
 from ...say.text import (
@@ -189,7 +189,7 @@ class ErrataLines:
 
     def links_in_cell(self, *paths: str) -> str:
         """Return links for a table cell to the errata about these paths, including errata about wording."""
-        affecting_errata = errata(self._device, *paths, wording=True)
+        affecting_errata = errata_affecting(self._device, *paths, wording=True)
         links = [f"{status_badge(erratum)} {self._link_in_cell(erratum)}" for erratum in affecting_errata]
         return link_list(dict.fromkeys(links))
 
@@ -321,7 +321,7 @@ def _errata_by_origin(device: Device, *paths: str, exactly: Collection[str]) -> 
 
     If the device itself is another edition, all errata are in the first list.
     """
-    affecting_errata = errata(device, *paths, exactly=exactly, wording=True)
+    affecting_errata = errata_affecting(device, *paths, exactly=exactly, wording=True)
     edition_errata = [erratum for erratum in affecting_errata if erratum.edition and not device.edition]
     manual_errata = [erratum for erratum in affecting_errata if erratum not in edition_errata]
     return manual_errata, edition_errata

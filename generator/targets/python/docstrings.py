@@ -27,8 +27,16 @@ from ...say import commands_and_alarms, count_with_unit, names_and_evidence, tex
 from ...say import layout as say_layout
 from ...say import order_code as say_order_code
 from ...say import register as say_register
-from ...say.errata import describe_erratum, errata
-from ...say.names_and_evidence import describe_grade, full_title, heading, origin, other_editions, removals, title_of
+from ...say.errata import describe_erratum, errata_affecting
+from ...say.names_and_evidence import (
+    describe_grade,
+    describe_removals,
+    differences_from_manual,
+    full_title,
+    heading,
+    other_editions,
+    title_of,
+)
 from ...say.text import DOCSTRING_STYLE, Statement, as_sentence, spec_text, statement
 from .line_breaks import WIDTH
 from .names import is_one_choice
@@ -130,15 +138,15 @@ def describe_module(device: Device, contents: Iterable[tuple[str, str]], example
         " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
         " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
         DOCSTRING_STYLE.sentence(describe_grade(device)),
-        DOCSTRING_STYLE.paragraph([*origin(device), *other_editions(device)]),
-        *_in_full(removals(device)),
+        DOCSTRING_STYLE.paragraph([*differences_from_manual(device), *other_editions(device)]),
+        *_in_full(describe_removals(device)),
         " ".join(device.manufacturer.trademarks),
     )
 
 
 def describe_errata(device: Device, *paths: str) -> list[Block]:
     """Return the block with the errata that affect these parts of the spec. Errata about wording are left out."""
-    return paragraphs(map(describe_erratum, errata(device, *paths)))
+    return paragraphs(map(describe_erratum, errata_affecting(device, *paths)))
 
 
 def _with_source_below(first: Statement) -> tuple[str, str]:
@@ -198,7 +206,7 @@ def _short_erratum(statement: Statement) -> tuple[str, str]:
 def errata_lines(device: Device, interface: Interface) -> list[list[str]]:
     """Return the errata of an interface that do not affect a single frame only, each as a list of lines."""
     path = f"interfaces.{interface.name}"
-    interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
+    interface_errata = errata_affecting(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
     return [DOCSTRING_STYLE.lines(describe_erratum(listed_erratum)) for listed_erratum in interface_errata]
 
 
@@ -291,8 +299,8 @@ def describe_layout(device: Device, interface: Interface, frame: Layout) -> tupl
     group_names = dict.fromkeys(field.group for field in frame.fields if field.group)
     # These are paths in the spec of the device, where errata refer to them.
     group_paths = [f"field_groups.{name}" for name in group_names]
-    frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
-    group_titles = [erratum.title for erratum in errata(device, *group_paths) if erratum not in frame_errata]
+    frame_errata = errata_affecting(device, f"interfaces.{interface.name}.{frame.name}")
+    group_titles = [erratum.title for erratum in errata_affecting(device, *group_paths) if erratum not in frame_errata]
     further_errata = f"See also these errata in ERRATA: {'; '.join(group_titles)}." if group_titles else ""
     return summary, [source, *paragraphs(say_layout.describe_layout(device, interface, frame)), further_errata]
 
@@ -304,7 +312,7 @@ def describe_register(device: Device, device_register: Register) -> tuple[str, l
     """
     facts = [*say_register.describe_register_facts(device, device_register)]
     if is_one_choice(device_register):
-        facts += say_register.rules(device, device_register.layout.fields[0])
+        facts += say_register.describe_field_rules(device, device_register.layout.fields[0])
     register_errata = describe_errata(device, f"registers.{device_register.name}")
     summary, source = _with_source_below(
         say_register.describe_head(device, device_register, full_title(device_register))
@@ -365,7 +373,7 @@ def describe_field(device: Device, data_field: Field, *, may_be_missing: bool) -
     statements = [
         *say_register.describe_meaning(data_field, data_field.meaning),
         *missing_statement,
-        *say_register.rules(device, data_field),
+        *say_register.describe_field_rules(device, data_field),
         *spec_text(data_field.note),
     ]
     return DOCSTRING_STYLE.paragraph(statements) or as_sentence(title_of(data_field))
