@@ -274,7 +274,8 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     is added to the position first, and ``other`` if a different set of bits is in Gray code.
     """
     layout = placed_layout.layout
-    for position_field in placed_layout.find_fields(layout.field_names_of(measurement.of)):
+    position_fields = _position_fields(placed_layout, measurement)
+    for position_field in position_fields:
         if position_field.field.kind.digit_code:
             return position_field.field.kind.digit_code
     # With ``gray_when``, only some order codes use Gray code.
@@ -282,7 +283,7 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame
     if not layout.gray_of or is_binary_order_code:
         return "binary"
     gray_names = {field.name for field in placed_layout.find_fields(layout.field_names_of(layout.gray_of))}
-    position_names = {field.name for field in placed_layout.find_fields(layout.field_names_of(measurement.of))}
+    position_names = {field.name for field in position_fields}
     if gray_names == position_names:
         return "gray_excess" if placed_layout.gray_excess else "gray"
     status_names = {part.name for part in frame_parts if part.role == "status"}

@@ -293,12 +293,14 @@ def _selectable_clock(clock_rule: YamlMapping, facts: EncoderFacts) -> ValueOfSe
     bound = "at_most" if _is_highest_clock_known(facts) else START_WITH
     cable_row = facts.cable_row
     # The table of cable lengths may give an exclusive limit. It is shown as printed.
-    if cable_row is not None and cable_row.is_below:
-        is_limited_by_cable = clock_hz == cable_row.highest_hz
-        if is_limited_by_cable:
-            clock_hz = cable_row.hz
-            bound = "below"
-    unit = clock_rule["unit"]
+    if cable_row is not None and cable_row.is_below and clock_hz == cable_row.highest_hz:
+        clock_hz = cable_row.hz
+        bound = "below"
+    return _clock_in_unit(clock_hz, clock_rule["unit"], bound)
+
+
+def _clock_in_unit(clock_hz: int, unit: str, bound: str) -> ValueOfSetting:
+    """Return a clock as a number in this unit, or in Hz if that is not a unit of frequency."""
     if unit not in _HZ_BY_UNIT:
         return ValueOfSetting(clock_hz, text=hertz(clock_hz), bound=bound)
     hz_per_unit = _HZ_BY_UNIT[unit]
@@ -378,11 +380,7 @@ def _field_texts(rule: YamlMapping, setting_name: str, facts: EncoderFacts) -> I
         UnknownValue: A template needs a number that the spec does not give.
         UnsupportedFeature: There is no template for a kind.
     """
-    # The first template for a kind that applies to the encoder is used.
-    template_by_kind: dict[str, str] = {}
-    for field_rule in rule["fields"]:
-        if rule_applies(field_rule, facts):
-            template_by_kind.setdefault(field_rule["of"], field_rule["text"])
+    template_by_kind = _template_by_part_kind(rule, facts)
     yield _fill_known_template(rule.get("start", ""), facts)
     has_whole_position = "position" in template_by_kind
     frame_parts = _with_whole_position(facts) if has_whole_position else _with_two_parts_of_position(facts)
@@ -390,16 +388,28 @@ def _field_texts(rule: YamlMapping, setting_name: str, facts: EncoderFacts) -> I
     if rule["first"] != "sent_first":
         frame_parts = frame_parts[::-1]
     for frame_part in frame_parts:
-        part_kind = frame_part.role
-        if frame_part.role == "status":
-            # A status bit that never changes counts as active low.
-            part_kind = f"status_active_{frame_part.active or 'low'}"
+        part_kind = _kind_of_part(frame_part)
         if part_kind not in template_by_kind:
             setting_title = fill_template(setting_name, facts)
             raise UnsupportedFeature(f"{setting_title} cannot express '{frame_part.name}'")
         text_of_part = template_by_kind[part_kind].replace("{bits}", str(frame_part.bits))
         text_of_part = text_of_part.replace("{name}", frame_part.name)
         yield _fill_known_template(text_of_part, facts)
+
+
+def _template_by_part_kind(rule: YamlMapping, facts: EncoderFacts) -> dict[str, str]:
+    """Return the first template for each kind of part that applies to the encoder."""
+    template_by_kind: dict[str, str] = {}
+    for field_rule in rule["fields"]:
+        if rule_applies(field_rule, facts):
+            template_by_kind.setdefault(field_rule["of"], field_rule["text"])
+    return template_by_kind
+
+
+def _kind_of_part(frame_part: FramePart) -> str:
+    """Return the kind by which a part of the frame is described: its role, and for a status bit also its level."""
+    # A status bit that never changes counts as active low.
+    return f"status_active_{frame_part.active or 'low'}" if frame_part.role == "status" else frame_part.role
 
 
 def _with_whole_position(facts: EncoderFacts) -> Sequence[FramePart]:

@@ -360,12 +360,11 @@ def own_ranges(device: Device, interface: str) -> Iterator[tuple[str, LayoutRang
 
 
 def frame_bytes(layout: Layout, bit_count: int, highest_bit: int, lowest_bit: int) -> str:
-    """Return the bytes of a frame of ``bit_count`` bits that contain some bits: ``byte 1, bits 7:1`` or ``bytes 2 to
-    4``.
+    """Return the bytes of a frame that contain some bits, such as ``byte 1, bits 7:1`` or ``bytes 2 to 4``.
 
-    ``highest_bit`` and ``lowest_bit`` are the highest and lowest of these bits in the frame as one number. Bytes are
-    counted from 0 in the order sent. If the bits fill several bytes only in part, the result has their numbers in the
-    whole frame.
+    The frame has ``bit_count`` bits. ``highest_bit`` and ``lowest_bit`` are the highest and lowest of these bits in the
+    frame as one number. Bytes are counted from 0 in the order sent. If the bits fill several bytes only in part, the
+    result has their numbers in the whole frame.
     """
     first_byte, last_byte = _first_and_last_byte(layout, bit_count, highest_bit, lowest_bit)
     # From the lowest bit of a byte to the highest bit of a byte.

@@ -35,8 +35,7 @@ from .links_and_errata import (
 
 
 class _Page(NamedTuple):
-    """Page of a family. ``path`` is relative to the folder ``docs``, and ``compute_values`` returns the values
-    of its template."""
+    """Page of a family. ``path`` is relative to ``docs``, and ``compute_values`` returns the values of the template."""
 
     path: str
     template: str

@@ -370,8 +370,7 @@ def layout_diagrams(device: Device, interface: Interface, layout: Layout) -> lis
 
 
 def _diagrams_of_layouts(layout: Layout, layouts_of_codes: Sequence[LayoutOfCodes]) -> Iterator[ByteDiagram]:
-    """Yield the rows of bytes to draw for each layout, or only for the longest layout of a frame that consists of
-    bytes.
+    """Yield the diagram of each layout, or only of the longest layout of a frame that consists of bytes.
 
     In such a frame, the boxes of fields include their padding, so layouts hardly differ.
     """

@@ -131,23 +131,26 @@ def _deciding_fields(layout: Layout, verdict_rules: VerdictRules) -> list[_Decid
     If the verdict without any cause is UNKNOWN, fields that lead to a warning or to UNKNOWN are listed with UNKNOWN,
     because a warning does not improve it. Fields that leave the position usable are last.
     """
-    fields_and_signs = (*layout.fields, *(sign.flag for sign in layout.signs))
+    # A sign is a set of field values that decides the verdict. Its flag represents it.
+    fields_and_flags_of_signs = (*layout.fields, *(sign.flag for sign in layout.signs))
     deciders: list[_Decider] = []
     for verdict, causes in verdict_rules.worst_first:
         deciders += [_Decider(verdict, cause.cause.field, cause.conditions) for cause in causes]
     if verdict_rules.otherwise is Verdict.UNKNOWN:
         verdicts_without_improvement = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
-        warning_fields = [field for field in layout.fields if field.makes_position in verdicts_without_improvement]
-        deciders += [_Decider(Verdict.UNKNOWN, field) for field in warning_fields]
+        fields_without_improvement = [
+            field for field in layout.fields if field.makes_position in verdicts_without_improvement
+        ]
+        deciders += [_Decider(Verdict.UNKNOWN, field) for field in fields_without_improvement]
     # The enumeration lists the verdicts from the worst to the best.
     worst_first = list(Verdict)
-    field_names = [field.name for field in fields_and_signs]
+    field_names = [field.name for field in fields_and_flags_of_signs]
 
     def verdict_and_place(decider: _Decider) -> tuple[int, int]:
         return worst_first.index(decider.verdict), field_names.index(decider.field.name)
 
     deciders.sort(key=verdict_and_place)
-    usable_fields = [field for field in fields_and_signs if field.makes_position is Verdict.USABLE]
+    usable_fields = [field for field in fields_and_flags_of_signs if field.makes_position is Verdict.USABLE]
     return [*deciders, *(_Decider(Verdict.USABLE, field) for field in usable_fields)]
 
 

@@ -336,13 +336,9 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     facts = [f"Clock: {clock_words(clock)} ({citation(clock.source)})."]
     bit_counts = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
-    clock_counts = [bits + start_bits for bits in bit_counts]
+    clock_counts = [bit_count + start_bits for bit_count in bit_counts]
     if bit_counts:
-        example_hz = _example_clock(clock)
-        lengths_text = _joined_by_or(map(str, bit_counts))
-        durations_text = _duration_range(clock_counts, example_hz)
-        with_start_bits = ", including the start bit and the CDS bit" if start_bits else ""
-        facts.append(f"{lengths_text} bits at {hertz(example_hz)}: {durations_text}{with_start_bits}.")
+        facts.append(_duration_sentence(bit_counts, start_bits, _example_clock(clock)))
     facts += _pause_sentences(family_device, interface)
     table_of_clocks = cable_table(device, interface)
     cable_rows = list(_cable_rows(clock, table_of_clocks, clock_counts))
@@ -353,8 +349,15 @@ def _clock_section(family_device: Device, device: Device, interface: Ssi | Biss,
     has_exclusive_clocks = any(cable_row.is_below for cable_row in table_of_clocks.rows)
     cable_head = "Cable below" if any(cable_row.is_shorter for cable_row in table_of_clocks.rows) else "Cable up to"
     clock_heads = ("Clock below", "Frame above") if has_exclusive_clocks else ("Clock up to", "Frame")
-    head = (cable_head, *clock_heads)
-    return SpeedSection(title="Clock and cable", facts=tuple(facts), head=head, rows=tuple(cable_rows))
+    return SpeedSection("Clock and cable", facts=tuple(facts), head=(cable_head, *clock_heads), rows=tuple(cable_rows))
+
+
+def _duration_sentence(bit_counts: Sequence[int], start_bits: int, clock_hz: int) -> str:
+    """Return the durations of frames with these lengths: ``45 bits at 1 MHz: 47 µs, including the start bit …``."""
+    lengths_text = _joined_by_or(map(str, bit_counts))
+    durations_text = _duration_range([bit_count + start_bits for bit_count in bit_counts], clock_hz)
+    with_start_bits = ", including the start bit and the CDS bit" if start_bits else ""
+    return f"{lengths_text} bits at {hertz(clock_hz)}: {durations_text}{with_start_bits}."
 
 
 def _cable_rows(clock: Clock, cable_clocks: CableTable, clock_counts: Sequence[int]) -> Iterator[Row]:

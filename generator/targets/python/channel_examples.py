@@ -43,21 +43,22 @@ def channel_example(
     if frame is None or not samples:
         return None
     order_code = samples[0].order_code
-    placed = frame.place(device_names.device.variant(order_code).parameters)
-    if frame.compared and not placed.agree([sample.values for sample in samples]):
+    placed_frame = frame.place(device_names.device.variant(order_code).parameters)
+    # Some manuals require that the positions of two channels agree.
+    if frame.compared and not placed_frame.agree([sample.values for sample in samples]):
         return None
     class_by_layout = {layout_class.layout.name: layout_class for layout_class in layout_classes}
-    channels = [(class_by_layout[sample.layout], sample) for sample in samples]
-    position_classes = [layout_class.name for layout_class, _ in channels if layout_class.position_attribute]
-    expressions_and_values = list(_printed_numbers(device_names, channels))
+    classes_and_samples = [(class_by_layout[sample.layout], sample) for sample in samples]
+    position_classes = [layout_class.name for layout_class, _ in classes_and_samples if layout_class.position_attribute]
+    expressions_and_values = list(_printed_numbers(device_names, classes_and_samples))
     return ChannelExample(
         order_code=order_code,
         module=device_names.module_name,
         interface=interface.title,
-        channel_classes=tuple(layout_class.name for layout_class, _ in channels),
+        channel_classes=tuple(layout_class.name for layout_class, _ in classes_and_samples),
         position_class=position_classes[0],
-        frame=f"{placed.join([sample.frame for sample in samples]):#x}",
-        bits=placed.bits,
+        frame=f"{placed_frame.join([sample.frame for sample in samples]):#x}",
+        bits=placed_frame.bits,
         printed_expressions=", ".join(expression for expression, _ in expressions_and_values),
         printed_text=" ".join(value for _, value in expressions_and_values),
     )

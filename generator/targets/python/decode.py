@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 from ...model import Digits, Field
 from ...model.expressions import Expression
@@ -147,7 +148,7 @@ class Decoder:
         return " ^ ".join(operands)
 
     @property
-    def crc_covers(self) -> PythonExpression | None:
+    def bits_before_crc(self) -> PythonExpression | None:
         """The number of bits before the CRC of a word, for the tables that compute the CRC.
 
         It is None without such tables: for a frame without a CRC, for a frame of bytes, if order codes differ in the
@@ -169,7 +170,7 @@ class Decoder:
     @property
     def crc_table_count(self) -> int:
         """The number of tables for the CRC of a word, one for every ``TABLE_BITS`` bits, or 0 if it needs none."""
-        if self.crc_covers is None:
+        if self.bits_before_crc is None:
             return 0
         # Rounded up.
         return (self.layout_plan.layout.widest + TABLE_BITS - 1) // TABLE_BITS
@@ -346,15 +347,16 @@ class Decoder:
 
     def decoded_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
         """Return the values of all attributes in order: encoder, answers to open questions, fields, unused bits."""
-        decoded_values = DecodedValues(values=[(name, name, "") for name, _ in encoder_and_answers])
+        decoded_values = DecodedValues(values=[DecodedValue(name, name) for name, _ in encoder_and_answers])
         for decoded_field in self.layout_plan.decoded_fields:
             self._add_values(decoded_field, decoded_values)
         if self.layout_plan.reserved:
             differing_bits = str(self.bit_reader.differing_unused_bits())
-            decoded_values.values.append(("unused", differing_bits, "1 where a bit differs from the manual"))
+            comment = "1 where a bit differs from the manual"
+            decoded_values.values.append(DecodedValue("unused", differing_bits, comment))
         elif self.layout_plan.keeps_undefined_bits:
             other_bits = str(self.bit_reader.bits_without_field())
-            decoded_values.values.append(("unused", other_bits, "all other bits"))
+            decoded_values.values.append(DecodedValue("unused", other_bits, "all other bits"))
         return decoded_values
 
     def _add_values(self, decoded_field: FieldToDecode, decoded: DecodedValues) -> None:
@@ -363,19 +365,20 @@ class Decoder:
         If several values are computed from the field, a statement first assigns its bits to a variable.
         """
         field = decoded_field.field
-        if len(field.runs) > 1 and field.name not in self.assigned_names:
+        # Runs are groups of decimal digits, such as year and week, each with an attribute of its own.
+        has_several_runs = len(field.runs) > 1
+        if has_several_runs and field.name not in self.assigned_names:
             decoded.statements.append(self.assign(field, self.bit_reader.read_bits(decoded_field.bits)))
         fields_or_digits: Sequence[Field | Digits] = field.runs or (field,)
-        for field_or_digits, expression in zip(
-            fields_or_digits, self.attribute_expressions(decoded_field), strict=True
-        ):
+        expressions = self.attribute_expressions(decoded_field)
+        for field_or_digits, expression in zip(fields_or_digits, expressions, strict=True):
             variable_name = self.variable_for(field_or_digits)
-            # This variable must keep its number: for the other runs, or since it would also get a text.
             holds_number = variable_name == self.variable_for(field) and field.name in self.assigned_names
-            if holds_number and (len(field.runs) > 1 or isinstance(meaning_of(field), Latin1Text)):
-                decoded.values.append(("", str(expression), ""))
+            # This variable must keep its number: for the other runs, or since it would also get a text.
+            if holds_number and (has_several_runs or isinstance(meaning_of(field), Latin1Text)):
+                decoded.values.append(DecodedValue("", str(expression)))
             else:
-                decoded.values.append((variable_name, str(expression), self._place_comment(decoded_field)))
+                decoded.values.append(DecodedValue(variable_name, str(expression), self._place_comment(decoded_field)))
 
     def _place_comment(self, decoded_field: FieldToDecode) -> str:
         """Return the comment on a value: the place of its bits, if they are read there, and the meaning of the bits.
@@ -403,13 +406,20 @@ class Decoder:
         return "" if has_variable or expression.is_constant else comment_on_constant(self.layout_plan, expression)
 
 
-class DecodedValues:
-    """The code for the values of all attributes of a frame or register.
+class DecodedValue(NamedTuple):
+    """The code for the value of an attribute, such as ``("position", "word >> 8", "bits 17:8")``.
 
-    Each value has a variable, its code, and a comment or an empty text: ``("position", "word >> 8", "bits 17:8")``. The
-    variable is empty if the value cannot have one. ``statements`` are printed before the values.
+    The name of the variable is empty if the value cannot have one. The comment can also be empty.
     """
 
-    def __init__(self, values: list[tuple[str, str, str]]) -> None:
+    variable_name: str
+    code: str
+    comment: str = ""
+
+
+class DecodedValues:
+    """The code for the values of all attributes of a frame or register. ``statements`` are printed before them."""
+
+    def __init__(self, values: list[DecodedValue]) -> None:
         self.values = values
         self.statements: list[str] = []

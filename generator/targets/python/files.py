@@ -329,11 +329,13 @@ def _module_text(module: Module, package: str, template: str, user_templates: Pa
         "facts": module.fact_names,
         "offers": sorted({name for _, names in module.contents for name in names}),
     }
-    device_names = {f"..{module.name}": [name for name in family["offers"] if name not in module.fact_names]}
-    sources = {"device": PACKAGE, "facts": FACTS, "shapes": {**SHAPES, **device_names}}[template]
+    names_by_device_module = {f"..{module.name}": [name for name in family["offers"] if name not in module.fact_names]}
+    names_by_import_module = {"device": PACKAGE, "facts": FACTS, "shapes": {**SHAPES, **names_by_device_module}}[
+        template
+    ]
     # The first rendering shows which names the module uses, the second one imports them.
     text_without_imports = TEMPLATES.render(f"{template}.py.jinja", {**family, "imports": []}, user_templates)
-    values: Family = {**family, "imports": imports_of(text_without_imports, STANDARD, sources)}
+    values: Family = {**family, "imports": imports_of(text_without_imports, STANDARD, names_by_import_module)}
     return TEMPLATES.render(f"{template}.py.jinja", values, user_templates)
 
 

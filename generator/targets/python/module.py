@@ -236,7 +236,7 @@ class Module:
 
         Nothing is yielded if the README has no frame.
         """
-        for frame in self.readme.frames[:1]:
+        for frame in self.readme.frame_examples[:1]:
             # The package's lookup() finds the family from which this one is derived, so its own module has another.
             lookup_name, call = (self.name, f"{self.name}.lookup") if self.device.base else ("lookup", "lookup")
             verdict_name = "Verdict" if frame.has_verdict else ""
@@ -265,19 +265,21 @@ class Module:
         It is None if the first such frame depends on an open question, or if no request for a position can be built
         without the encoder and without values.
         """
-        frames = [frame for frame in self.readme.frames if frame.interface == "spi" and frame.position]
+        spi_examples = [
+            example for example in self.readme.frame_examples if example.interface == "spi" and example.position
+        ]
         interface = self.device.find_interface(Spi)
-        if not frames or interface is None:
+        if not spi_examples or interface is None:
             return None
-        frame = frames[0]
+        example = spi_examples[0]
         # An open question is then an argument of the decoder.
-        if frame.answers:
+        if example.answers:
             return None
         request_names = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
         for layout_class in self.layout_classes:
             needs_no_values = not layout_class.takes_variant and not layout_class.attributes
             if layout_class.layout.name in request_names and needs_no_values:
-                return replace(frame, frame_class=layout_class.name, module=self.name)
+                return replace(example, frame_class=layout_class.name, module=self.name)
         return None
 
     @property

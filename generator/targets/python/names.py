@@ -320,7 +320,7 @@ class DeviceNames:
                 code_of_parameter |= {name: f"{question.name}.{member}" for name, member in question.members}
         #: Expressions for parameters: attributes of the variant, or of an answer that the caller must supply.
         self.translator = ExpressionTranslator(code_of_parameter)
-        self._enums = {
+        self._enum_name_by_values = {
             values: names.assign(in_camel_case(field.name), suffix="Value")
             for values, field in self.field_by_named_values.items()
         }
@@ -370,7 +370,7 @@ class DeviceNames:
 
     def enum_name(self, field: Field) -> str:
         """Return the name of the IntEnum with the named values of a field."""
-        return self._enums[_named_values(field)]
+        return self._enum_name_by_values[_named_values(field)]
 
     @cached_property
     def crc_functions(self) -> dict[str, CrcFunction]:

@@ -95,7 +95,7 @@ def first_example(readmes: Sequence[Readme]) -> ReadmeExample:
     """
     frame_examples: list[ReadmeExample] = []
     for readme in readmes:
-        frame_examples += readme.frames
+        frame_examples += readme.frame_examples
     if not frame_examples:
         return ReadmeExample(
             code=readmes[0].device.variants[0].code,
@@ -114,7 +114,7 @@ def virtual_examples(readmes: Sequence[Readme]) -> dict[str, ReadmeExample]:
     """
     example_by_interface: dict[str, ReadmeExample] = {}
     for readme in readmes:
-        for example in readme.frames:
+        for example in readme.frame_examples:
             if not example.position or example.answers:
                 continue
             chosen_example = example_by_interface.setdefault(example.interface, example)
@@ -140,7 +140,7 @@ class Readme:
         self._function_by_procedure = function_by_procedure
 
     @cached_property
-    def frames(self) -> list[ReadmeExample]:
+    def frame_examples(self) -> list[ReadmeExample]:
         """An example of each kind of frame for which the model has a sample, with invented values.
 
         ``frame_class`` is set for kinds that a dispatching decoder distinguishes.
@@ -239,7 +239,7 @@ class Readme:
         return max(self.device.variants_over(interface_name), key=preference, default=None)
 
     @property
-    def registers(self) -> list[ReadmeExample]:
+    def register_examples(self) -> list[ReadmeExample]:
         """The first worked example of each register that has a class, for up to ``_SHOWN_REGISTERS`` registers."""
         example_by_class: dict[str, ReadmeExample] = {}
         for example in self.device.examples:
@@ -317,7 +317,7 @@ class Readme:
         return max(reset_functions, key=lambda function: alarm_count_by_procedure[function.procedure.name]).name
 
     @property
-    def run_time(self) -> list[ReadmeExample]:
+    def run_time_examples(self) -> list[ReadmeExample]:
         """The example of a register that changes what frames look like, in a list that is empty without one.
 
         The register must be one byte that contains a parameter itself rather than a code for it. ``argument`` is its
@@ -343,7 +343,7 @@ class Readme:
         return []
 
     @property
-    def positions(self) -> list[ReadmeExample]:
+    def position_examples(self) -> list[ReadmeExample]:
         """The calls that convert and unwrap a position of the first order code, with their results.
 
         The list is empty if the number of counts after which the position wraps around is unknown or too small.
@@ -372,23 +372,23 @@ class Readme:
         ]
 
     @property
-    def identified(self) -> list[ReadmeExample]:
+    def identification_examples(self) -> list[ReadmeExample]:
         """The example that identifies an order code from its registers, in a list that is empty without one.
 
         The order code is that of the first worked example of an identifying register. ``argument`` contains the
         examples of its registers as items of a dict, such as ``"model": bytes.fromhex("1B")``.
         """
         identity_registers = {register.name for register, _ in self.device.identity}
-        register_examples: dict[str, RegisterExample] = {}
+        example_by_register: dict[str, RegisterExample] = {}
         for example in self.device.examples:
             if isinstance(example, RegisterExample) and example.register in identity_registers:
-                register_examples.setdefault(example.register, example)
-        order_codes = [example.order_code for example in register_examples.values()]
+                example_by_register.setdefault(example.register, example)
+        order_codes = [example.order_code for example in example_by_register.values()]
         listed_codes = {variant.code for variant in self.device.variants}
         if not order_codes or order_codes[0] not in listed_codes:
             return []
         register_items = []
-        for example in register_examples.values():
+        for example in example_by_register.values():
             if example.order_code == order_codes[0]:
                 register_items.append(f'"{example.register}": {bytes_literal(example.bytes)}')
         return [ReadmeExample(code=order_codes[0], argument=", ".join(register_items), printed_text="True")]

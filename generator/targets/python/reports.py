@@ -74,26 +74,33 @@ class FrameReports:
         """
         if self._verdict_rules is None:
             return []
-        verdict_steps = []
+        verdict_steps: list[VerdictStep] = []
         explained_parameters: set[str] = set()
         for verdict, causes in self._causes_by_verdict:
-            simple_causes = [cause for cause in causes if _depends_on_frame_only(cause)]
-            if simple_causes:
-                reasons = list(dict.fromkeys(map(_meaning_while_active, simple_causes)))
-                verdict_steps.append(VerdictStep(verdict.name, self._conditions_of_causes(simple_causes), reasons))
-            for cause in causes:
-                if not _depends_on_frame_only(cause):
-                    conditions = self._conditions_of_causes([cause], in_parentheses=False)
-                    reasons = list(self._reasons_for_conditions(cause, explained_parameters))
-                    verdict_steps.append(
-                        VerdictStep(verdict.name, conditions, [_meaning_while_active(cause), *reasons])
-                    )
+            verdict_steps += self._steps_of_verdict(verdict, causes, explained_parameters)
         if self._verdict_rules.may_be_unknown:
             conditions = [self._has_no_judging_bits(self._verdict_rules.judging_bits)]
             reason = "With this order code, all bits that judge the position are left out."
             verdict_steps.append(VerdictStep(Verdict.UNKNOWN.name, conditions, [reason]))
         worst_first = [verdict.name for verdict in Verdict]
         return sorted(verdict_steps, key=lambda verdict_step: worst_first.index(verdict_step.verdict))
+
+    def _steps_of_verdict(
+        self, verdict: Verdict, causes: Sequence[VerdictCause], explained_parameters: set[str]
+    ) -> Iterator[VerdictStep]:
+        """Yield a step for all causes that depend only on the frame, and one for each other cause.
+
+        ``explained_parameters`` are the parameters whose meaning a comment has explained so far.
+        """
+        simple_causes = [cause for cause in causes if _depends_on_frame_only(cause)]
+        if simple_causes:
+            reasons = list(dict.fromkeys(map(_meaning_while_active, simple_causes)))
+            yield VerdictStep(verdict.name, self._conditions_of_causes(simple_causes), reasons)
+        for cause in causes:
+            if not _depends_on_frame_only(cause):
+                conditions = self._conditions_of_causes([cause], in_parentheses=False)
+                reasons = [_meaning_while_active(cause), *self._reasons_for_conditions(cause, explained_parameters)]
+                yield VerdictStep(verdict.name, conditions, reasons)
 
     def _reasons_for_conditions(self, cause: VerdictCause, explained_parameters: set[str]) -> Iterator[str]:
         """Yield comments on the other conditions of a cause: parameters, and flags that decide instead of it.

@@ -84,10 +84,8 @@ class ShapeLiteral:
         yield "fixed", self._constant_bits()
         yield "position", layout_class.position_attribute
         if self.layout_plan.keeps_undefined_bits:
-            yield (
-                "kept_mask",
-                SourceText(str(mask_without_field(layout_class.device_names.translator, self.layout_plan))),
-            )
+            kept_mask = mask_without_field(layout_class.device_names.translator, self.layout_plan)
+            yield "kept_mask", SourceText(str(kept_mask))
         if layout_class.register is not None and layout_class.limited_attribute:
             yield "limited", (layout_class.register.limits_of, layout_class.limited_attribute)
         yield "default_verdict", self._default_verdict()
