@@ -121,9 +121,9 @@ class CableTable:
         return f"No row of the table in {self.origin} allows this clock: {reason}."
 
 
-def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:
-    """Return the rows of the manual's table that apply to an order code, or all rows if ``code`` is empty."""
-    cable_lengths = facts_for_code(interface.cable_lengths, code) if code else interface.cable_lengths
+def _printed_rows(interface: Ssi, order_code: str) -> list[CableRow]:
+    """Return the rows of the manual's table that apply to an order code, or all rows if ``order_code`` is empty."""
+    cable_lengths = facts_for_code(interface.cable_lengths, order_code) if order_code else interface.cable_lengths
     return [
         CableRow(
             metres=cable_length.shorter_than_m,
@@ -135,17 +135,17 @@ def _printed_rows(interface: Ssi, code: str) -> list[CableRow]:
     ]
 
 
-def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableTable:
+def cable_table(device: Device, interface: Ssi | Biss, order_code: str = "") -> CableTable:
     """Return the table of clocks by cable length: the manual's table for SSI, and a published one for BiSS.
 
     If the manual gives no table, it has no rows. The rows and errata of the manual are those for the order code, or all
-    if ``code`` is empty.
+    if ``order_code`` is empty.
     """
     match interface:
         case Ssi():
             table_path = f"interfaces.{interface.name}.cable_lengths"
-            rows = _printed_rows(interface, code)
-            errata = facts_for_code(device.errata, code) if code else device.errata
+            rows = _printed_rows(interface, order_code)
+            errata = facts_for_code(device.errata, order_code) if order_code else device.errata
             errata_names = [erratum.name for erratum in errata if table_path in erratum.affects]
             return CableTable(rows=tuple(rows), origin=_ORIGIN_MANUAL, errata=tuple(errata_names))
         case Biss():
@@ -337,13 +337,13 @@ def _notes_on_unused_bits(placed_layout: PlacedLayout, frame_parts: Sequence[Fra
 
 def _notes_on_status_order(placed_layout: PlacedLayout) -> Iterator[str]:
     """Yield a note if the frame has a warning bit before its first error bit, unlike usual BiSS frames."""
-    verdicts: list[Verdict | None] = []
+    verdicts_of_flags: list[Verdict | None] = []
     for placed_field in placed_layout.fields:
         if isinstance(placed_field.field.kind, Flag):
-            verdicts.append(placed_field.field.kind.makes_position)
-    if Verdict.NOT_USABLE not in verdicts or Verdict.USABLE_WITH_WARNING not in verdicts:
+            verdicts_of_flags.append(placed_field.field.kind.makes_position)
+    if Verdict.NOT_USABLE not in verdicts_of_flags or Verdict.USABLE_WITH_WARNING not in verdicts_of_flags:
         return
-    if verdicts.index(Verdict.USABLE_WITH_WARNING) < verdicts.index(Verdict.NOT_USABLE):
+    if verdicts_of_flags.index(Verdict.USABLE_WITH_WARNING) < verdicts_of_flags.index(Verdict.NOT_USABLE):
         order_text = "A warning bit is sent before the error bit"
         yield f"{order_text}. Masters that expect the error bit first take one for the other."
 

@@ -160,13 +160,13 @@ def _expected_role(field: PlacedField, stage: str) -> str:
     Zero bits are ``before`` the position if ``stage`` is ``before``, and otherwise ``after`` it. A flag, and a single
     constant or unused bit that is 1, is a status bit. All other fields except a CRC are ``other``.
     """
-    kind = field.field.kind
-    if isinstance(kind, CrcValue):
+    field_kind = field.field.kind
+    if isinstance(field_kind, CrcValue):
         return "crc"
-    if isinstance(kind, (Constant, Unused)) and kind.value == 0:
+    if isinstance(field_kind, (Constant, Unused)) and field_kind.value == 0:
         return "before" if stage == "before" else "after"
     # Constant and unused zeros are handled above.
-    is_status_bit = field.width == 1 and isinstance(kind, (Flag, Constant, Unused))
+    is_status_bit = field.width == 1 and isinstance(field_kind, (Flag, Constant, Unused))
     return "status" if is_status_bit else "other"
 
 
@@ -175,13 +175,13 @@ def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool
 
     Bits that are always 0 need not be covered.
     """
-    kind = field.field.kind
+    field_kind = field.field.kind
     is_last_field = field.low == 0
     # With ``over``, the parity covers only the odd or the even bits of each field.
-    if not isinstance(kind, Parity) or kind.over or not is_last_field:
+    if not isinstance(field_kind, Parity) or field_kind.over or not is_last_field:
         return False
-    covered_names = set(kind.constants)
-    for covered_item in kind.of:
+    covered_names = set(field_kind.constants)
+    for covered_item in field_kind.of:
         covered_names.update(placed_layout.layout.field_names_of(covered_item))
     other_fields = [other_field for other_field in placed_layout.fields if other_field is not field]
     return all(other_field.name in covered_names or _is_always_zero(other_field) for other_field in other_fields)
@@ -260,11 +260,11 @@ def _active_level(field: Field) -> str:
 
 def parity_of_frame(placed_layout: PlacedLayout, frame_parts: Sequence[FramePart]) -> str:
     """Return ``odd`` or ``even`` if the frame ends with a parity bit over all of its bits, and otherwise ``none``."""
-    kind = placed_layout.fields[-1].field.kind
+    kind_of_last_field = placed_layout.fields[-1].field.kind
     last_part = frame_parts[-1]
-    if last_part.role != "parity" or not isinstance(kind, Parity):
+    if last_part.role != "parity" or not isinstance(kind_of_last_field, Parity):
         return "none"
-    return "odd" if kind.is_odd else "even"
+    return "odd" if kind_of_last_field.is_odd else "even"
 
 
 def position_coding(placed_layout: PlacedLayout, measurement: Measurement, frame_parts: Sequence[FramePart]) -> str:

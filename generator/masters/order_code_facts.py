@@ -60,11 +60,13 @@ class _PositionFrame:
 
 
 def _notes_on_frame(
-    device: Device, frame: _PositionFrame, parts: Sequence[FramePart], as_delivered: bool
+    device: Device, frame: _PositionFrame, parts_of_frame: Sequence[FramePart], as_delivered: bool
 ) -> Iterator[str]:
     """Yield notes on the frame, on a position in several fields, and on further data channels."""
     placed_layout, measurement = frame.placed_layout, frame.measurement
-    yield from frame_notes(device, placed_layout, parts, position_name=measurement.of, as_delivered=as_delivered)
+    yield from frame_notes(
+        device, placed_layout, parts_of_frame, position_name=measurement.of, as_delivered=as_delivered
+    )
     yield from split_notes(device, placed_layout, measurement, frame.variant)
     yield from channel_notes(frame.interface, placed_layout)
 
@@ -94,17 +96,17 @@ def facts_of_order_code(
     placed_layout = frame.placed_layout
     deciding_alternatives = device.alternatives_of(placed_layout.layout)
     needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
-    parts, obstacle = _parts_and_obstacle(frame)
+    parts_of_frame, obstacle = _parts_and_obstacle(frame)
     crc_obstacle = _crc_obstacle(device, placed_layout)
-    numbers = _numbers_by_name(frame, parts)
+    numbers = _numbers_by_name(frame, parts_of_frame)
     table_of_clocks = cable_table(device, frame.interface, variant.code)
     notes = [
         *answer_notes(deciding_alternatives, needed_answers),
         *clock_notes(numbers, table_of_clocks, cable_m),
-        *_notes_on_frame(device, frame, parts, as_delivered),
+        *_notes_on_frame(device, frame, parts_of_frame, as_delivered),
     ]
     notes += [reason for reason in (obstacle, crc_obstacle) if reason]
-    facts_without_notes = _facts_for_any_cable(frame, parts, numbers, table_of_clocks)
+    facts_without_notes = _facts_for_any_cable(frame, parts_of_frame, numbers, table_of_clocks)
     facts_for_any_cable = replace(
         facts_without_notes, notes=tuple(notes), answers=needed_answers, obstacle=obstacle, crc_obstacle=crc_obstacle
     )
@@ -323,16 +325,16 @@ def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     }
 
 
-def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
+def _clock_and_times(interface: Biss | Ssi, order_code: str) -> dict[str, int | None]:
     """Return clock limits and times of an order code by name: ``{"clock_max_hz": 5000000, "pause_us": 20, …}``.
 
     A number that the spec does not give is None.
     """
-    timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
-    pause = timings.get("pause")
-    busy = timings.get("busy")
-    clock = interface.clock_of(code)
-    timeout = interface.timeout_of(code) if isinstance(interface, Biss) else None
+    timing_by_name = {timing.name: timing for timing in facts_for_code(interface.timings, order_code)}
+    pause = timing_by_name.get("pause")
+    busy = timing_by_name.get("busy")
+    clock = interface.clock_of(order_code)
+    timeout = interface.timeout_of(order_code) if isinstance(interface, Biss) else None
     return {
         "clock_min_hz": clock.min_hz,
         "clock_max_hz": clock.max_hz,

@@ -163,10 +163,10 @@ def _place_on_channel(
     ``fill_in`` replaces names in braces by facts about the encoder.
     """
     value_for_channel = partial(_value_for_channel, location_rule, channel_index)
-    kind, type_bits = TYPES.get(location_rule["type"], ("", None))
+    kind_of_number, type_bits = TYPES.get(location_rule["type"], ("", None))
     # Without bits such as "5:0", the data type determines their number.
     high_bit, low_bit = _parse_bits(str(location_rule.get("at", "")))
-    place_bits = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
+    bit_count = type_bits if high_bit is None or low_bit is None else high_bit - low_bit + 1
     default = None if location_rule["default"] == NOT_GIVEN else location_rule["default"]
     return SettingPlace(
         device=device.name,
@@ -179,8 +179,8 @@ def _place_on_channel(
         high_bit=high_bit,
         low_bit=low_bit,
         type=_blank_if_not_given(location_rule["type"]),
-        kind=kind,
-        bits=place_bits,
+        kind=kind_of_number,
+        bits=bit_count,
         minimum=location_rule.get("min"),
         maximum=location_rule.get("max"),
         unit=_blank_if_not_given(location_rule["unit"]),
@@ -203,8 +203,8 @@ def _parse_bits(range_text: str) -> tuple[int | None, int | None]:
     """
     if not range_text:
         return None, None
-    high, _, low = range_text.partition(":")
-    return int(high), int(low or high)  # A single bit is both.
+    highest_bit, _, lowest_bit = range_text.partition(":")
+    return int(highest_bit), int(lowest_bit or highest_bit)  # A single bit is both.
 
 
 def place_lines(places: Sequence[SettingPlace], value: str, devices: Sequence[MasterDevice]) -> Iterator[str]:

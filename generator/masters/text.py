@@ -84,16 +84,16 @@ def _clock_limits_text(facts: EncoderFacts) -> str:
     """
     slowest_hz = facts.numbers["clock_min_hz"]
     fastest_hz = facts.numbers["clock_max_hz"]
-    row = facts.cable_row
-    limits: list[str] = []
+    cable_row = facts.cable_row
+    limit_texts: list[str] = []
     if slowest_hz is not None:
-        limits.append(f"at least {hertz(slowest_hz)}")
-    if row is not None and row.is_below:
-        limits.append(f"below {hertz(row.hz)}")
+        limit_texts.append(f"at least {hertz(slowest_hz)}")
+    if cable_row is not None and cable_row.is_below:
+        limit_texts.append(f"below {hertz(cable_row.hz)}")
     elif fastest_hz is not None:
-        limits.append(f"at most {hertz(fastest_hz)}")
-    if limits:
-        return ", ".join(limits)
+        limit_texts.append(f"at most {hertz(fastest_hz)}")
+    if limit_texts:
+        return ", ".join(limit_texts)
     if facts.used_hz:
         return f"{_not_stated_text(facts)}, {clocks_in_use(facts.used_hz)}"
     return _not_stated_text(facts)
@@ -174,18 +174,18 @@ def legend_of_marks(masters: Sequence[Master], sheets: Sequence[SettingsSheet], 
 
     ``with_places`` is true if the locations of settings in the master, which also have marks, are shown.
     """
-    standings = {master.standing for master in masters}
+    standings_on_sheets = {master.standing for master in masters}
     for sheet in sheets:
         refusals = (*sheet.refusals, *sheet.gaps)
         rules: tuple[Setting | WriteCondition | MasterRefusal, ...] = (*sheet.settings, *sheet.writing, *refusals)
-        standings |= {rule.standing for rule in rules}
+        standings_on_sheets |= {rule.standing for rule in rules}
         if with_places:
             for setting in sheet.settings:
-                standings |= {place.standing for place in setting.places}
+                standings_on_sheets |= {place.standing for place in setting.places}
     sentences = ["Settings from the documentation of each master."]
-    if "inferred" in standings:
+    if "inferred" in standings_on_sheets:
         sentences.append("* = derived, not stated there.")
-    if "tried" in standings:
+    if "tried" in standings_on_sheets:
         sentences.append("+ = tested on hardware. All others are not yet tested.")
     else:
         sentences.append("Not yet tested on hardware.")

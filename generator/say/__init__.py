@@ -122,11 +122,11 @@ def with_unit(value: int | str, unit: str) -> str:
     return f"{value} {unit}".rstrip()
 
 
-def first_of(items: Sequence[str], count: int = 3, between: str = ", ") -> str:
+def first_of(texts: Sequence[str], count: int = 3, between: str = ", ") -> str:
     """Return the first ``count`` items as a list, followed by the number of the others: ``a, b, c and 5 more``."""
-    first_items = between.join(items[:count])
-    omitted = len(items) - count
-    return f"{first_items} and {omitted} more" if omitted > 0 else first_items
+    first_texts = between.join(texts[:count])
+    omitted_count = len(texts) - count
+    return f"{first_texts} and {omitted_count} more" if omitted_count > 0 else first_texts
 
 
 #: ASCII replacements for signs that Unicode does not decompose, or decomposes badly.

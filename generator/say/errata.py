@@ -127,12 +127,12 @@ def _join_alike(phrases: Sequence[str]) -> list[str]:
     """
     joined_phrases: list[str] = []
     for common_words, similar_phrases in groupby(phrases, _common_words):
-        before, kind, after = common_words
+        before, kind_of_item, after = common_words
         names = [_name_in_phrase(phrase) for phrase in similar_phrases]
         names_in_words = "".join(map(str, list_parts(names)))
         plural_ending = "s" if len(names) > 1 else ""
-        if kind:
-            joined_phrases.append(f"{before}the {kind}{plural_ending} {names_in_words}{after}")
+        if kind_of_item:
+            joined_phrases.append(f"{before}the {kind_of_item}{plural_ending} {names_in_words}{after}")
         elif after:
             joined_phrases.append(f"{names_in_words}{after}")
         else:
@@ -205,27 +205,27 @@ def _path_in_words(keys: Sequence[str]) -> str:
     """
     if len(keys) == 1 and keys[0] in _TOP_LEVEL_PARTS:
         return _TOP_LEVEL_PARTS[keys[0]]
-    words, remaining_keys = _beginning_in_words(keys)
+    path_text, remaining_keys = _beginning_in_words(keys)
     # registers.command.fields.status.note: "the register command", "the field status of …", "the note on the field …".
     while remaining_keys:
         match remaining_keys:
             case ["interfaces", name, *later_keys]:
-                words = INTERFACES[name].title if name in INTERFACES else name
+                path_text = INTERFACES[name].title if name in INTERFACES else name
             case ["order_code", *later_keys]:
-                words = "the order code"
+                path_text = "the order code"
             case [list_name, name, *later_keys] if list_name in _WORDS_FOR_LIST_ITEMS:
-                words = _of_owner(f"the {_WORDS_FOR_LIST_ITEMS[list_name]} {name}", words)
+                path_text = _of_owner(f"the {_WORDS_FOR_LIST_ITEMS[list_name]} {name}", path_text)
             case [key] if key in _PHRASES_FOR_KEYS:
-                words = _PHRASES_FOR_KEYS[key].format(words)
+                path_text = _PHRASES_FOR_KEYS[key].format(path_text)
                 later_keys = []
-            case [row, *later_keys] if row.isdecimal():
-                words = _of_owner(f"row {row}", words)
+            case [row_number, *later_keys] if row_number.isdecimal():
+                path_text = _of_owner(f"row {row_number}", path_text)
             case [key, *later_keys]:
-                is_field = words.startswith(_OWNERS_OF_FIELDS) and key not in _KEYS_OF_REGISTERS
-                words_for_key = f"field {key}" if is_field else _key_in_words(key)
-                words = _of_owner(f"the {words_for_key}", words)
+                is_field = path_text.startswith(_OWNERS_OF_FIELDS) and key not in _KEYS_OF_REGISTERS
+                key_text = f"field {key}" if is_field else _key_in_words(key)
+                path_text = _of_owner(f"the {key_text}", path_text)
         remaining_keys = later_keys
-    return words
+    return path_text
 
 
 def _key_in_words(key: str) -> str:

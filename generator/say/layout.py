@@ -328,9 +328,9 @@ def describe_measurement(measurement: Measurement) -> Statement:
     if measurement.step_nm is not None and measurement.per_counts is None:
         quantity_parts.append((Amount(measurement.step_nm, "nm"), " per count"))
     if measurement.step_nm is not None and measurement.per_counts is not None:
-        step = Amount(measurement.step_nm, "nm")
-        counts = Amount(measurement.per_counts, "counts")
-        quantity_parts.append((step, " per ", counts))
+        step_length = Amount(measurement.step_nm, "nm")
+        step_counts = Amount(measurement.per_counts, "counts")
+        quantity_parts.append((step_length, " per ", step_counts))
     if measurement.modulus is not None:
         quantity_parts.append((Amount(measurement.modulus, "counts"), " in total"))
     if measurement.highest is not None:

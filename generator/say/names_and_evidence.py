@@ -67,8 +67,8 @@ def name_in_words(name: str) -> str:
 
 def heading(name: str) -> str:
     """Return a name from a spec as a heading: ``encoder_id`` becomes ``Encoder ID``."""
-    words = name_in_words(name)
-    return words[0].upper() + words[1:]
+    name_words = name_in_words(name)
+    return name_words[0].upper() + name_words[1:]
 
 
 def title_of(titled: Titled) -> str:

@@ -62,15 +62,15 @@ from .text import (
 
 def describe_order_code(device: Device) -> Iterator[Statement]:
     """Yield all statements about the order codes of a family."""
-    code = device.order_code
-    yield statement(CodeText(code.pattern), label="Order codes", source=code.source)
-    for code_part in code.parts:
+    order_code = device.order_code
+    yield statement(CodeText(order_code.pattern), label="Order codes", source=order_code.source)
+    for code_part in order_code.parts:
         yield describe_part(code_part)
         yield from open_values(code_part)
-    yield from map(describe_spelling, code.also_written)
+    yield from map(describe_spelling, order_code.also_written)
     yield from not_on_label(device)
-    yield from spec_text(code.note)
-    yield from spec_text(code.special)
+    yield from spec_text(order_code.note)
+    yield from spec_text(order_code.special)
     yield from map(describe_erratum, errata_affecting(device, "order_code", "parameters"))
 
 

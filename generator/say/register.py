@@ -322,23 +322,24 @@ def _is_in_frame_with_position(device: Device, field: Field) -> bool:
     return False
 
 
-def _number_rules(kind: Number) -> Iterator[Statement]:
+def _number_rules(number: Number) -> Iterator[Statement]:
     """Yield the properties of a number: its sign, the meaning of 0, a limitation to powers of two."""
-    if kind.signed:
+    if number.signed:
         yield statement("Signed, in two's complement")
-    if kind.zero_means:
-        yield statement("A value of 0 means ", Expression(kind.zero_means))
-    if kind.power_of_two:
+    if number.zero_means:
+        yield statement("A value of 0 means ", Expression(number.zero_means))
+    if number.power_of_two:
         yield statement("Only powers of two are allowed")
 
 
 def _code_rule(field: Field) -> Iterator[Statement]:
     """Yield the code in which the digits of a field are sent, such as BCD, unless it is a binary number."""
-    code = field.code_of_digits
-    if code is None:
+    digit_code = field.code_of_digits
+    if digit_code is None:
         return
-    is_one_digit = code.bits == field.widest
-    yield statement(f"Sent in {code.name}" if is_one_digit else f"Sent in {code.name}, {code.bits} bits for each digit")
+    is_one_digit = digit_code.bits == field.widest
+    size_text = "" if is_one_digit else f", {digit_code.bits} bits for each digit"
+    yield statement(f"Sent in {digit_code.name}{size_text}")
 
 
 def _flag_rules(device: Device, flag: Flag, *, is_implemented: bool) -> Iterator[Statement]:
@@ -362,16 +363,11 @@ def _flag_rules(device: Device, flag: Flag, *, is_implemented: bool) -> Iterator
 def _combines_other_verdicts(device: Device, flag: Flag) -> bool:
     """Return True if a flag that ``flag`` combines has a different verdict, so that it matters which one decides."""
     own_verdicts = {flag.makes_position, flag.verdict_if_set}
-    combined_fields = [
-        combined_field
-        for _, layout in device.layouts()
-        for combined_field in layout.fields
-        if combined_field.name in flag.sums_up
-    ]
-    for combined_field in combined_fields:
-        if isinstance(combined_field.kind, Flag):
-            both_verdicts = {*own_verdicts, combined_field.kind.makes_position}
-            if len(both_verdicts - {None}) > 1:
+    all_fields = [field for _, layout in device.layouts() for field in layout.fields]
+    for field in all_fields:
+        if field.name in flag.sums_up and isinstance(field.kind, Flag):
+            verdicts = {*own_verdicts, field.kind.makes_position}
+            if len(verdicts - {None}) > 1:
                 return True
     return False
 

@@ -342,12 +342,12 @@ def wrap_markdown(value: str) -> str:
     return "\n".join(_BLOCK_START.sub(_escaped_start, line) for line in lines)
 
 
-def _escaped_start(match: re.Match[str]) -> str:
+def _escaped_start(match_of_start: re.Match[str]) -> str:
     """Return the first characters of a line with the sign that would start a list, heading or rule escaped.
 
     For example, ``1.`` becomes ``1\\.``, and ``-`` becomes ``\\-``.
     """
-    item_number, sign_after_number, other_sign = match.groups()
+    item_number, sign_after_number, other_sign = match_of_start.groups()
     return f"{item_number}\\{sign_after_number}" if item_number else f"\\{other_sign}"
 
 
@@ -417,9 +417,9 @@ def _has_text(rows: Sequence[Sequence[str]], column: int) -> bool:
     return any(row[column] for row in rows)
 
 
-def join_filled(parts: Iterable[str], between: str = "<br>") -> str:
+def join_filled(texts: Iterable[str], between: str = "<br>") -> str:
     """Join the parts that are not empty."""
-    return between.join(part for part in parts if part)
+    return between.join(text for text in texts if text)
 
 
 def reference(ref: Reference) -> str:

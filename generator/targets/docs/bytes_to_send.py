@@ -227,17 +227,17 @@ def _request_rows(device: Device, interface: Interface, errata_at: Callable[...,
             yield _data_id_row(device, interface, data_id, errata_at)
 
 
-def _exchange_row(exchange: RequestAndReply) -> Row:
+def _exchange_row(request_and_reply: RequestAndReply) -> Row:
     """Return a row of request with reply, meaning.
 
     The meaning is the purpose of the request or, without a purpose, the first sentence of the note on it. The size of
     its words follows if the spec states one.
     """
-    layouts = [layout for layout in (exchange.request, exchange.reply) if layout is not None]
+    layouts = [layout for layout in (request_and_reply.request, request_and_reply.reply) if layout is not None]
     frame_links = [markdown_link(code_span(layout.name), f"#layout-{layout.name}") for layout in layouts]
-    first_sentence_of_note = exchange.request.note.partition(". ")[0].removesuffix(".")
-    purpose_and_size = PURPOSES[exchange.exchange.purpose] or escape(first_sentence_of_note)
-    word_bits = exchange.exchange.word_bits
+    first_sentence_of_note = request_and_reply.request.note.partition(". ")[0].removesuffix(".")
+    purpose_and_size = PURPOSES[request_and_reply.exchange.purpose] or escape(first_sentence_of_note)
+    word_bits = request_and_reply.exchange.word_bits
     if word_bits is not None:
         word_size = f"in words of {word_lengths([word_bits])}"
         purpose_and_size = f"{purpose_and_size}, {word_size}" if purpose_and_size else word_size

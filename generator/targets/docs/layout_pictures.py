@@ -91,7 +91,7 @@ def diagram_of_bits(caption: str, placed_layout: PlacedLayout) -> ByteDiagram:
     highest_bit = placed_layout.bits - 1
     # The lowest bit of each byte of the number: 16, 8, 0 for 20 bits, whose first byte has only four of them.
     lowest_bits = range(highest_bit // 8 * 8, -1, -8)
-    labels = [bit_range(min(low + 7, highest_bit), low) for low in lowest_bits]
+    labels = [bit_range(min(lowest_bit + 7, highest_bit), lowest_bit) for lowest_bit in lowest_bits]
     return ByteDiagram(
         caption=caption,
         rows=_byte_rows(bit_runs, lowest_bits, labels),

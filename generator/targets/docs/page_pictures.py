@@ -82,24 +82,22 @@ def _contact_text(contact: Contact) -> str:
 
 def connector_picture(connector: Connector) -> str:
     """Return the picture of a connector or cable: a row for each contact, with its signal."""
-    picture_elements: list[str] = []
+    elements: list[str] = []
     top = _MARGIN
     has_only_pins = all(map(_is_pin, connector.contacts))
     signal_left = _SIGNAL_LEFT_AFTER_PINS if has_only_pins else _SIGNAL_LEFT_AFTER_WIRES
     for contact in connector.contacts:
-        picture_elements += _contact_elements(contact, top)
+        elements += _contact_elements(contact, top)
         signal_elements = list(_signal_elements(contact, left=signal_left, top=top))
-        picture_elements += signal_elements
+        elements += signal_elements
         top += max(_ROW_HEIGHT, _LINE_HEIGHT * len(signal_elements) + 8)
     if any(map(_is_pin, connector.contacts)):
         for text_line in wrap_to_width(FACE_UNKNOWN, _ROOM, _TEXT_SIZE):
-            picture_elements.append(
-                draw_text(text_line, x=_MARGIN, y=top + 16, size=_TEXT_SIZE, anchor="start", faint=True)
-            )
+            elements.append(draw_text(text_line, x=_MARGIN, y=top + 16, size=_TEXT_SIZE, anchor="start", faint=True))
             top += _LINE_HEIGHT
     return create_picture(
         connector.title,
-        picture_elements,
+        elements,
         width=PICTURE_WIDTH,
         height=top + _MARGIN,
         description=connector_text(connector),
@@ -108,13 +106,13 @@ def connector_picture(connector: Connector) -> str:
 
 def _signal_elements(contact: Contact, *, left: float, top: float) -> Iterator[str]:
     """Yield the lines of text for the signal of a contact and, in a faint color, for its order codes."""
-    room = PICTURE_WIDTH - _MARGIN - left
+    available_width = PICTURE_WIDTH - _MARGIN - left
     baseline = top + 18
-    for signal_line in wrap_to_width(contact.signal, room, _TEXT_SIZE):
+    for signal_line in wrap_to_width(contact.signal, available_width, _TEXT_SIZE):
         yield draw_text(signal_line, x=left, y=baseline, size=_TEXT_SIZE, anchor="start")
         baseline += _LINE_HEIGHT
     if contact.only:
-        for order_codes_line in wrap_to_width(f"only {contact.only}", room, _TEXT_SIZE):
+        for order_codes_line in wrap_to_width(f"only {contact.only}", available_width, _TEXT_SIZE):
             yield draw_text(order_codes_line, x=left, y=baseline, size=_TEXT_SIZE, anchor="start", faint=True)
             baseline += _LINE_HEIGHT
 
@@ -257,34 +255,28 @@ def _without_single_caption(diagrams: Sequence[ByteDiagram]) -> list[ByteDiagram
 
 def picture_of_diagrams(title: str, diagrams: Sequence[ByteDiagram]) -> str:
     """Return a picture with several frames, one below the other. Names that do not fit a box are below its row."""
-    picture_elements: list[str] = []
+    elements: list[str] = []
     top = _MARGIN
     for diagram in diagrams:
         caption_lines = wrap_to_width(diagram.caption, _ROOM, _CAPTION_SIZE * _CAPTION_WIDTH_FACTOR)
         for caption_line in caption_lines:
-            picture_elements.append(
+            elements.append(
                 draw_text(caption_line, x=_MARGIN, y=top + 13, size=_CAPTION_SIZE, anchor="start", bold=True)
             )
             top += _NAME_LINE_HEIGHT + 4
         for row in diagram.rows:
-            picture_elements += _row_elements(row, top)
+            elements += _row_elements(row, top)
             top += _BOX_HEIGHT
             lines_below = _lines_below(row)
             for colour, text_line in lines_below:
                 if colour:
-                    picture_elements.append(
-                        draw_box(left=_MARGIN, top=top + 5, box_width=10, box_height=10, fill=colour)
-                    )
-                picture_elements.append(
-                    draw_text(text_line, x=_MARGIN + _INDENT, y=top + 14, size=_TEXT_SIZE, anchor="start")
-                )
+                    elements.append(draw_box(left=_MARGIN, top=top + 5, box_width=10, box_height=10, fill=colour))
+                elements.append(draw_text(text_line, x=_MARGIN + _INDENT, y=top + 14, size=_TEXT_SIZE, anchor="start"))
                 top += _NAME_LINE_HEIGHT
             top += 6 if lines_below else 0
         top += _DIAGRAM_GAP
     height = top - _DIAGRAM_GAP + _MARGIN
-    return create_picture(
-        title, picture_elements, width=PICTURE_WIDTH, height=height, description=text_alternative(diagrams)
-    )
+    return create_picture(title, elements, width=PICTURE_WIDTH, height=height, description=text_alternative(diagrams))
 
 
 def _row_elements(row: ByteRow, top: float) -> Iterator[str]:

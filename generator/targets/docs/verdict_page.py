@@ -109,8 +109,8 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, verdict
     yield other_cases, "", EFFECTS[verdict_rules.otherwise], "", ""
     if verdict_rules.may_be_unknown:
         judging_names = [CodeText(field.name) for field in layout.judging_fields]
-        lacking_names = MARKDOWN.phrase(statement(*list_parts(judging_names)))
-        yield f"order codes that lack {lacking_names}", "", EFFECTS[Verdict.UNKNOWN], "", ""
+        lacking_names_text = MARKDOWN.phrase(statement(*list_parts(judging_names)))
+        yield f"order codes that lack {lacking_names_text}", "", EFFECTS[Verdict.UNKNOWN], "", ""
 
 
 @dataclass(frozen=True, slots=True)

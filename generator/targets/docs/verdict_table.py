@@ -61,8 +61,8 @@ def verdict_table(family_device: Device, device: Device, layout: Layout, variant
         crc_condition = "" if placed_layout.crc_field is None else ", and the CRC is correct"
         rows.append(("", f"none of these{crc_condition}", "", EFFECTS[verdict_rules.otherwise], ""))
     columns_with_content = _indices_with_content(rows)
-    head = _cells_at(_COLUMN_HEADINGS, columns_with_content)
-    return head, [_cells_at(row, columns_with_content) for row in rows]
+    headings = _cells_at(_COLUMN_HEADINGS, columns_with_content)
+    return headings, [_cells_at(row, columns_with_content) for row in rows]
 
 
 def _cells_at(row: Row, indexes: Iterable[int]) -> Row:
@@ -160,10 +160,10 @@ def _conditions_phrase(matching_values: MatchingValues) -> str:
 
 def place_of_field(placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return the bits of a field, such as ``bit 7``, with their byte if the frame consists of bytes."""
-    high, low = placed_field.high, placed_field.low
+    highest_bit, lowest_bit = placed_field.high, placed_field.low
     if placed_layout.layout.in_bytes:
-        return frame_bytes(placed_layout.layout, placed_layout.bits, high, low)
-    return bits(high, low)
+        return frame_bytes(placed_layout.layout, placed_layout.bits, highest_bit, lowest_bit)
+    return bits(highest_bit, lowest_bit)
 
 
 def _while_inactive(cause: VerdictCause) -> str:
@@ -269,7 +269,7 @@ def position_frame(family_device: Device, interface: Interface) -> Layout | None
     for family_layout in family_device.interface(interface.name).layouts:
         if family_device.sends_position(interface.name, family_layout):
             names_of_position_frames.add(family_layout.name)
-    candidates = [layout for layout in interface.layouts if layout.name in names_of_position_frames]
+    position_frames = [layout for layout in interface.layouts if layout.name in names_of_position_frames]
     parts_of_position = family_device.position_names(interface.name)
 
     def amount_of_information(layout: Layout) -> tuple[int, int, int]:
@@ -278,7 +278,7 @@ def position_frame(family_device: Device, interface: Interface) -> Layout | None
         flag_count = sum(isinstance(meaning_of(field), ActiveFlag) for field in layout.fields)
         return part_count, flag_count, -layout.widest
 
-    return max(candidates, key=amount_of_information, default=None)
+    return max(position_frames, key=amount_of_information, default=None)
 
 
 def open_questions(device: Device, layout: Layout) -> Iterator[str]:

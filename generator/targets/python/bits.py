@@ -104,10 +104,10 @@ class BitsEncoder:
         attribute.
         """
         shifted_attributes = []
-        # ``low`` is the position of the field's lowest bit in the joined number.
-        for field, low in joined_number.fields_from_low:
-            attribute = Atom(to_python(self.class_names.attribute_name(field.name)))
-            shifted_attributes.append(shift_left(attribute, translator.to_python(low)))
+        # ``lowest_bit`` is the position of the field's lowest bit in the joined number.
+        for field, lowest_bit in joined_number.fields_from_low:
+            attribute_code = Atom(to_python(self.class_names.attribute_name(field.name)))
+            shifted_attributes.append(shift_left(attribute_code, translator.to_python(lowest_bit)))
         # The highest field comes first.
         return join_operands("|", reversed(shifted_attributes))
 
@@ -121,11 +121,11 @@ class BitsEncoder:
         fields_and_bits: list[tuple[Field, PythonExpression]] = []
         # ``lowest_bit`` is the position of the field's lowest bit in the joined number.
         for field, lowest_bit in joined_number.fields_from_low:
-            bits = shift_right(number_variable, self.translator.to_python(lowest_bit))
+            bits_code = shift_right(number_variable, self.translator.to_python(lowest_bit))
             # No bits are above the highest field, so it needs no mask.
             if field is not highest_field:
-                bits = PythonOperation(bits, "&", self.translator.mask_of_ones(field.width))
-            fields_and_bits.insert(0, (field, bits))
+                bits_code = PythonOperation(bits_code, "&", self.translator.mask_of_ones(field.width))
+            fields_and_bits.insert(0, (field, bits_code))
         return fields_and_bits
 
     @staticmethod
@@ -283,11 +283,11 @@ class BitReader:
 
     def _unused_at_moving_place(self, unused_field: Reserved) -> PythonExpression:
         """Return the bits of an unused field that differ from the manual, if its place depends on the order code."""
-        bits = shift_right(Atom(self.number_variable), self.translator.to_python(unused_field.bits.low))
+        bits_code = shift_right(Atom(self.number_variable), self.translator.to_python(unused_field.bits.low))
         # The value in the manual. XOR with it leaves a 1 in each bit that differs.
         if unused_field.value:
-            bits = PythonOperation(bits, "^", mask(unused_field.value))
-        differing_bits = PythonOperation(bits, "&", self.translator.mask_of_ones(unused_field.bits.width))
+            bits_code = PythonOperation(bits_code, "^", mask(unused_field.value))
+        differing_bits = PythonOperation(bits_code, "&", self.translator.mask_of_ones(unused_field.bits.width))
         # The position of the field in ``unused``.
         return shift_left(differing_bits, number(unused_field.lowest_bit_in_unused))
 
@@ -329,7 +329,7 @@ def place_in_bytes(bit_slices: Sequence[BitSlice]) -> str:
     return "" if fills_byte else bit_numbers(lowest_slice.low_in_byte, lowest_slice.mask.bit_length())
 
 
-def purpose_of_constant(field: Field, place: str) -> str:
+def purpose_of_constant(field: Field, bits_comment: str) -> str:
     """Return the comment on a constant field: its place and the first sentence of its meaning.
 
     An example is ``bits 1:0: always set``. The meaning is left out if both are too long for the end of a line.
@@ -337,8 +337,8 @@ def purpose_of_constant(field: Field, place: str) -> str:
     # Texts of the spec can have several lines.
     meaning_on_one_line = " ".join(text_on_one_line(field.meaning).split())
     first_sentence = meaning_on_one_line.partition(". ")[0].rstrip(".")
-    comment = ": ".join(filter(None, [place, first_sentence]))
-    return comment if len(comment) < _LONG_COMMENT else place
+    comment = ": ".join(filter(None, [bits_comment, first_sentence]))
+    return comment if len(comment) < _LONG_COMMENT else bits_comment
 
 
 def bit_numbers(lowest_bit: int, width: int) -> str:
@@ -388,16 +388,16 @@ def from_slices(
         return number(0)
     # A single slice also counts as low byte first, which makes no difference.
     low_byte_first = bit_slices[0].byte <= bit_slices[-1].byte
-    ascending = bit_slices if low_byte_first else bit_slices[::-1]
+    ascending_slices = bit_slices if low_byte_first else bit_slices[::-1]
     # From four bytes on, int.from_bytes is shorter than shifts.
-    if len(bit_slices) > 3 and _are_adjacent_whole_bytes(ascending):
-        first_byte = ascending[0].byte
-        stop = ascending[-1].byte + 1
-        are_all_bytes = (first_byte, stop) == (0, byte_count)
-        slice_of_data = "data" if are_all_bytes else f"data[{first_byte}:{stop}]"
+    if len(bit_slices) > 3 and _are_adjacent_whole_bytes(ascending_slices):
+        first_byte = ascending_slices[0].byte
+        end_of_slice = ascending_slices[-1].byte + 1
+        are_all_bytes = (first_byte, end_of_slice) == (0, byte_count)
+        slice_of_data = "data" if are_all_bytes else f"data[{first_byte}:{end_of_slice}]"
         byte_order_literal = '"little"' if low_byte_first else '"big"'
         return call("int.from_bytes", slice_of_data, byte_order_literal)
-    return join_operands("|", (_from_slice(bit_slice, byte_pattern) for bit_slice in ascending))
+    return join_operands("|", (_from_slice(bit_slice, byte_pattern) for bit_slice in ascending_slices))
 
 
 def _are_adjacent_whole_bytes(bit_slices: Sequence[BitSlice]) -> bool:
@@ -408,9 +408,9 @@ def _are_adjacent_whole_bytes(bit_slices: Sequence[BitSlice]) -> bool:
 def _from_slice(bit_slice: BitSlice, byte_pattern: str) -> PythonExpression:
     """Return the bits of one slice at their place in the number, such as ``(b1 & 0x3F) << 8``."""
     byte_variable = Atom(byte_pattern.format(bit_slice.byte))
-    bits = shift_right(byte_variable, number(bit_slice.low_in_byte))
+    bits_code = shift_right(byte_variable, number(bit_slice.low_in_byte))
     # The mask is applied after the shift. It is not needed if no bits are above the slice.
     reaches_top_of_byte = bit_slice.mask == 0xFF >> bit_slice.low_in_byte
     if not reaches_top_of_byte:
-        bits = PythonOperation(bits, "&", mask(bit_slice.mask))
-    return shift_left(bits, number(bit_slice.low_in_number))
+        bits_code = PythonOperation(bits_code, "&", mask(bit_slice.mask))
+    return shift_left(bits_code, number(bit_slice.low_in_number))

@@ -73,15 +73,15 @@ def _samples_of_channels(device: Device, frame: ChannelFrame) -> list[Sample]:
 
 
 def _printed_numbers(
-    device_names: DeviceNames, channels: Sequence[tuple[LayoutClass, Sample]]
+    device_names: DeviceNames, classes_and_samples: Sequence[tuple[LayoutClass, Sample]]
 ) -> Iterator[tuple[str, str]]:
     """Yield the expression and the value of the position, and of the first number in each other channel."""
-    for layout_class, sample in channels:
+    for layout_class, sample in classes_and_samples:
         number_by_attribute: dict[str, object] = {}
         for name, number in numbers_by_name(layout_class, sample).items():
             number_by_attribute[layout_class.class_names.attribute_name(name)] = number
         if layout_class.position_attribute:
             yield "frame.position", str(number_by_attribute[layout_class.position_attribute])
         elif number_by_attribute:
-            attribute, number = next(iter(number_by_attribute.items()))
-            yield f"frame.of({device_names.module_name}.{layout_class.name}).{attribute}", str(number)
+            attribute_name, number = next(iter(number_by_attribute.items()))
+            yield f"frame.of({device_names.module_name}.{layout_class.name}).{attribute_name}", str(number)

@@ -326,6 +326,7 @@ class LayoutClass:
     def position_attribute(self) -> str:
         """The attribute with the position. Empty if the frame has no position, or only a part of it."""
         measurement = self.device.measurement_of(self.layout_interface)
+        # A measurement is ``of`` the field or joined number with the position.
         position_name = measurement.of if measurement is not None else "position"
         number_fields = [decoded for decoded in self.layout_plan.decoded_fields if is_number(decoded.meaning)]
         names_of_numbers = {decoded_field.field.name for decoded_field in number_fields}
@@ -358,12 +359,12 @@ class LayoutClass:
         """The reports and the verdict of a frame that the encoder sends, or None for other frames and registers."""
         if self.register is not None or self.layout.sender != "encoder":
             return None
-        reporting = self.device_names.reports_by_frame.get(self.layout.name)
+        reports_and_verdict = self.device_names.reports_by_frame.get(self.layout.name)
         meanings = {
             parameter.name: as_sentence(text_on_one_line(parameter.meaning)) for parameter in self.device.parameters
         }
         return FrameReports(
-            reporting, self.layout_plan, self.class_names, self.device_names.attribute_by_parameter, meanings
+            reports_and_verdict, self.layout_plan, self.class_names, self.device_names.attribute_by_parameter, meanings
         )
 
     # -- limits of registers
@@ -400,9 +401,9 @@ class LayoutClass:
         attributes = [(question.name, as_sentence(question.alternative.meaning)) for question in self.questions]
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
         unused_bits = []
-        for reserved in self.layout_plan.reserved:
-            bits_in_unused = docstrings.describe_unused(reserved.field, reserved.lowest_bit_in_unused)
-            unused_bits.append((bits_in_unused, self.describe_field(reserved.field)))
+        for unused_field in self.layout_plan.reserved:
+            bits_in_unused = docstrings.describe_unused(unused_field.field, unused_field.lowest_bit_in_unused)
+            unused_bits.append((bits_in_unused, self.describe_field(unused_field.field)))
         checked_fields = [(field.name, self.describe_field(field)) for field in self._checked_fields()]
         return docstrings.describe_class(
             description,

@@ -67,7 +67,7 @@ class Decoder:
         self.layout_plan = layout_plan
         self.class_names = class_names
         self.enum_name_of = enum_name_of
-        # A register has another scope.
+        # Only the translator for a frame names values. A register has a plain one.
         is_short_frame = isinstance(translator, NamedValues) and 1 < layout_plan.length <= _MAX_BYTE_VARIABLES
         #: True if each byte of the frame has a variable, ``b0`` and so on.
         self.has_variable_per_byte = is_short_frame and layout_plan.in_bytes and not layout_plan.by_word

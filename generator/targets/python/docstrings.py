@@ -215,17 +215,17 @@ def errata_lines(device: Device, interface: Interface) -> list[list[str]]:
 
 def describe_variant(device: Device, attribute_by_parameter: dict[str, str]) -> str:
     """Return the docstring of the class of encoders. ``attribute_by_parameter`` contains their attributes."""
-    quantities = [
+    names_and_descriptions = [
         (attribute_by_parameter[parameter.name], _about_quantity(device, parameter))
         for parameter in device.set_parameters
     ]
-    parts = ", ".join(part.name for part in device.order_code.parts)
+    part_names = ", ".join(part.name for part in device.order_code.parts)
     attributes = [
         ("family", "Family of the encoder."),
         ("interface", "Interface of the encoder."),
         ("code", "Order code, without any text that follows it on the label."),
-        ("parts", f"Parts of the order code: {parts}."),
-        *quantities,
+        ("parts", f"Parts of the order code: {part_names}."),
+        *names_and_descriptions,
         ("unlisted", "Names of the parts whose values the manual does not list."),
         ("tail", "Text that followed the order code on the label."),
         ("special_code", f"Suffix /Sxxx of the label, or empty. {as_sentence(device.order_code.special)}".strip()),
@@ -345,8 +345,8 @@ def describe_class(
 
 def describe_crc(device: Device, device_crc: Crc) -> list[Block]:
     """Return the paragraphs of the function that computes a CRC."""
-    head, *further_statements = say_layout.describe_crc(device, device_crc)
-    summary, source = _with_source_below(head)
+    head_statement, *further_statements = say_layout.describe_crc(device, device_crc)
+    summary, source = _with_source_below(head_statement)
     return [f"Compute the {summary}", source, *paragraphs(further_statements)]
 
 

@@ -295,13 +295,13 @@ def family_record(device: Device) -> CallLiteral:
     )
 
 
-def order_code_record(code: OrderCode) -> CallLiteral:
+def order_code_record(order_code: OrderCode) -> CallLiteral:
     """Return the record ``OrderCode``, with the parts of the order code and their values."""
     part_records = []
-    for part in code.parts:
+    for part in order_code.parts:
         combinations = _allowed_combinations(part.open_only_with)
         part_records.append(record_from_model("Part", part, open_only_with=combinations))
-    return record_from_model("OrderCode", code, parts=tuple(part_records))
+    return record_from_model("OrderCode", order_code, parts=tuple(part_records))
 
 
 def _allowed_combinations(values_by_part: Mapping[str, tuple[str, ...]]) -> CallLiteral | None:

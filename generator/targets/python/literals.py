@@ -309,13 +309,13 @@ def constant(name: str, value: CallLiteral) -> str:
     return break_lines(f"{name}: Final = {value.flat}")
 
 
-def table_statement(name: str, kind: str, rows: Sequence[CallLiteral]) -> str:
+def table_statement(name: str, record_class: str, rows: Sequence[CallLiteral]) -> str:
     """Return the statement that assigns a tuple of records to ``name``, one per line."""
-    start = f"{name}: Final[tuple[{kind}, ...]] = "
+    statement_start = f"{name}: Final[tuple[{record_class}, ...]] = "
     if not rows:
-        return f"{start}()"
+        return f"{statement_start}()"
     row_lines = [break_lines(f"    {row.flat},") for row in rows]
-    return "\n".join([f"{start}(", *row_lines, ")"])
+    return "\n".join([f"{statement_start}(", *row_lines, ")"])
 
 
 def literal(value: Literal) -> str:
@@ -330,13 +330,13 @@ def literal(value: Literal) -> str:
         case float():
             return f"{value:g}"
         case Mapping():
-            items = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
-            return f"ReadOnly({{{', '.join(items)}}})"
+            item_texts = [f"{quoted(key)}: {quoted(text)}" for key, text in value.items()]
+            return f"ReadOnly({{{', '.join(item_texts)}}})"
         case SourceText() | Hex() | EnumMember() | CallLiteral() | ConditionalItem():
             return _source_code(value)
-    elements = ", ".join(map(literal, value))
+    element_texts = ", ".join(map(literal, value))
     # A tuple of one element needs a comma.
-    return f"({elements},)" if len(value) == 1 else f"({elements})"
+    return f"({element_texts},)" if len(value) == 1 else f"({element_texts})"
 
 
 def _source_code(value: SourceText | Hex | EnumMember | CallLiteral | ConditionalItem) -> str:

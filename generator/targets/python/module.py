@@ -155,11 +155,11 @@ class Module:
         ]
         frames = tuple(layout_class for section in self.sections for layout_class in section.layout_classes)
         self.layout_classes = (*frames, *self.class_by_register.values())
-        kinds = tuple(self._frame_kinds())
-        self.variant_table = VariantTable(self.device_names, kinds, frames)
+        frame_kinds = tuple(self._frame_kinds())
+        self.variant_table = VariantTable(self.device_names, frame_kinds, frames)
         self.procedures_by_interface = _group_by_interface(self.procedures)
         function_by_procedure = {function.procedure.name: function for function in self.procedures}
-        self.readme = Readme(self.device_names, kinds, self.class_by_register, function_by_procedure)
+        self.readme = Readme(self.device_names, frame_kinds, self.class_by_register, function_by_procedure)
         self.identities = list(identities(device))
         self.family = facts.family_record(device)
         self.manual = record_from_model("Manual", device.manual)
@@ -353,14 +353,14 @@ class Module:
         """
         # The frames with a selector need such a function.
         interfaces_with_dispatcher = {owner.name for owner, layout in self.device.layouts() if layout.selector}
-        kind = "reply" if dispatch_plan.sender == "encoder" else "request"
+        request_or_reply = "reply" if dispatch_plan.sender == "encoder" else "request"
         if len(interfaces_with_dispatcher) > 1:
-            kind = f"{interface.name}_{kind}"
+            request_or_reply = f"{interface.name}_{request_or_reply}"
         class_by_frame = {layout_class.layout.name: layout_class for layout_class in layout_classes}
         dispatcher = FrameDispatcher(
             dispatch_plan=dispatch_plan,
-            name=f"decode_{kind}",
-            union_type=in_camel_case(kind),
+            name=f"decode_{request_or_reply}",
+            union_type=in_camel_case(request_or_reply),
             interface=interface_name(interface.name),
             encoder=encoder_name(interface.name),
             layout_classes=tuple(class_by_frame[branch.layout.name] for branch in dispatch_plan.branches),

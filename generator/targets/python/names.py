@@ -166,14 +166,14 @@ def in_camel_case(name: str) -> str:
     return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
 
 
-def encoder_name(kind: str) -> str:
+def encoder_name(interface: str) -> str:
     """Return the encoder class for an interface."""
-    return f"{kind.capitalize()}Encoder"
+    return f"{interface.capitalize()}Encoder"
 
 
-def interface_name(kind: str) -> str:
+def interface_name(interface: str) -> str:
     """Return the module constant for an interface, which avoids the slow access to the Enum."""
-    return f"_{kind.upper()}"
+    return f"_{interface.upper()}"
 
 
 def meaning_limits(meaning: RegisterMeaning) -> str:

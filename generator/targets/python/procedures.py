@@ -93,13 +93,8 @@ class ProcedureFunction:
         An argument belongs to the segment with the first step that writes it.
         """
         # The index after each such step.
-        segment_ends: list[int] = []
-        for index, step in enumerate(self.steps):
-            if isinstance(step, WriteRegister) and step.determines_limits:
-                segment_ends.append(index + 1)
+        segment_ends = [index + 1 for index, step in enumerate(self.steps) if _limiting_write(step) is not None]
         for first_index, end_index in pairwise((0, *segment_ends, len(self.steps))):
-            last_step = self.steps[end_index - 1]
-            changes_limits = isinstance(last_step, WriteRegister) and last_step.determines_limits
             arguments = [
                 checked_argument
                 for checked_argument in self.arguments
@@ -108,7 +103,7 @@ class ProcedureFunction:
             yield Segment(
                 arguments=arguments,
                 steps=self.steps[first_index:end_index],
-                limiting_write=last_step if isinstance(last_step, WriteRegister) and changes_limits else None,
+                limiting_write=_limiting_write(self.steps[end_index - 1]),
             )
 
     def _first_write(self, checked_argument: CheckedArgument) -> int:
@@ -238,3 +233,8 @@ class ProcedureFunction:
         if register_class is not None and refusal.meaning is None:
             return register_class.takes_variant
         return limits_depend(refusal.limits)
+
+
+def _limiting_write(step: PlannedStep) -> WriteRegister | None:
+    """Return the step if it writes a value that changes the limits of later steps, or else None."""
+    return step if isinstance(step, WriteRegister) and step.determines_limits else None

@@ -71,9 +71,9 @@ class NamedValues(ExpressionTranslator):
 
     def prefer_for_size(self, variable_name: str, size: Expression, comment: str = "") -> None:
         """Prefer this name for the variable of a number, such as a place or a width. ``comment`` explains its code."""
-        # A plain scope returns the expression itself rather than a variable.
-        code = str(ExpressionTranslator(self.code_by_parameter).to_python(size))
-        if self._prefer("size", size, code, variable_name) and comment:
+        # A plain translator returns the expression itself rather than a variable.
+        value_code = str(ExpressionTranslator(self.code_by_parameter).to_python(size))
+        if self._prefer("size", size, value_code, variable_name) and comment:
             self.comments[variable_name] = comment
 
     def prefer_for_mask(self, variable_name: str, width: Expression) -> None:
@@ -82,14 +82,14 @@ class NamedValues(ExpressionTranslator):
             "ones", width, str(ExpressionTranslator(self.code_by_parameter).mask_of_ones(width)), variable_name
         )
 
-    def _prefer(self, kind_of_value: str, value: Expression, code: str, variable_name: str) -> bool:
+    def _prefer(self, kind_of_value: str, value: Expression, value_code: str, variable_name: str) -> bool:
         """Prefer a name for the variable of a value with this code, and return whether it is the preferred one.
 
         Another name that is already preferred for equal code stays. A constant needs no variable.
         """
         return (
             not value.is_constant
-            and self.preferred_variables.setdefault((kind_of_value, code), variable_name) == variable_name
+            and self.preferred_variables.setdefault((kind_of_value, value_code), variable_name) == variable_name
         )
 
 

@@ -135,8 +135,8 @@ class VariantTable:
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in names_in_measurement:
                 attribute_name = self.device_names.attribute_by_parameter[parameter.name]
-                about = docstrings.describe_derived_parameter(self.device, parameter)
-                derived.append((attribute_name, about, self._translator.to_python(parameter.equals)))
+                paragraphs = docstrings.describe_derived_parameter(self.device, parameter)
+                derived.append((attribute_name, paragraphs, self._translator.to_python(parameter.equals)))
         return derived
 
     # -- units of positions
@@ -430,13 +430,13 @@ class VariantTable:
     @cached_property
     def held_records(self) -> list[tuple[str, CallLiteral]]:
         """The parameters that are read from registers: the attribute of the variant, and the record of each."""
-        records: list[tuple[str, CallLiteral]] = []
+        names_and_records: list[tuple[str, CallLiteral]] = []
         for holding_register in held_parameters(self.device):
             for held_parameter in holding_register.parameters:
                 attribute_name = self.device_names.attribute_by_parameter[held_parameter.parameter.name]
                 record = record_of_held_parameter(self.device_names, holding_register.register, held_parameter)
-                records.append((attribute_name, record))
-        return records
+                names_and_records.append((attribute_name, record))
+        return names_and_records
 
     @property
     def initial_values(self) -> str:
