@@ -57,22 +57,22 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
             position, or the revolutions are not the highest bits of the position.
     """
     layout = placed_layout.layout
-    turn_bits = turn_bits_of_fields(placed_layout, measurement, variant)
-    position_field_names = tuple(turn_bits)
+    turn_bits_by_field = turn_bits_of_fields(placed_layout, measurement, variant)
+    position_field_names = tuple(turn_bits_by_field)
     stage = "before"
-    unread_bits = placed_layout.bits  # Number of bits after the fields so far.
+    unread_bit_count = placed_layout.bits  # Number of bits after the fields so far.
     for field in placed_layout.fields:
-        has_gap_before = field.high + 1 != unread_bits
+        has_gap_before = field.high + 1 != unread_bit_count
         if has_gap_before:
             raise NoMasterSettings(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
-        unread_bits = field.low
+        unread_bit_count = field.low
         role = _role_of_field(field, placed_layout, position_field_names, stage)
         if role == "position":
-            yield from _position_parts(field, turn_bits[field.name])
+            yield from _position_parts(field, turn_bits_by_field[field.name])
         else:
             yield _part_without_position(field, role)
         stage = _next_stage(stage, role)
-    if unread_bits:
+    if unread_bit_count:
         raise NoMasterSettings(f"the last bits of '{layout.name}' have no meaning in the spec")
 
 

@@ -213,14 +213,14 @@ def _numbers_by_name(frame: _PositionFrame, frame_parts: Sequence[FramePart]) ->
     """
     variant = frame.variant
     crc = frame.device.crc_of(frame.placed_layout)
-    widths = bit_counts(frame_parts)
+    bit_count_by_name = bit_counts(frame_parts)
     numbers = (
-        widths
+        bit_count_by_name
         | _crc_numbers(crc)
         | _clock_and_times(frame.interface, variant.code)
         | _supply_voltage(frame.device, variant)
     )
-    numbers |= _measurement_numbers(frame.measurement, variant, widths["multiturn_bits"] or 0)
+    numbers |= _measurement_numbers(frame.measurement, variant, bit_count_by_name["multiturn_bits"] or 0)
     return {name: numbers[name] for name in NUMBERS}
 
 

@@ -192,10 +192,10 @@ def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
 def _order_code_links(family_codes: OrderCodes) -> Iterator[tuple[str, list[str]]]:
     """Yield the number of order codes of each interface that has any, with links to their pages."""
     for interface in family_codes.device.interfaces:
-        order_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
-        if order_codes:
-            code_links = [family_codes.links[order_code] for order_code in order_codes]
-            yield f"{interface.title}: {count_with_unit(len(order_codes), 'order code')}", code_links
+        interface_codes = [variant.code for variant in family_codes.device.variants_over(interface.name)]
+        if interface_codes:
+            code_links = [family_codes.links[order_code] for order_code in interface_codes]
+            yield f"{interface.title}: {count_with_unit(len(interface_codes), 'order code')}", code_links
 
 
 def _task_rows(device: Device) -> Iterator[tuple[str, str]]:
@@ -280,12 +280,12 @@ def _characteristic_rows(device: Device, errata_at: ErrataLines) -> Iterator[tup
 def manual_values(device: Device) -> ManualPage:
     """Return the values of the page about the manual."""
     style = style_in_folder(device)
-    tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
+    test_statements = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
         "device": device,
         "manual_rows": [(label, content) for label, content in _manual_rows(device) if content],
         "edition_rows": list(_edition_rows(device)),
-        "edition_tests": list(map(style.sentence, tests)),
+        "edition_tests": list(map(style.sentence, test_statements)),
         "lost_rows": [(escape(figure.content), citation(figure.source)) for figure in device.lost_figures],
         "document_rows": fact_tables.document_rows(device.documents),
         "history_rows": list(map(_history_row, device.manual.history)),

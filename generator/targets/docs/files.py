@@ -135,9 +135,9 @@ def _pages_of_family(family_codes: order_code_page.OrderCodes, masters: tuple[Ma
     interfaces_with_masters = masters_page.interfaces_with_masters(device)
     yield _Page(f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, family_codes))
     yield from _pages_of_interfaces(family_codes, interfaces_with_masters)
-    for group in family_codes.groups:
-        code_values = partial(_code_values, family_codes, group, interfaces_with_masters)
-        yield _Page(f"{folder}/{group.name}.md", "code.md.jinja", code_values)
+    for code_group in family_codes.groups:
+        code_values = partial(_code_values, family_codes, code_group, interfaces_with_masters)
+        yield _Page(f"{folder}/{code_group.name}.md", "code.md.jinja", code_values)
     yield _Page(f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device))
     yield _Page(f"{folder}/{ERRATA}", "errata.md.jinja", partial(family_pages.errata_values, device))
     yield _Page(f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device))

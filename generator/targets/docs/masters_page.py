@@ -164,7 +164,7 @@ def _depends_only_on_supply(fact_name: str, group_facts: GroupFacts) -> bool:
         numbers = group.facts.numbers
         supply_limits = (numbers["supply_min_mv"], numbers["supply_max_mv"])
         rows_by_supply.setdefault(supply_limits, set()).add(row_by_fact.get(fact_name))
-    return all(len(row_by_fact) == 1 for row_by_fact in rows_by_supply.values())
+    return all(len(different_rows) == 1 for different_rows in rows_by_supply.values())
 
 
 def _table_of_differences(fact_names: Sequence[str], group_facts: GroupFacts) -> Table:

@@ -251,9 +251,9 @@ def _supply_text(supply: Supply) -> str:
 
 
 def unstated_facts(family_device: Device, interface: Interface, topic_by_label: Mapping[str, Topic]) -> Iterator[str]:
-    """Yield one line about facts that the spec has no place for, or nothing if there are no ``topic_by_label``.
+    """Yield one line about facts that the spec has no place for, or nothing without labels.
 
-    ``topic_by_label`` are the words to look for, by the label of the fact. If no text of the family mentions a subject,
+    ``topic_by_label`` has the topic to look for, by the label of the fact. If no text of the family mentions a topic,
     the line says that the manual does not state it. Otherwise, it links to the texts that may.
     """
     sentences = []

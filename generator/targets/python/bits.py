@@ -271,14 +271,14 @@ class BitReader:
         right_shift = max(bit_group.shift, 0)
         left_shift = max(-bit_group.shift, 0)
         # ``bit_group`` contains the mask and the value at their places in ``unused``, after the shift to the left.
-        mask_in_source = bit_group.mask >> left_shift
-        value_in_source = bit_group.value >> left_shift
+        mask_in_word_or_byte = bit_group.mask >> left_shift
+        value_in_word_or_byte = bit_group.value >> left_shift
         differing_bits = shift_right(word_or_byte, number(right_shift))
-        is_whole_byte = bit_group.byte is not None and mask_in_source == 0xFF
+        is_whole_byte = bit_group.byte is not None and mask_in_word_or_byte == 0xFF
         if not is_whole_byte:
-            differing_bits = PythonOperation(differing_bits, "&", mask(mask_in_source))
+            differing_bits = PythonOperation(differing_bits, "&", mask(mask_in_word_or_byte))
         if bit_group.value:
-            differing_bits = PythonOperation(differing_bits, "^", mask(value_in_source))
+            differing_bits = PythonOperation(differing_bits, "^", mask(value_in_word_or_byte))
         return shift_left(differing_bits, number(left_shift))
 
     def _unused_at_moving_place(self, unused_field: Reserved) -> PythonExpression:

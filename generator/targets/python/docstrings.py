@@ -188,15 +188,15 @@ def _short_erratum(statement: Statement) -> tuple[str, str]:
     sentence of its first statement.
     """
     title_of_erratum = statement.label.removeprefix("Erratum: ")
-    phrases_by_label = {
+    phrase_by_label = {
         part_statement.label: DOCSTRING_STYLE.phrase(part_statement) for part_statement in statement.statements_below
     }
     first_statement = statement.statements_below[0]
     correction_text = (
-        phrases_by_label.get("Used") or f"{first_statement.label}: {DOCSTRING_STYLE.phrase(first_statement)}"
+        phrase_by_label.get("Used") or f"{first_statement.label}: {DOCSTRING_STYLE.phrase(first_statement)}"
     )
     # Changes by overlays and other editions have no short form.
-    is_erratum_of_manual = bool(statement.brief) and "Used" in phrases_by_label
+    is_erratum_of_manual = bool(statement.brief) and "Used" in phrase_by_label
     if is_erratum_of_manual:
         return title_of_erratum, as_sentence(correction_text)
     first_sentence = _END_OF_SENTENCE.split(correction_text)[0]

@@ -51,7 +51,7 @@ class NamedValues(ExpressionTranslator):
         return self._use_name("ones", width, mask_of_parameters)
 
     def _use_name(self, kind_of_value: str, value: Expression, value_code: PythonExpression) -> PythonExpression:
-        """Return the variable for a value that depends on the order code, and record its code ``value_code``.
+        """Return the variable for a value that depends on the order code, and record that it holds ``value_code``.
 
         Equal code has the same variable. A new variable gets its preferred name, or a name such as ``size_3``. A
         constant, and a value that depends on an answer of the user, is returned as ``value_code``.

@@ -308,14 +308,14 @@ class VariantTable:
 
     def _highest_signed(self, position_range: PositionRange) -> PythonExpression:
         """Return the highest signed position: the value in the spec, or else the highest that fits in the field."""
-        field = position_range.signed_field
-        assert field is not None
+        signed_field = position_range.signed_field
+        assert signed_field is not None
         stated_highest = position_range.measurement.highest
         if stated_highest is not None:
             return self._translator.to_python(stated_highest)
-        if field.width.is_constant:
-            return number((1 << (field.widest - 1)) - 1)
-        width_without_sign = field.width - Expression(1)
+        if signed_field.width.is_constant:
+            return number((1 << (signed_field.widest - 1)) - 1)
+        width_without_sign = signed_field.width - Expression(1)
         return PythonOperation(self._power_of_two(width_without_sign), "-", number(1))
 
     @cached_property
